@@ -5,16 +5,18 @@ module sfdae_hybrids
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
     c_loc, c_long, c_null_ptr, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: address_of_equations_function, address_of_event_function, &
-    address_of_jump_function, c_add_mode, c_add_switch, c_add_transition, &
-    c_advance_hybrid, c_advance_to_transition, c_create_hybrid, &
-    c_destroy_hybrid, c_get_accumulation, c_get_current_mode, c_get_hybrid_checkpoint_length, &
-    c_get_hybrid_message, c_get_hybrid_statistics, c_get_mode, c_get_num_passages, c_get_passage, &
-    c_get_passage_values, c_mode_init, c_passage_init, c_record_hybrid, c_report_hybrid, &
-    c_request_stop_hybrid, c_restore_hybrid_checkpoint, c_save_hybrid_checkpoint, c_start_hybrid, &
-    c_statistics_init, c_transition_init
+    address_of_jump_function, c_add_mode, c_add_switch, c_add_transition, c_advance_hybrid, &
+    c_advance_to_transition, c_create_hybrid, c_destroy_hybrid, c_get_accumulation, &
+    c_get_current_mode, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
+    c_get_hybrid_sensitivities, c_get_hybrid_statistics, c_get_mode, c_get_num_passages, &
+    c_get_passage, c_get_passage_sensitivities, c_get_passage_values, c_mode_init, &
+    c_passage_init, c_record_hybrid, c_report_hybrid, c_request_stop_hybrid, &
+    c_restore_hybrid_checkpoint, c_save_hybrid_checkpoint, c_start_hybrid, c_statistics_init, &
+    c_transition_init
   use sfdae_control, only: compare_size
   use sfdae_conversions, only: text_at, text_in, text_in_c, vector_at
   use sfdae_expressions, only: expression
+  use sfdae_sensitivities, only: dae_sensitivities, set_sensitivities_in_c
   use sfdae_solutions, only: dae_solution
   use sfdae_solver, only: dae_solver
   use sfdae_types, only: sfdae_illegal_argument, sfdae_mode, sfdae_ok, sfdae_out_of_memory, &
@@ -93,6 +95,8 @@ module sfdae_hybrids
     private
     type(c_ptr) :: handle = c_null_ptr
     integer(c_int) :: num_unknowns = 0
+    !> Sensitivities that were asked for.
+    integer(c_int) :: num_sensitivities = 0
     type(transition_holder), pointer :: transitions => null()
     !> Message of this module about the last call; else the library has the word.
     character(len=:), allocatable :: complaint
@@ -109,6 +113,9 @@ module sfdae_hybrids
     procedure :: record => hybrid_record
     procedure :: stop_recording => hybrid_stop_recording
     procedure :: request_stop => hybrid_request_stop
+    procedure :: set_sensitivities => hybrid_set_sensitivities
+    procedure :: get_sensitivities => hybrid_get_sensitivities
+    procedure :: get_passage_sensitivities => hybrid_get_passage_sensitivities
     procedure :: get_current_mode => hybrid_get_current_mode
     procedure :: get_mode => hybrid_get_mode
     procedure :: get_num_passages => hybrid_get_num_passages
@@ -240,6 +247,7 @@ contains
     status = c_destroy_hybrid(self%handle)
     if (status < 0) return
     self%num_unknowns = 0
+    self%num_sensitivities = 0
     do while (associated(self%transitions))
       next => self%transitions%next
       deallocate (self%transitions)
@@ -403,6 +411,88 @@ contains
     call check_point(self, x, slopes, status, xdot)
     if (status == sfdae_ok) status = c_advance_to_transition(self%handle, tout, t, x, slopes)
   end subroutine hybrid_advance_to_transition
+
+  !> Asks for derivatives of the solution by parameters and start values, from the next start on, over all modes.
+  subroutine hybrid_set_sensitivities(self, wanted, status)
+    class(dae_hybrid), intent(inout) :: self
+    !> Without names: none any more.
+    type(dae_sensitivities), target, intent(in) :: wanted
+    !> sfdae_illegal_argument for modes that are not recorded, or unknown names.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status /= sfdae_ok) return
+    call set_sensitivities_in_c(self%handle, .true., self%num_unknowns, wanted, status, &
+      self%complaint)
+    if (status < 0) return
+    self%num_sensitivities = 0
+    if (allocated(wanted%parameter_names)) &
+      self%num_sensitivities = size(wanted%parameter_names, kind=c_int)
+  end subroutine hybrid_set_sensitivities
+
+  !> S = dx/dp at t, where the last call has returned or within the last step of this mode.
+  recursive subroutine hybrid_get_sensitivities(self, t, s, status, sdot)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n x the number of parameters.
+    real(c_double), contiguous, intent(inout) :: s(:, :)
+    !> sfdae_not_started if there are none.
+    integer(c_int), intent(out) :: status
+    !> S', like s.
+    real(c_double), contiguous, target, intent(inout), optional :: sdot(:, :)
+    type(c_ptr) :: sdot_address
+
+    call check_call(self, status)
+    call check_size(self, "a column of s", size(s, 1, c_int), self%num_unknowns, "n", status)
+    call check_parameters(self, "a row of s", size(s, 2, c_int), status)
+    sdot_address = c_null_ptr
+    if (present(sdot)) then
+      call check_size(self, "a column of sdot", size(sdot, 1, c_int), self%num_unknowns, "n", &
+        status)
+      call check_parameters(self, "a row of sdot", size(sdot, 2, c_int), status)
+      if (size(sdot) > 0) sdot_address = c_loc(sdot)
+    end if
+    if (status == sfdae_ok) status = c_get_hybrid_sensitivities(self%handle, t, s, sdot_address)
+  end subroutine hybrid_get_sensitivities
+
+  !> dt/dp of the last transition, one for each parameter.
+  subroutine hybrid_get_passage_sensitivities(self, dt, status)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), contiguous, intent(inout) :: dt(:)
+    !> sfdae_not_started if there was no transition, or there are no sensitivities.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    call check_parameters(self, "dt", size(dt, kind=c_int), status)
+    if (status == sfdae_ok) status = c_get_passage_sensitivities(self%handle, dt)
+  end subroutine hybrid_get_passage_sensitivities
+
+  !> Refuses a call with an array of another size.
+  subroutine check_size(self, name, found, expected, symbol, status)
+    class(dae_hybrid), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: found
+    integer(c_int), intent(in) :: expected
+    !> Of that number.
+    character(len=*), intent(in) :: symbol
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    if (status /= sfdae_ok .or. found == expected) return
+    call compare_size(name, found, expected, self%complaint, symbol)
+    status = sfdae_illegal_argument
+  end subroutine check_size
+
+  !> Refuses a call with an array that has not one entry for each parameter.
+  subroutine check_parameters(self, name, found, status)
+    class(dae_hybrid), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: found
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    call check_size(self, name, found, self%num_sensitivities, "number of names", status)
+  end subroutine check_parameters
 
   !> From now on all accepted steps in all modes go to the solution.
   subroutine hybrid_record(self, solution, status)

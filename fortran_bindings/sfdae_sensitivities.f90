@@ -4,7 +4,7 @@
 module sfdae_sensitivities
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_long, c_null_ptr, &
     c_ptr, c_sizeof
-  use sfdae_c, only: c_sensitivity_options_init, c_set_sensitivities
+  use sfdae_c, only: c_sensitivity_options_init, c_set_hybrid_sensitivities, c_set_sensitivities
   use sfdae_control, only: compare_size
   use sfdae_conversions, only: flag, names_in_c
   use sfdae_types, only: sfdae_illegal_argument, sfdae_ok, sfdae_sensitivity_options
@@ -35,9 +35,10 @@ module sfdae_sensitivities
 
 contains
 
-  !> Asks the C solver at `handle`.
-  subroutine set_sensitivities_in_c(handle, n, wanted, status, complaint)
+  !> Asks the C solver at `handle`, or the hybrid system.
+  subroutine set_sensitivities_in_c(handle, is_hybrid, n, wanted, status, complaint)
     type(c_ptr), intent(in) :: handle
+    logical, intent(in) :: is_hybrid
     !> Unknowns.
     integer(c_int), intent(in) :: n
     type(dae_sensitivities), target, intent(in) :: wanted
@@ -72,7 +73,11 @@ contains
     options%adjoint = flag(wanted%adjoint)
     options%max_kept_steps = wanted%max_kept_steps
     if (count > 0 .and. allocated(wanted%scales)) options%scales = c_loc(wanted%scales)
-    status = c_set_sensitivities(handle, count, addresses, directions, options)
+    if (is_hybrid) then
+      status = c_set_hybrid_sensitivities(handle, count, addresses, directions, options)
+    else
+      status = c_set_sensitivities(handle, count, addresses, directions, options)
+    end if
   end subroutine set_sensitivities_in_c
 
   subroutine check_arrays(wanted, n, count, complaint)

@@ -872,8 +872,8 @@ contains
 
     call check_call(self, status)
     if (status /= sfdae_ok) return
-    call set_sensitivities_in_c(self%handle, self%holder%problem%num_unknowns, wanted, status, &
-      self%complaint)
+    call set_sensitivities_in_c(self%handle, .false., self%holder%problem%num_unknowns, wanted, &
+      status, self%complaint)
     if (status < 0) return
     self%num_sensitivities = 0
     if (allocated(wanted%parameter_names)) &

@@ -16,6 +16,7 @@
 #define SFDAE_HYBRID_H
 
 #include <sfdae/modes.h>
+#include <sfdae/sensitivity.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,8 +42,8 @@ SFDAE_API const char* sfdae_get_hybrid_message(const sfdae_hybrid* hybrid);
  * refuses it. Its options, parameters and breakpoints can be changed as ever; what ends its integration ends that of the
  * hybrid system, too. All modes have as many unknowns, with the same meaning.
  * name: for messages and the report, copied; NULL: none. *mode (may be NULL): the number of the mode.
- * SFDAE_ILLEGAL_ARGUMENT: another number of unknowns, a solver that is a mode already, that has events or sensitivities;
- * a name that another mode has. */
+ * SFDAE_ILLEGAL_ARGUMENT: another number of unknowns, a solver that is a mode already, that has events or sensitivities
+ * of its own; a name that another mode has. */
 SFDAE_API int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name, int* mode);
 
 /* When a transition happens. */
@@ -140,6 +141,39 @@ SFDAE_API int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution
 /** Stops the call that is running, or else the next one, as sfdae_request_stop does. */
 SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
 
+/* ---- Sensitivities --------------------------------------------------------------------------- */
+
+/** Asks for `count` sensitivities S_j = dx/dp_j, 0 (none any more) ... 10000, from the next sfdae_start_hybrid on: as
+ * sfdae_set_sensitivities, with the same arguments, over all modes and transitions. A run under way ends. Add the modes first.
+ *
+ * parameters: each is one of those of one mode at least; the equations of modes that do not have it do not depend on it. A
+ * parameter that several modes have is one and the same (with sfdae_set_parameter give it one value in all of them). directions:
+ * at the start. options: not the adjoint; the error test where all modes are solved by BDF.
+ *
+ * At a transition at t, where its function g(t, x) is zero, or at a fixed time (dt/dp = 0), or at once after another one (with its dt/dp),
+ *
+ *     dt/dp = -g_x S / (g_t + g_x x'),   S after = (M_x S + M_p) + (M_t + M_x x'_before - x'_after) dt/dp
+ *
+ * M(t, x, p): the values after it, by the rule of sfdae_jump or your jump function. S after is consistent with the constraints of the
+ * mode that begins, hidden ones too. Derivatives of g and M are differences of fourth order: both functions are called with values
+ * nearby, too. They depend on parameters through x alone: one that is in them otherwise has to be an unknown, p' = 0, with its unit
+ * vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the transition).
+ *
+ * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode has, modes that are given by callbacks, switches (sfdae_add_switch):
+ * there are no sensitivities of sliding. After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
+ * A transition fails with SFDAE_SINGULAR where g touches zero without passing it, or where g or M has no derivative. Where two
+ * transitions are due at once, or a guard is about to change, the one that happens counts. */
+SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
+                                             const double* directions, const sfdae_sensitivity_options* options);
+
+/** S and S' at t: sfdae_get_sensitivities for the mode that the system is in. After a transition at t they are those after it.
+ * SFDAE_NOT_STARTED: there is no run, or none with sensitivities. */
+SFDAE_API int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot);
+
+/** dt[j] = dt/dp_j of the last transition, `count` numbers. SFDAE_NOT_STARTED: there was none since the start, or there are no
+ * sensitivities. */
+SFDAE_API int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt);
+
 /* ---- Inspection ------------------------------------------------------------------------------ */
 
 /** The mode that the system is in. SFDAE_NOT_STARTED before a start. */
@@ -194,12 +228,13 @@ SFDAE_API int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t);
 SFDAE_API int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* result);
 
 /** Writes a report as text, as sfdae_report does: modes with their index, d, a, u, v, visits, times and steps; the present one,
- * since when, with transitions by time and breakpoints that lie ahead; and the transitions that have happened. */
+ * since when, with transitions by time and breakpoints that lie ahead; sensitivities; and the transitions that have happened. */
 SFDAE_API int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed);
 
 /* ---- Checkpoints ----------------------------------------------------------------------------- */
 
-/* Those of sfdae_save_checkpoint and its kind, with the mode and counts. Add the same modes and transitions before restoring.
+/* Those of sfdae_save_checkpoint and its kind, with the mode and counts. Add the same modes and transitions, and ask for the same
+ * sensitivities, before restoring.
  * Modes that are entered after that are analyzed anew where their solvers have no analysis. */
 
 /** Number of doubles that sfdae_save_hybrid_checkpoint writes now. SFDAE_NOT_STARTED if there is no integration. */

@@ -125,6 +125,47 @@ class Hybrid {
   /// Stops the call that is running, or else the next one. From any thread or signal handler.
   void request_stop() noexcept { sfdae_request_stop_hybrid(hybrid_); }
 
+  /// Asks for sensitivities from the next start on, see sfdae_set_hybrid_sensitivities; none: no more.
+  int set_sensitivities(const Sensitivities& wanted) {
+    const int count = static_cast<int>(wanted.parameters.size());
+    std::vector<const char*> names;
+    for (const std::string& name : wanted.parameters) names.push_back(name.empty() ? nullptr : name.c_str());
+    const Matrix& directions = wanted.directions;
+    if (directions.columns() > 0 || directions.rows() > 0) {
+      detail::require_size(detail::size(directions.rows()), static_cast<int>(num_unknowns()), "directions");
+      detail::require_size(detail::size(directions.columns()), count, "columns of directions");
+    }
+    if (!wanted.scales.empty()) detail::require_size(wanted.scales.size(), count, "scales");
+    sfdae_sensitivity_options options;
+    sfdae_sensitivity_options_init(&options, sizeof options);
+    options.error_test = wanted.error_test ? 1 : 0;
+    options.scales = wanted.scales.empty() ? nullptr : wanted.scales.data();
+    options.adjoint = wanted.adjoint ? 1 : 0;
+    options.max_kept_steps = wanted.max_kept_steps;
+    const int status = checked(sfdae_set_hybrid_sensitivities(
+        hybrid_, count, names.data(), directions.columns() > 0 ? directions.data() : nullptr, &options));
+    num_sensitivities_ = count;
+    return status;
+  }
+
+  /// S and S' at t, see sfdae_get_hybrid_sensitivities. Without slopes Sdot is empty.
+  SensitivityValues sensitivities(double t, bool slopes = true) {
+    const int n = static_cast<int>(num_unknowns());
+    SensitivityValues values{Matrix(n, num_sensitivities_), slopes ? Matrix(n, num_sensitivities_) : Matrix()};
+    double nothing = 0;  // an empty matrix may have no address
+    checked(sfdae_get_hybrid_sensitivities(hybrid_, t, num_sensitivities_ > 0 ? values.S.data() : &nothing,
+                                           slopes && num_sensitivities_ > 0 ? values.Sdot.data() : nullptr));
+    return values;
+  }
+
+  /// dt/dp of the last transition.
+  std::vector<double> passage_sensitivities() {
+    std::vector<double> dt(detail::size(num_sensitivities_));
+    double nothing = 0;
+    checked(sfdae_get_passage_sensitivities(hybrid_, dt.empty() ? &nothing : dt.data()));
+    return dt;
+  }
+
   /// What the last call had to say.
   std::string message() const { return sfdae_get_hybrid_message(hybrid_); }
 
@@ -274,6 +315,7 @@ class Hybrid {
     std::swap(hybrid_, other.hybrid_);
     modes_.swap(other.modes_);
     transitions_.swap(other.transitions_);
+    std::swap(num_sensitivities_, other.num_sensitivities_);
   }
 
   /// Passes on the status, unless the call failed or an exception waits.
@@ -288,6 +330,7 @@ class Hybrid {
   sfdae_hybrid* hybrid_ = nullptr;
   std::vector<detail::CallbackState*> modes_;
   std::vector<std::unique_ptr<State>> transitions_;
+  int num_sensitivities_ = 0;
 };
 
 }  // namespace sfdae

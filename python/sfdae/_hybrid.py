@@ -15,6 +15,7 @@ from ._modes import Jump
 from ._points import Point
 from ._problem import Problem
 from ._recorded_solution import RecordedSolution
+from ._sensitivities import _Request
 from ._solver import Solver
 from ._status import Error, Status
 from ._structs import Struct, filled
@@ -161,6 +162,7 @@ class Hybrid:
         if not self.solvers:
             raise ValueError("a hybrid system needs modes")
         self._names = list(self.solvers)
+        self._num_sensitivities = 0
         self._states: list[_State | SurfaceState] = []
         self._handles: list[Any] = []
         self._lock = threading.RLock()
@@ -296,6 +298,44 @@ class Hybrid:
     def record(self, solution: RecordedSolution | None) -> None:
         """From now on all accepted steps in all modes go to the solution; None: no more."""
         self._call(lib.sfdae_record_hybrid, ffi.NULL if solution is None else solution._box[0])
+
+    # ---- Sensitivities ---------------------------------------------------------------------------
+
+    def set_sensitivities(
+        self,
+        names: Sequence[str],
+        directions: Any = None,
+        error_test: bool = False,
+        scales: Any = None,
+    ) -> None:
+        """Asks for derivatives of the solution from the next start() on, over all modes and
+        transitions: see Solver.set_sensitivities. The names are those of parameters of some mode,
+        or of unknowns: then by their start values. None: no sensitivities any more.
+        """
+        request = _Request(self._problem, names, directions, error_test, scales)
+        self._call(lib.sfdae_set_hybrid_sensitivities, *request.arguments)
+        self._num_sensitivities = request.count
+
+    def sensitivities(self, t: float, slopes: bool = True) -> tuple[np.ndarray, np.ndarray | None]:
+        """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last
+        step; after a transition at t, those after it. slopes: whether S' is wanted; else None.
+        """
+        shape = (max(self._num_sensitivities, 1), self._problem.num_unknowns)
+        S, Sdot = np.empty(shape), np.empty(shape) if slopes else None
+        self._call(
+            lib.sfdae_get_hybrid_sensitivities,
+            t,
+            _address(S),
+            _address(Sdot) if slopes else ffi.NULL,
+        )
+        return S.T, Sdot.T if slopes else None
+
+    @property
+    def passage_sensitivities(self) -> np.ndarray:
+        """dt/dp of the last transition, one for each parameter."""
+        dt = np.empty(max(self._num_sensitivities, 1))
+        self._call(lib.sfdae_get_passage_sensitivities, _address(dt))
+        return dt
 
     # ---- Inspection ------------------------------------------------------------------------------
 

@@ -12,6 +12,48 @@ from ._inspection import Inspection
 from ._structs import filled, prepared
 
 
+class _Request:
+    """The arguments of sfdae_set_sensitivities after the solver, and what they point to."""
+
+    def __init__(
+        self,
+        problem: Any,
+        names: Sequence[str],
+        directions: Any,
+        error_test: bool,
+        scales: Any,
+        adjoint: bool = False,
+        max_kept_steps: int = 0,
+    ) -> None:
+        names = list(names)
+        n, count = problem.num_unknowns, len(names)
+        columns = np.zeros((count, n))
+        if directions is not None:
+            columns += np.reshape(np.array(directions, dtype=float), (n, count)).T
+        c_names = [ffi.NULL] * count
+        for j, name in enumerate(names):
+            if name in problem.names and name not in problem.parameters:
+                columns[j, problem.names.index(name)] += 1.0
+            else:
+                c_names[j] = ffi.new("char[]", str(name).encode())
+        options = prepared("sensitivity_options")
+        options.error_test = int(bool(error_test))
+        options.adjoint = int(bool(adjoint))
+        options.max_kept_steps = int(max_kept_steps)
+        sizes = None
+        if scales is not None:
+            sizes = np.ascontiguousarray(np.reshape(np.array(scales, dtype=float), count))
+            options.scales = ffi.cast("double*", sizes.ctypes.data)
+        self.count = count
+        self.arguments = (
+            count,
+            ffi.new("char*[]", c_names) if count else ffi.NULL,
+            ffi.cast("double*", columns.ctypes.data) if count else ffi.NULL,
+            options,
+        )
+        self._alive = (c_names, columns, sizes)
+
+
 class Sensitivities(Inspection):
     """The methods of a Solver that are about sensitivities."""
 
@@ -46,33 +88,11 @@ class Sensitivities(Inspection):
             With the adjoint: at most so many at a time, where memory counts; earlier ones are
             computed again for each gradient. 0: all are kept.
         """
-        names = list(names)
-        n, count = self.problem.num_unknowns, len(names)
-        columns = np.zeros((count, n))
-        if directions is not None:
-            columns += np.reshape(np.array(directions, dtype=float), (n, count)).T
-        c_names = [ffi.NULL] * count
-        for j, name in enumerate(names):
-            if name in self.problem.names and name not in self.problem.parameters:
-                columns[j, self.problem.names.index(name)] += 1.0
-            else:
-                c_names[j] = ffi.new("char[]", str(name).encode())
-        options = prepared("sensitivity_options")
-        options.error_test = int(bool(error_test))
-        options.adjoint = int(bool(adjoint))
-        options.max_kept_steps = int(max_kept_steps)
-        sizes = None
-        if scales is not None:
-            sizes = np.ascontiguousarray(np.reshape(np.array(scales, dtype=float), count))
-            options.scales = self._pointer(sizes)
-        self._call(
-            lib.sfdae_set_sensitivities,
-            count,
-            ffi.new("char*[]", c_names) if count else ffi.NULL,
-            self._pointer(columns) if count else ffi.NULL,
-            options,
+        request = _Request(
+            self.problem, names, directions, error_test, scales, adjoint, max_kept_steps
         )
-        self._num_sensitivities = count
+        self._call(lib.sfdae_set_sensitivities, *request.arguments)
+        self._num_sensitivities = request.count
 
     def sensitivities(self, t: float, slopes: bool = True) -> tuple[np.ndarray, np.ndarray | None]:
         """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last

@@ -78,6 +78,27 @@ def test_bounces_accumulate():
     assert system.accumulation == pytest.approx(limit, rel=1e-3)
 
 
+def test_sensitivities_go_over_transitions():
+    system = ball(0.7, rtol=1e-9, atol=1e-9)
+    system.set_sensitivities(system.solvers["flight"].problem.names[:1])
+    system.start("flight", 0, [2, 0], 1)
+    system.advance(1)
+    first = np.sqrt(4 / 9.81)
+    slope = 1 / (9.81 * first)
+    S, Sdot = system.sensitivities(1)
+    assert S[:, 0] == pytest.approx(
+        [slope * 9.81 * (0.7 * (1 - 2 * first) + 1 - first), slope * 9.81 * 1.7], abs=1e-7
+    )
+    assert Sdot[0] == pytest.approx(S[1], abs=1e-8)
+    assert system.sensitivities(1, slopes=False)[1] is None
+    assert system.passage_sensitivities == pytest.approx([slope], abs=1e-8)
+    with pytest.raises(sfdae.Error, match="sfdae_set_hybrid_sensitivities"):
+        system.solvers["flight"].set_sensitivities([])
+    system.set_sensitivities([])
+    with pytest.raises(sfdae.Error, match="sfdae_set_hybrid_sensitivities"):
+        system.sensitivities(1)
+
+
 def test_mistakes_are_named():
     with pytest.raises(TypeError, match="one of condition, zero and time"):
         sfdae.Transition("a", "b")

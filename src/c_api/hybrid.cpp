@@ -14,6 +14,7 @@ using namespace sfdae::core;
 sfdae_hybrid::~sfdae_hybrid() {
   for (HybridMode& mode : modes) {
     mode.solver->hybrid = nullptr;
+    if (mode.solver->sensitivities) take_sensitivities(*mode.solver, std::nullopt);
     sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
   }
 }
@@ -62,7 +63,9 @@ CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver
   if (solver->hybrid != nullptr) return illegal_argument("the solver is a mode of a hybrid system already.");
   if (solver->events) return illegal_argument("the solver has events; events of a mode are its transitions.");
   if (solver->sensitivities)
-    return illegal_argument("the solver has sensitivities, which are not carried over jumps.");
+    return illegal_argument(
+        "the solver has sensitivities of its own; those of a hybrid system are set by "
+        "sfdae_set_hybrid_sensitivities.");
   if (!hybrid.modes.empty() && solver->model.n() != hybrid.n())
     return illegal_argument(
         format("the solver has %d unknowns, but those of the other modes have %d.", solver->model.n(), hybrid.n()));

@@ -46,6 +46,13 @@ struct HybridMode {
   Switch* surface = nullptr;  // along which this mode slides, with one more unknown; the solver is the switch's
 };
 
+// Sensitivities that a system was asked for.
+struct HybridSensitivities {
+  std::vector<std::string> names;  // of parameters; empty: of start values alone
+  std::vector<double> directions;  // n x count, at the start
+  SensitivityOptions options;
+};
+
 // A run across modes. t, x, xdot: the point reached, with the part of the mode above in the end where there are switches.
 struct HybridRun {
   int mode = -1;
@@ -60,7 +67,10 @@ struct HybridRun {
   std::vector<sfdae_passage> passages;
   std::vector<double> before, after, impulse;  // of the last one
   std::optional<double> accumulation;
-  CallResult warning;  // the first one of the call
+  // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these.
+  std::vector<double> shifts, moved;
+  double time_before = 0.0;  // in which x is known to change little, before that
+  CallResult warning;        // the first one of the call
   double direction() const { return toward < start ? -1.0 : 1.0; }
 };
 
@@ -79,6 +89,7 @@ struct sfdae_hybrid {
   std::deque<sfdae::core::HybridMode> modes;  // deques: events point into them
   std::deque<sfdae::core::HybridTransition> transitions;
   std::vector<std::unique_ptr<sfdae::core::Switch>> switches;
+  std::optional<sfdae::core::HybridSensitivities> sensitivities;
   bool events_are_set = false;
   std::weak_ptr<sfdae::core::SolutionPieces> solution;
   sfdae::core::HybridRun run;
@@ -129,9 +140,20 @@ CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode);
 CallResult update_switches(sfdae_hybrid& hybrid);
 // Before a mode is entered: if it slides, with the options of its modes.
 void take_options_of_modes(sfdae_hybrid& hybrid, int mode);
+// Asks the solvers of all modes for what the system was asked for, or for none.
+CallResult ask_for_sensitivities(sfdae_hybrid& hybrid);
+// How the time of a transition moves with the parameters, and x there. at_once: with the transition before.
+CallResult find_shifts(sfdae_hybrid& hybrid, const HybridTransition& transition, bool at_once);
+// Then, with the values after it: how these move.
+CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given);
+// Before a mode is entered, and after that: a start that is none of the system's begins with nothing of it.
+void begin_sensitivities(sfdae_hybrid& hybrid, int mode);
+void end_sensitivities(sfdae_hybrid& hybrid, int mode);
 CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes);
 // The failure that a function of the user's returned.
 CallResult of_callback(const char* what, const HybridRun& run, int returned);
+// What the solver of a mode says, with its mode.
+CallResult of_mode(const sfdae_hybrid& hybrid, int mode, int status);
 // As messages call it.
 const char* name_of_function(const sfdae_transition& given);
 // Toward the end of the run, or beside t once that is passed.

@@ -19,10 +19,15 @@ struct HybridState {
   std::vector<VisitCounts> left;
   std::vector<std::vector<double>> passages;  // of each transition
   std::vector<double> margins;
+  std::size_t num_sensitivities = 0;
 };
 
+// The checkpoint has some, and the system was asked for none, or the other way round.
+struct OtherSensitivities {};
+
 HybridState state_of(const sfdae_hybrid& hybrid) {
-  HybridState state{hybrid.run, {}, {}, {}};
+  HybridState state{hybrid.run, {}, {}, {}, 0};
+  if (hybrid.sensitivities) state.num_sensitivities = hybrid.sensitivities->names.size();
   for (const HybridMode& mode : hybrid.modes) state.left.push_back(mode.left);
   for (const HybridTransition& transition : hybrid.transitions) {
     state.passages.push_back(transition.passages);
@@ -51,7 +56,15 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
   archive_size(archive, n);
   archive_size(archive, state.left.size());
   archive_size(archive, state.passages.size());
-  archive.small(run.mode, run.is_fresh);
+  // -1, as what is not written, where there are no sensitivities.
+  const int wanted = state.num_sensitivities > 0 ? 0 : -1;
+  int has_sensitivities = wanted;
+  archive.small(run.mode, run.is_fresh, has_sensitivities);
+  if (has_sensitivities != wanted) throw OtherSensitivities();
+  if (wanted == 0) {
+    archive_size(archive, state.num_sensitivities);
+    archive.reals(run.shifts, state.num_sensitivities);
+  }
   for (double* value : {&run.start, &run.toward, &run.entered, &run.t, &run.first_short, &run.short_time})
     archive.real(*value);
   archive.reals(run.x, n);
@@ -83,10 +96,6 @@ std::size_t own_size(const sfdae_hybrid& hybrid) {
   return counter.size();
 }
 
-CallResult of_solver(const sfdae_hybrid& hybrid, int mode, int status) {
-  return {status, hybrid.name_of(mode) + ": " + sfdae_message(hybrid.modes[index(mode)].solver)};
-}
-
 // What the checkpoint says, and where that of the solver begins.
 HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length, std::size_t& own) {
   HybridState state = state_of(hybrid);
@@ -103,12 +112,13 @@ CallResult restore(sfdae_hybrid& hybrid, const double* checkpoint, std::size_t l
   HybridState state = read_state(hybrid, checkpoint, length, own);
   const int mode = state.run.mode;
   CallResult set = update_switches(hybrid);
+  if (set.status >= 0) set = ask_for_sensitivities(hybrid);
   take_options_of_modes(hybrid, mode);
   if (set.status >= 0) set = set_transition_events(hybrid);
   if (set.status < 0) return set;
   sfdae_solver* solver = hybrid.modes[index(mode)].solver;
   const int status = sfdae_restore_checkpoint(solver, checkpoint + own, length - own);
-  if (status < 0) return of_solver(hybrid, mode, status);
+  if (status < 0) return of_mode(hybrid, mode, status);
   // Nothing fails from here on.
   state.run.integration = solver->integration.get();
   hybrid.run = std::move(state.run);
@@ -128,10 +138,10 @@ int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length) {
   return guarded(hybrid, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!hybrid->is_running()) return no_run();
-    std::size_t of_mode = 0;
-    const int status = sfdae_get_checkpoint_length(hybrid->mode().solver, &of_mode);
-    if (status < 0) return of_solver(*hybrid, hybrid->run.mode, status);
-    *length = own_size(*hybrid) + of_mode;
+    std::size_t of_solver = 0;
+    const int status = sfdae_get_checkpoint_length(hybrid->mode().solver, &of_solver);
+    if (status < 0) return of_mode(*hybrid, hybrid->run.mode, status);
+    *length = own_size(*hybrid) + of_solver;
     return {};
   });
 }
@@ -144,7 +154,7 @@ int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_
     if (length <= own)
       return illegal_argument(format("length = %zu, but the checkpoint has more than %zu doubles.", length, own));
     const int status = sfdae_save_checkpoint(hybrid->mode().solver, checkpoint + own, length - own);
-    if (status < 0) return of_solver(*hybrid, hybrid->run.mode, status);
+    if (status < 0) return of_mode(*hybrid, hybrid->run.mode, status);
     HybridState state = state_of(*hybrid);
     Archive archive = Archive::writer(checkpoint, own);
     archive_state(archive, state, index(hybrid->width()));
@@ -158,6 +168,11 @@ int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoi
     if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
     try {
       return restore(*hybrid, checkpoint, length);
+    } catch (const OtherSensitivities&) {
+      return illegal_argument(
+          hybrid->sensitivities
+              ? "the checkpoint has no sensitivities: call sfdae_set_hybrid_sensitivities with count = 0 first."
+              : "the checkpoint has sensitivities: call sfdae_set_hybrid_sensitivities with their parameters first.");
     } catch (const DamagedArchive&) {
       return illegal_argument("the checkpoint is damaged, or one of another hybrid system.");
     }

@@ -111,6 +111,8 @@ std::string report_of(const sfdae_hybrid& hybrid) {
   if (run.mode >= 0) {
     text += format("At t = %.10g in %s since t = %.10g\n", run.t, hybrid.name_of(run.mode).c_str(), run.entered);
     text += timed_transitions(hybrid) + breakpoints_report(*hybrid.mode().solver);
+    if (hybrid.sensitivities)
+      text += format("  %zu sensitivities are carried over transitions\n", hybrid.sensitivities->names.size());
   }
   text += passages_report(hybrid);
   if (run.accumulation) text += format("transitions accumulate at t = %.10g\n", *run.accumulation);

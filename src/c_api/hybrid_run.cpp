@@ -13,11 +13,6 @@ namespace sfdae::core {
 
 namespace {
 
-CallResult of_mode(const sfdae_hybrid& hybrid, int mode, int status) {
-  const char* said = sfdae_message(hybrid.modes[index(mode)].solver);
-  return {status, *said != '\0' ? hybrid.name_of(mode) + ": " + said : std::string()};
-}
-
 void keep_warning(HybridRun& run, CallResult result) {
   if (result.status > 0 && run.warning.status == SFDAE_OK) run.warning = std::move(result);
 }
@@ -59,9 +54,11 @@ CallResult enter(sfdae_hybrid& hybrid, int to) {
     result = find_margin(hybrid, transition.given, transition.margin);
     if (result.status < 0) return result;
   }
+  begin_sensitivities(hybrid, to);
   result = with_analysis(hybrid, to, run.x.data(), [&](sfdae_solver* solver) {
     return sfdae_start(solver, run.t, toward_from(run), run.x.data(), run.xdot.data());
   });
+  end_sensitivities(hybrid, to);
   if (result.status < 0) return result;
   keep_warning(run, std::move(result));
   run.mode = to;
@@ -129,16 +126,24 @@ void list_transitions(sfdae_hybrid& hybrid) {
   }
 }
 
-CallResult pass(sfdae_hybrid& hybrid, int number) {
+// at_once: where the mode begins.
+CallResult pass(sfdae_hybrid& hybrid, int number, bool at_once) {
   HybridRun& run = hybrid.run;
   HybridTransition& transition = hybrid.transitions[index(number)];
   sfdae_transition given = transition.given;
   given.from = run.mode;
+  const std::vector<double> before = run.x;
+  CallResult result = find_shifts(hybrid, transition, at_once);
   count_short_visit(run);
   leave(hybrid);
-  CallResult result =
-      transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : prepare_sliding(hybrid, given.to);
+  if (result.status >= 0)
+    result =
+        transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : prepare_sliding(hybrid, given.to);
   if (result.status >= 0) result = find_values_after(hybrid, given);
+  if (result.status >= 0) {
+    CallResult carried = carry_over(hybrid, given);
+    if (carried.status < 0) result = std::move(carried);
+  }
   if (result.status >= 0) {
     keep_warning(run, std::move(result));
     run.x = run.after;
@@ -146,7 +151,7 @@ CallResult pass(sfdae_hybrid& hybrid, int number) {
   }
   if (result.status < 0) {
     run.mode = -1;
-    run.x = run.before;
+    run.x = before;
     return result;
   }
   run.after = run.x;
@@ -239,7 +244,7 @@ CallResult leave_at_once(sfdae_hybrid& hybrid, bool only_once, bool& has_left) {
     if (result.status < 0) return result;
     hybrid.run.is_fresh = false;
     if (number < 0) break;
-    result = pass(hybrid, number);
+    result = pass(hybrid, number, true);
     has_left = true;
     if (result.status < 0 || only_once) return result;
   }
@@ -247,6 +252,11 @@ CallResult leave_at_once(sfdae_hybrid& hybrid, bool only_once, bool& has_left) {
 }
 
 }  // namespace
+
+CallResult of_mode(const sfdae_hybrid& hybrid, int mode, int status) {
+  const char* said = sfdae_message(hybrid.modes[index(mode)].solver);
+  return {status, *said != '\0' ? hybrid.name_of(mode) + ": " + said : std::string()};
+}
 
 CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
                          const std::function<int(sfdae_solver*)>& call) {
@@ -310,6 +320,7 @@ CallResult set_transition_events(sfdae_hybrid& hybrid) {
 
 CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
   CallResult result = update_switches(hybrid);
+  if (result.status >= 0) result = ask_for_sensitivities(hybrid);
   if (result.status >= 0) result = set_transition_events(hybrid);
   if (result.status < 0) return result;
   const std::size_t n = index(hybrid.n());
@@ -320,6 +331,10 @@ CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& poin
   run.x.resize(index(hybrid.width()), 0.0);
   run.xdot.assign(run.x.size(), 0.0);
   if (point.xdot != nullptr) std::copy_n(point.xdot, n, run.xdot.begin());
+  if (hybrid.sensitivities) {
+    run.shifts.assign(hybrid.sensitivities->names.size(), 0.0);
+    run.moved = hybrid.sensitivities->directions;
+  }
   hybrid.run = std::move(run);
   for (HybridMode& each : hybrid.modes) each.left = {};
   for (HybridTransition& each : hybrid.transitions) each.passages.clear();
@@ -344,7 +359,7 @@ CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transiti
     if (hybrid.stop_is_requested.exchange(false)) return {SFDAE_STOPPED, "stopped by sfdae_request_stop_hybrid."};
     const HybridMode& mode = hybrid.mode();
     const double target = next_target(hybrid, tout);
-    double* xdot = wants_slopes || mode.needs_slopes ? run.xdot.data() : nullptr;
+    double* xdot = wants_slopes || mode.needs_slopes || hybrid.sensitivities ? run.xdot.data() : nullptr;
     hybrid.running.store(mode.solver);
     const int status = sfdae_advance(mode.solver, target, &run.t, run.x.data(), xdot);
     hybrid.running.store(nullptr);
@@ -355,7 +370,7 @@ CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transiti
     result = find_due(hybrid, status == SFDAE_EVENT, number);
     if (result.status < 0) return result;
     if (number >= 0) {
-      result = pass(hybrid, number);
+      result = pass(hybrid, number, false);
       if (result.status < 0) return result;
       if (stops_at_transition) return {SFDAE_EVENT, ""};
     } else if (status != SFDAE_EVENT && run.t == tout) {

@@ -36,7 +36,10 @@ CallResult read_parameters(sfdae_solver& solver, int count, const char* const* n
   return {};
 }
 
-CallResult read_options(int count, const sfdae_sensitivity_options* given, int method, SensitivityRequest& request) {
+}  // namespace
+
+CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, Method method,
+                                    SensitivityRequest& request) {
   SensitivityOptions& options = request.options;
   options.scales.assign(index(count), 1.0);
   if (given == nullptr) return {};
@@ -56,7 +59,7 @@ CallResult read_options(int count, const sfdae_sensitivity_options* given, int m
   request.by_adjoint = read.adjoint == 1;
   request.max_kept_steps = read.max_kept_steps;
   options.error_test = read.error_test == 1;
-  if (options.error_test && method != static_cast<int>(Method::bdf))
+  if (options.error_test && method != Method::bdf)
     return illegal_argument(
         "error_test = 1 is for method = SFDAE_METHOD_BDF: with others steps are chosen for x alone.");
   for (int j = 0; j < count && read.scales != nullptr; ++j) {
@@ -66,6 +69,16 @@ CallResult read_options(int count, const sfdae_sensitivity_options* given, int m
   }
   return {};
 }
+
+void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request) {
+  const bool wanted = request.has_value();
+  if (wanted != solver.options.model.for_sensitivities) solver.forget_analysis();
+  solver.integration.reset();
+  solver.options.model.for_sensitivities = wanted;
+  solver.sensitivities = std::move(request);
+}
+
+namespace {
 
 CallResult read_request(sfdae_solver& solver, int count, const char* const* names, const double* directions,
                         const sfdae_sensitivity_options* options, SensitivityRequest& request) {
@@ -81,10 +94,19 @@ CallResult read_request(sfdae_solver& solver, int count, const char* const* name
     if (!all_finite(directions, size)) return illegal_argument("directions has entries that are not finite.");
     std::copy_n(directions, size, request.directions.begin());
   }
-  return read_options(count, options, static_cast<int>(solver.options.integration.method), request);
+  return read_sensitivity_options(count, options, solver.options.integration.method, request);
 }
 
-std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const std::vector<double>& x) {
+// At the time of the start: the derivatives of values at a time that moves, less what x' has done since.
+std::vector<double> directions_at(const SensitivityRequest& wanted, const std::vector<double>& xdot) {
+  std::vector<double> directions = wanted.directions;
+  for (std::size_t j = 0; j < wanted.shifts.size(); ++j)
+    for (std::size_t i = 0; i < xdot.size(); ++i) directions[i + j * xdot.size()] -= xdot[i] * wanted.shifts[j];
+  return directions;
+}
+
+std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const ConsistentPoint& found) {
+  const std::vector<double>& x = found.x;
   const SensitivityRequest& wanted = *solver.sensitivities;
   std::unique_ptr<SensitivitySystem> system = solver.model.sensitivities(wanted.parameters);
   if (!system)
@@ -95,7 +117,7 @@ std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const std::ve
   ConsistencyRequest request = solver.options.model.request_at(x.data());
   if (request.differentiated_stay()) request = request.trusting_digits(x.data());
   std::vector<double> S(wanted.directions.size());
-  system->start(request, wanted.directions.data(), S.data());
+  system->start(request, directions_at(wanted, found.xdot).data(), S.data());
   if (wanted.by_adjoint)
     return std::make_unique<DiscreteAdjoint>(system->adjoint(), std::move(S), wanted.max_kept_steps);
   return std::make_unique<Sensitivities>(std::move(system), wanted.options, std::move(S));
@@ -103,10 +125,10 @@ std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const std::ve
 
 }  // namespace
 
-void carry_sensitivities(sfdae_solver& solver, const std::vector<double>& x) {
+void carry_sensitivities(sfdae_solver& solver, const ConsistentPoint& found) {
   if (!solver.sensitivities) return;
   try {
-    solver.integration->carry(started_companion(solver, x));
+    solver.integration->carry(started_companion(solver, found));
   } catch (...) {
     solver.integration.reset();
     throw;
@@ -157,16 +179,14 @@ int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* statistics, 
 int sfdae_set_sensitivities(sfdae_solver* solver, int count, const char* const* parameters, const double* directions,
                             const sfdae_sensitivity_options* options) {
   return guarded(solver, [&]() -> CallResult {
+    if (solver->hybrid != nullptr)
+      return illegal_argument(
+          "the solver is a mode of a hybrid system, which carries sensitivities over its transitions: call "
+          "sfdae_set_hybrid_sensitivities.");
     SensitivityRequest request;
     const CallResult checked = read_request(*solver, count, parameters, directions, options, request);
     if (checked.status != SFDAE_OK) return checked;
-    // Nothing fails from here on.
-    const bool wanted = count > 0;
-    if (wanted != solver->options.model.for_sensitivities) solver->forget_analysis();
-    solver->integration.reset();
-    solver->options.model.for_sensitivities = wanted;
-    if (wanted) solver->sensitivities.emplace(std::move(request));
-    else solver->sensitivities.reset();
+    take_sensitivities(*solver, count > 0 ? std::optional<SensitivityRequest>(std::move(request)) : std::nullopt);
     return {};
   });
 }

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "integrate/sensitivities.h"
+#include "integrate/integration.h"
 #include "sfdae/sensitivity.h"
 
 struct sfdae_solver;
@@ -14,14 +15,21 @@ namespace sfdae::core {
 struct SensitivityRequest {
   std::vector<int> parameters;     // numbers; -1: start values only
   std::vector<double> directions;  // n x count
+  // Empty, or dt/dp of the start: directions are derivatives at the time that moves, and x' goes on after it.
+  std::vector<double> shifts;
   SensitivityOptions options;
   bool by_adjoint = false;
   long max_kept_steps = 0;  // of the adjoint; 0: all
   int count() const { return static_cast<int>(parameters.size()); }
 };
 
-// Those that were asked for go with the integration from its start, where the system stands; x: values found. Throws
+// Reads what the user says, NULL for the defaults.
+CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, Method method,
+                                    SensitivityRequest& request);
+// From the next start on; none: no more. An integration under way ends, and the analysis stays where it serves.
+void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request);
+// Those that were asked for go with the integration from its start, at the values found, where the system stands. Throws
 // Failure, and there is no integration then.
-void carry_sensitivities(sfdae_solver& solver, const std::vector<double>& x);
+void carry_sensitivities(sfdae_solver& solver, const ConsistentPoint& found);
 
 }  // namespace sfdae::core

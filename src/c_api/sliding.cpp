@@ -269,6 +269,9 @@ extern "C" int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfda
     const CallResult checked = check_switch(*hybrid, below, above, name);
     if (checked.status != SFDAE_OK) return checked;
     if (surface == nullptr) return illegal_argument("surface is NULL.");
+    if (hybrid->sensitivities)
+      return illegal_argument(
+          "there are no sensitivities along surfaces: call sfdae_set_hybrid_sensitivities with count = 0 first.");
     const int added = static_cast<int>(hybrid->modes.size());
     try {
       sfdae_solver &first = *hybrid->modes[index(below)].solver, &second = *hybrid->modes[index(above)].solver;

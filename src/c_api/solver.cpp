@@ -389,7 +389,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
     solver->note_differentiations();
-    carry_sensitivities(*solver, found.x);
+    carry_sensitivities(*solver, found);
     solver->integration->record(solver->solution);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);

@@ -18,6 +18,7 @@ namespace sfdae::core {
 struct SensitivityOptions {
   bool error_test = false;     // of S as well, else of x alone
   std::vector<double> scales;  // of the parameters: S_ij scale_j counts as x_i does; one for each
+  bool operator==(const SensitivityOptions&) const = default;
 };
 
 struct SensitivityWork {

@@ -140,7 +140,7 @@ end module hybrid_problems
 
 program hybrid_test
   use, intrinsic :: iso_c_binding, only: c_int, c_long, dp => c_double
-  use sfdae, only: dae_hybrid, dae_solution, dae_solver, sfdae_event, sfdae_illegal_argument, &
+  use sfdae, only: dae_hybrid, dae_sensitivities, dae_solution, dae_solver, sfdae_event, sfdae_illegal_argument, &
     sfdae_mode, sfdae_not_started, sfdae_ok, sfdae_passage, sfdae_statistics, &
     sfdae_transition_zero, sfdae_zeno
   use hybrid_problems, only: bounce, capacitors_dae, closing, corner_dae, diagonal, flight_dae
@@ -150,9 +150,68 @@ program hybrid_test
   call keeps_charge()
   call accumulates()
   call slides()
+  call bounces_with_sensitivities()
   call finish()
 
 contains
+
+  !> From height h: the first bounce at sqrt(2 h / g).
+  subroutine bounces_with_sensitivities()
+    real(dp), parameter :: g = 9.81_dp, h = 2.0_dp, e = 0.7_dp
+    type(flight_dae), target :: problem
+    type(bounce), target :: ground
+    type(dae_solver) :: solver
+    type(dae_hybrid) :: hybrid
+    type(dae_sensitivities) :: wanted
+    integer(c_int) :: status
+    real(dp) :: t, x(2), s(2, 1), sdot(2, 1), dt(1), wrong(2, 2), first, slope
+
+    problem%num_equations = 2
+    problem%num_unknowns = 2
+    call solver%create(problem, status)
+    call hybrid%set_sensitivities(wanted, status)
+    call check_status(status, sfdae_illegal_argument, "before create")
+    call hybrid%create(status)
+    call hybrid%add_mode(solver, status)
+    ground%from = 1
+    ground%to = 1
+    ground%kind = sfdae_transition_zero
+    ground%direction = -1
+    ground%has_jump = .true.
+    call hybrid%add_transition(ground, status)
+    wanted%parameter_names = [""]
+    allocate (wanted%directions(2, 1))
+    wanted%directions(:, 1) = [1.0_dp, 0.0_dp]
+    call hybrid%set_sensitivities(wanted, status)
+    call check_status(status, sfdae_ok, "set_sensitivities")
+    call hybrid%get_sensitivities(0.0_dp, s, status)
+    call check_status(status, sfdae_not_started, "S before start")
+    x = [h, 0.0_dp]
+    call hybrid%start(1, 0.0_dp, 1.0_dp, x, status)
+    call hybrid%get_passage_sensitivities(dt, status)
+    call check_status(status, sfdae_not_started, "no transition")
+    call hybrid%advance(1.0_dp, t, x, status)
+    call check_status(status, sfdae_ok, "advance")
+    call hybrid%get_sensitivities(1.0_dp, s, status, sdot)
+    call check_status(status, sfdae_ok, "get_sensitivities")
+    first = sqrt(2 * h / g)
+    slope = 1 / (g * first)
+    ! x = e g t1 (t - t1) - g/2 (t - t1)**2
+    call check(abs(s(1, 1) - slope * (e * g * (1 - 2 * first) + g * (1 - first))) < 1.0e-4_dp, "dx/dh")
+    call check(abs(s(2, 1) - slope * g * (1 + e)) < 1.0e-4_dp, "dv/dh")
+    call check(abs(sdot(1, 1) - s(2, 1)) < 1.0e-4_dp, "their slope")
+    call hybrid%get_passage_sensitivities(dt, status)
+    call check(status == sfdae_ok .and. abs(dt(1) - slope) < 1.0e-5_dp, "dt/dh")
+    call hybrid%get_sensitivities(1.0_dp, wrong, status)
+    call check_status(status, sfdae_illegal_argument, "too many columns")
+    wanted%parameter_names = ["mass"]
+    call hybrid%set_sensitivities(wanted, status)
+    call check_status(status, sfdae_illegal_argument, "an unknown name")
+    call solver%set_sensitivities(wanted, status)
+    call check_status(status, sfdae_illegal_argument, "of a mode")
+    call hybrid%destroy(status)
+    call solver%destroy(status)
+  end subroutine bounces_with_sensitivities
 
   subroutine slides()
     type(corner_dae), target :: problems(2)

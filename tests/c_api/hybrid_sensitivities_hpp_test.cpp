@@ -1,0 +1,473 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sensitivities of hybrid systems, over their transitions, against formulas and differences of solutions.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "linalg/random.h"
+#include "sfdae/hybrid.hpp"
+
+namespace {
+
+using sfdae::Expression;
+using sfdae::Matrix;
+using sfdae::Point;
+using Vector = std::vector<double>;
+
+sfdae::Options options_with(double tolerance, int method) {
+  sfdae::Options options;
+  options.rtol = options.atol = tolerance;
+  options.method = method;
+  return options;
+}
+
+sfdae::Sensitivities by(std::vector<std::string> parameters, const Matrix& directions = {}) {
+  sfdae::Sensitivities wanted;
+  wanted.parameters = std::move(parameters);
+  wanted.directions = directions;
+  return wanted;
+}
+
+// Unit vectors at these unknowns, in the columns from `first` on.
+Matrix unit_directions(int n, int count, int first, const std::vector<int>& unknowns) {
+  Matrix directions(n, count);
+  for (std::size_t k = 0; k < unknowns.size(); ++k) directions(unknowns[k], first + static_cast<int>(k)) = 1.0;
+  return directions;
+}
+
+// Solvers and the system that they are modes of, destroyed first.
+struct System {
+  std::vector<std::unique_ptr<sfdae::Solver>> solvers;
+  sfdae::Hybrid hybrid;
+  void add(const sfdae::NonlinearProblem& problem, const sfdae::Options& options) {
+    solvers.push_back(std::make_unique<sfdae::Solver>(problem, options));
+    hybrid.add_mode(*solvers.back());
+  }
+  void set_parameter(const std::string& name, double value) {
+    for (auto& solver : solvers) {
+      try {
+        solver->set_parameter(name, value);
+      } catch (const sfdae::Error&) {
+        // Not a parameter of that mode.
+      }
+    }
+  }
+};
+
+class HybridSensitivities : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Methods, HybridSensitivities,
+                         testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC));
+
+// ---- A ball that bounces -----------------------------------------------------------------------------------------
+
+// x' = v, v' = -g, v jumps to -e v at x = 0; e is an unknown that does not change, as functions know no parameters.
+System ball(const sfdae::Options& options) {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = xdot[1] + sfdae::parameter(t, "g", 9.81);
+    F[2] = xdot[2];
+  };
+  System system;
+  system.add(problem, options);
+  sfdae::Transition bounce;
+  bounce.kind = SFDAE_TRANSITION_ZERO;
+  bounce.direction = -1;
+  bounce.function = [](double, auto x, auto) { return x[0]; };
+  bounce.jump = [](double, auto x) {
+    x[0] = 0.0;
+    x[1] = -x[2] * x[1];
+  };
+  system.hybrid.add_transition(bounce);
+  return system;
+}
+
+// Position, velocity and time of the last bounce at t, from height h at rest.
+std::array<double, 3> flight(double t, double g, double h, double e) {
+  double start = std::sqrt(2.0 * h / g), speed = e * g * start;
+  if (t < start) return {h - 0.5 * g * t * t, -g * t, 0.0};
+  while (t > start + 2.0 * speed / g) {
+    start += 2.0 * speed / g;
+    speed *= e;
+  }
+  const double since = t - start;
+  return {speed * since - 0.5 * g * since * since, speed - g * since, start};
+}
+
+TEST_P(HybridSensitivities, AreThoseOfABouncingBall) {
+  System system = ball(options_with(1e-10, GetParam()));
+  constexpr double g = 9.81, h = 2.0, e = 0.8, step = 1e-5;
+  system.hybrid.set_sensitivities(by({"g", "", ""}, unit_directions(3, 3, 1, {0, 2})));
+  Point point{0.0, {h, 0.0, e}, {}};
+  system.hybrid.start(0, point, 4.0);
+  for (double t : {0.3, 0.9, 1.5, 2.2, 2.9}) {
+    system.hybrid.advance(t, point);
+    const sfdae::SensitivityValues found = system.hybrid.sensitivities(t);
+    const Vector dt = t > 0.5 ? system.hybrid.passage_sensitivities() : Vector(3, 0.0);
+    for (int j = 0; j < 3; ++j) {
+      const auto moved = [&](double by) {
+        return flight(t, g + (j == 0 ? by : 0.0), h + (j == 1 ? by : 0.0), e + (j == 2 ? by : 0.0));
+      };
+      const auto above = moved(step), below = moved(-step);
+      for (int i = 0; i < 2; ++i)
+        EXPECT_NEAR(found.S(i, j), (above[std::size_t(i)] - below[std::size_t(i)]) / (2.0 * step), 1e-7)
+            << t << ", " << i << ", " << j;
+      EXPECT_NEAR(dt[std::size_t(j)], (above[2] - below[2]) / (2.0 * step), 1e-7) << t << ", " << j;
+      EXPECT_NEAR(found.Sdot(0, j), found.S(1, j), 1e-9);
+    }
+    EXPECT_NEAR(found.S(2, 2), 1.0, 1e-12);
+  }
+  EXPECT_GE(system.hybrid.num_passages(), 3);
+}
+
+// ---- Two capacitors that are connected at a fixed time -----------------------------------------------------------
+
+TEST_P(HybridSensitivities, KeepTheChargeOfCapacitors) {
+  const auto circuit = [](bool is_closed) {
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [is_closed](const Expression& t, auto x, auto xdot, auto F) {
+      const Expression C = sfdae::parameter(t, "C", 1.0), R = sfdae::parameter(t, "R", 2.0);
+      F[0] = C * xdot[0] + x[0] / R + x[2];
+      F[1] = 3.0 * xdot[1] - x[2];
+      if (is_closed) F[2] = x[0] - x[1];
+      else F[2] = x[2] + 0.0 * t;
+    };
+    return problem;
+  };
+  System system;
+  for (bool is_closed : {false, true}) system.add(circuit(is_closed), options_with(1e-10, GetParam()));
+  sfdae::Transition close;
+  close.to = 1;
+  close.kind = SFDAE_TRANSITION_TIME;
+  close.time = 0.5;
+  system.hybrid.add_transition(close);
+  system.hybrid.set_sensitivities(by({"C", "R", ""}, unit_directions(3, 3, 2, {0})));
+  Point point{0.0, {2.0, 0.0, 0.0}, {}};
+  system.hybrid.start(0, point, 2.0);
+  const auto voltage = [](double t, double C, double R, double v) {
+    const double at_switch = C * v * std::exp(-0.5 / (R * C)) / (C + 3.0);
+    return at_switch * std::exp(-(t - 0.5) / (R * (C + 3.0)));
+  };
+  for (double t : {0.5, 1.1, 2.0}) {
+    system.hybrid.advance(t, point);
+    EXPECT_NEAR(point.x[0], voltage(t, 1.0, 2.0, 2.0), 1e-8);
+    const Matrix S = system.hybrid.sensitivities(t, false).S;
+    for (int j = 0; j < 3; ++j) {
+      const auto moved = [&](double by) {
+        return voltage(t, 1.0 + (j == 0 ? by : 0.0), 2.0 + (j == 1 ? by : 0.0), 2.0 + (j == 2 ? by : 0.0));
+      };
+      const double expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+      EXPECT_NEAR(S(0, j), expected, 1e-8) << t << ", " << j;
+      EXPECT_NEAR(S(1, j), S(0, j), 1e-14);
+    }
+  }
+  EXPECT_EQ(system.hybrid.passage_sensitivities(), Vector(3, 0.0));
+  EXPECT_EQ(system.hybrid.mode(1).strangeness_index, 1);
+}
+
+// ---- A mass that a rope catches ----------------------------------------------------------------------------------
+
+// A mass point flies until a rope of length L is tight: a pendulum of index 3 from there on, mu = 2. L is an unknown.
+System rope(const sfdae::Options& options) {
+  const auto motion = [](bool is_tight) {
+    sfdae::NonlinearProblem problem(6, 6);
+    problem.equations = [is_tight](const Expression& t, auto x, auto xdot, auto F) {
+      for (int i = 0; i < 2; ++i) {
+        F[i] = xdot[i] - x[i + 2];
+        F[i + 2] = xdot[i + 2] + x[i] * x[4];
+      }
+      F[3] = F[3] + sfdae::parameter(t, "g", 9.81);
+      if (is_tight) F[4] = x[0] * x[0] + x[1] * x[1] - x[5] * x[5];
+      else F[4] = x[4] + 0.0 * t;
+      F[5] = xdot[5];
+    };
+    return problem;
+  };
+  System system;
+  for (bool is_tight : {false, true}) system.add(motion(is_tight), options);
+  sfdae::Transition tight;
+  tight.to = 1;
+  tight.kind = SFDAE_TRANSITION_ZERO;
+  tight.direction = 1;
+  tight.function = [](double, auto x, auto) { return x[0] * x[0] + x[1] * x[1] - x[5] * x[5]; };
+  system.hybrid.add_transition(tight);
+  return system;
+}
+
+Vector end_of_rope(double g, const Vector& start, double end) {
+  System system = rope(options_with(1e-12, SFDAE_METHOD_RADAU));
+  system.set_parameter("g", g);
+  Point point{0.0, start, {}};
+  system.hybrid.start(0, point, end);
+  system.hybrid.advance(end, point);
+  EXPECT_EQ(system.hybrid.num_passages(), 1);
+  return point.x;
+}
+
+TEST_P(HybridSensitivities, FulfilHiddenConstraintsAfterARopeIsTight) {
+  System system = rope(options_with(1e-9, GetParam()));
+  const Vector start = {0.3, 0.2, 0.5, 0.1, 0.0, 1.0};
+  constexpr double g = 9.81, end = 1.2, step = 1e-5;
+  system.hybrid.set_sensitivities(by({"g", "", ""}, unit_directions(6, 3, 1, {2, 5})));
+  Point point{0.0, start, {}};
+  system.hybrid.start(0, point, end);
+  ASSERT_EQ(system.hybrid.advance_to_transition(end, point), SFDAE_EVENT);
+  for (int k = 0; k < 2; ++k) {
+    const Matrix S = system.hybrid.sensitivities(point.t, false).S;
+    for (int j = 0; j < 3; ++j) {
+      const double length = point.x[0] * S(0, j) + point.x[1] * S(1, j) - point.x[5] * S(5, j);
+      const double rate = point.x[2] * S(0, j) + point.x[3] * S(1, j) + point.x[0] * S(2, j) + point.x[1] * S(3, j);
+      EXPECT_NEAR(length, 0.0, 1e-12 * (1.0 + std::fabs(S(0, j))));
+      EXPECT_NEAR(rate, 0.0, 1e-11 * (1.0 + std::fabs(S(2, j))));
+    }
+    if (k == 0) system.hybrid.advance(end, point);
+  }
+  const Matrix S = system.hybrid.sensitivities(end, false).S;
+  const auto moved = [&](int j, double by) {
+    Vector x = start;
+    if (j == 1) x[2] += by;
+    if (j == 2) x[5] += by;
+    return end_of_rope(g + (j == 0 ? by : 0.0), x, end);
+  };
+  for (int j = 0; j < 3; ++j) {
+    const Vector above = moved(j, step), below = moved(j, -step);
+    double size = 1.0;
+    for (int i = 0; i < 5; ++i) size = std::max(size, std::fabs(S(i, j)));
+    for (int i = 0; i < 5; ++i)
+      EXPECT_NEAR(S(i, j), (above[std::size_t(i)] - below[std::size_t(i)]) / (2.0 * step), 1e-5 * size)
+          << i << ", " << j;
+  }
+}
+
+// ---- Random systems ----------------------------------------------------------------------------------------------
+
+// Two modes of three differential equations and a constraint, of strangeness index 0 and 1, that follow one another at zeros of a
+// function of t and x; values jump by impulses one way, by a function the other way.
+struct RandomModes {
+  explicit RandomModes(unsigned seed) : random(seed) {
+    for (double& c : coefficients) c = sfdae::core::symmetric_random(random);
+  }
+  std::minstd_rand random;
+  std::array<double, 64> coefficients;
+
+  sfdae::NonlinearProblem problem(int mode) const {
+    sfdae::NonlinearProblem problem(4, 4);
+    problem.equations = [c = coefficients, mode](const Expression& t, auto x, auto xdot, auto F) {
+      const Expression p = sfdae::parameter(t, "p", 0.7);
+      const double* const a = c.data() + 20 * mode;
+      for (int i = 0; i < 3; ++i) {
+        F[i] = xdot[i] + (0.5 + 0.3 * i) * x[i] + p * a[i] * sin(x[(i + 1) % 3] + a[3 + i] * t) - a[6 + i] * x[3];
+        if (i == 0 && mode == 1) F[i] = F[i] - x[3];
+      }
+      // The unknown of mode 1 is the force that a constraint needs.
+      if (mode == 0) F[3] = x[3] - p * cos(x[0] + 2.0 * t);
+      else F[3] = x[0] - 0.5 * p * sin(t) + 0.1 * a[9] * x[1];
+    };
+    return problem;
+  }
+  System system(const sfdae::Options& options) const {
+    System result;
+    for (int mode : {0, 1}) result.add(problem(mode), options);
+    const double phase = 2.0 * coefficients[50], weight = 0.3 * coefficients[51], bend = 0.2 * coefficients[52];
+    for (int mode : {0, 1}) {
+      sfdae::Transition transition;
+      transition.from = mode;
+      transition.to = 1 - mode;
+      transition.kind = SFDAE_TRANSITION_ZERO;
+      transition.direction = mode == 0 ? 1 : -1;
+      transition.function = [=](double t, auto x, auto) {
+        return std::sin(3.0 * t + phase) + weight * std::tanh(x[1]);
+      };
+      if (mode == 1)
+        transition.jump = [=](double t, auto x) {
+          x[0] = x[0] + bend * x[2] * x[2];
+          x[1] = 0.8 * x[1] + bend * std::sin(t);
+        };
+      result.hybrid.add_transition(transition);
+    }
+    return result;
+  }
+};
+
+Vector end_of_random(const RandomModes& modes, double p, const Vector& start, double end) {
+  System system = modes.system(options_with(1e-12, SFDAE_METHOD_RADAU));
+  system.set_parameter("p", p);
+  Point point{0.0, start, {}};
+  system.hybrid.start(0, point, end);
+  system.hybrid.advance(end, point);
+  return point.x;
+}
+
+TEST_P(HybridSensitivities, AgreeWithDifferencesOfRandomSystems) {
+  constexpr double end = 5.0, step = 1e-5;
+  const Vector start = {0.3, -0.2, 0.4, 0.0};
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const RandomModes modes(seed);
+    System system = modes.system(options_with(1e-9, GetParam()));
+    system.hybrid.set_sensitivities(by({"p", ""}, unit_directions(4, 2, 1, {1})));
+    Point point{0.0, start, {}};
+    system.hybrid.start(0, point, end);
+    system.hybrid.advance(end, point);
+    EXPECT_GE(system.hybrid.num_passages(), 3);
+    const Matrix S = system.hybrid.sensitivities(end, false).S;
+    for (int j = 0; j < 2; ++j) {
+      const auto moved = [&](double by) {
+        Vector x = start;
+        if (j == 1) x[1] += by;
+        return end_of_random(modes, 0.7 + (j == 0 ? by : 0.0), x, end);
+      };
+      const Vector above = moved(step), below = moved(-step);
+      double size = 1.0;
+      for (int i = 0; i < 4; ++i) size = std::max(size, std::fabs(S(i, j)));
+      for (int i = 0; i < 4; ++i)
+        EXPECT_NEAR(S(i, j), (above[std::size_t(i)] - below[std::size_t(i)]) / (2.0 * step), 2e-6 * size)
+            << i << ", " << j;
+    }
+  }
+}
+
+// ---- Transitions at once -----------------------------------------------------------------------------------------
+
+// Mode 1 is left where it begins: x jumps from 2 x + 1 to its square, at the time of the first transition, x = p.
+TEST_P(HybridSensitivities, GoThroughModesThatAreLeftAtOnce) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - sfdae::parameter(t, "rate", 0.5) * x[0];
+    F[1] = xdot[1];
+  };
+  System system;
+  for (int k = 0; k < 3; ++k) system.add(problem, options_with(1e-10, GetParam()));
+  sfdae::Transition first, second;
+  first.to = second.from = 1;
+  second.to = 2;
+  first.kind = SFDAE_TRANSITION_ZERO;
+  first.function = [](double, auto x, auto) { return x[0] - x[1]; };
+  first.jump = [](double, auto x) { x[0] = 2.0 * x[0] + 1.0; };
+  second.function = [](double, auto x, auto) { return x[0] - 1.0; };
+  second.jump = [](double, auto x) { x[0] = x[0] * x[0]; };
+  system.hybrid.add_transition(first);
+  system.hybrid.add_transition(second);
+  system.hybrid.set_sensitivities(by({"rate", "", ""}, unit_directions(2, 3, 1, {0, 1})));
+  Point point{0.0, {1.0, 1.5}, {}};
+  system.hybrid.start(0, point, 2.0);
+  system.hybrid.advance(2.0, point);
+  ASSERT_EQ(system.hybrid.num_passages(), 2);
+  const auto value = [](double rate, double x, double level) {
+    const double at = std::log(level / x) / rate, after = (2.0 * level + 1.0) * (2.0 * level + 1.0);
+    return after * std::exp(rate * (2.0 - at));
+  };
+  EXPECT_NEAR(point.x[0], value(0.5, 1.0, 1.5), 1e-7);
+  const Matrix S = system.hybrid.sensitivities(2.0).S;
+  for (int j = 0; j < 3; ++j) {
+    const auto moved = [&](double by) {
+      return value(0.5 + (j == 0 ? by : 0.0), 1.0 + (j == 1 ? by : 0.0), 1.5 + (j == 2 ? by : 0.0));
+    };
+    EXPECT_NEAR(S(0, j), (moved(1e-5) - moved(-1e-5)) / 2e-5, 1e-5) << j;
+  }
+}
+
+// ---- Checkpoints -------------------------------------------------------------------------------------------------
+
+TEST_P(HybridSensitivities, GoOnFromCheckpointsInEveryBit) {
+  const auto make = [&] {
+    System system = rope(options_with(1e-7, GetParam()));
+    system.hybrid.set_sensitivities(by({"g", ""}, unit_directions(6, 2, 1, {5})));
+    return system;
+  };
+  System plain = make(), broken = make();
+  Point x{0.0, {0.3, 0.2, 0.5, 0.1, 0.0, 1.0}, {}}, y = x;
+  plain.hybrid.start(0, x, 1.0);
+  broken.hybrid.start(0, y, 1.0);
+  for (int k = 1; k <= 20; ++k) {
+    const Vector checkpoint = broken.hybrid.save_checkpoint();
+    broken = make();
+    broken.hybrid.restore_checkpoint(checkpoint);
+    const int status = plain.hybrid.advance_to_transition(0.05 * k, x);
+    ASSERT_EQ(broken.hybrid.advance_to_transition(0.05 * k, y), status);
+    ASSERT_EQ(x.x, y.x) << k;
+    const Matrix S = plain.hybrid.sensitivities(x.t).S, R = broken.hybrid.sensitivities(x.t).S;
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 6; ++i) ASSERT_EQ(S(i, j), R(i, j)) << k;
+    if (plain.hybrid.num_passages() > 0) {
+      EXPECT_EQ(plain.hybrid.passage_sensitivities(), broken.hybrid.passage_sensitivities());
+    }
+  }
+  EXPECT_EQ(plain.hybrid.num_passages(), 1);
+  const Vector checkpoint = broken.hybrid.save_checkpoint();
+  System without = rope(options_with(1e-7, GetParam()));
+  try {
+    without.hybrid.restore_checkpoint(checkpoint);
+    FAIL();
+  } catch (const sfdae::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("sfdae_set_hybrid_sensitivities"), std::string::npos) << error.what();
+  }
+  System other = rope(options_with(1e-7, GetParam()));
+  other.hybrid.set_sensitivities(by({"", "g"}));
+  EXPECT_THROW(other.hybrid.restore_checkpoint(checkpoint), sfdae::Error);
+}
+
+// ---- What has no sensitivities -----------------------------------------------------------------------------------
+
+std::string failure_of(const std::function<void()>& call, int status) {
+  try {
+    call();
+  } catch (const sfdae::Error& error) {
+    EXPECT_EQ(error.status(), status) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+sfdae::NonlinearProblem growth() {
+  sfdae::NonlinearProblem problem(1, 1);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - sfdae::parameter(t, "p", 1.0) + 0.0 * x[0];
+  };
+  return problem;
+}
+
+System with_function(sfdae::TransitionFunction function, sfdae::JumpFunction jump = {}) {
+  System system;
+  for (int k = 0; k < 2; ++k) system.add(growth(), options_with(1e-8, SFDAE_METHOD_BDF));
+  sfdae::Transition transition;
+  transition.to = 1;
+  transition.kind = SFDAE_TRANSITION_ZERO;
+  transition.function = std::move(function);
+  transition.jump = std::move(jump);
+  system.hybrid.add_transition(transition);
+  system.hybrid.set_sensitivities(by({"p"}));
+  return system;
+}
+
+std::string end_of(System system, int status) {
+  Point point{0.0, {0.0}, {}};
+  system.hybrid.start(0, point, 3.0);
+  return failure_of([&] { system.hybrid.advance(3.0, point); }, status);
+}
+
+TEST(WithoutHybridSensitivities, TransitionsAreNamed) {
+  const auto level = [](double, auto x, auto) { return x[0] - 1.0; };
+  EXPECT_EQ(end_of(with_function(level), SFDAE_OK), "");
+  // The kink of |x - 1| is not met: x = 1 at the transition, whatever p.
+  EXPECT_EQ(end_of(with_function(level, [](double, auto x) { x[0] = std::fabs(x[0] - 1.0); }), SFDAE_OK), "");
+  EXPECT_NE(
+      end_of(with_function([](double, auto x, auto xdot) { return x[0] + xdot[0] - 2.0; }), SFDAE_ILLEGAL_ARGUMENT)
+          .find("x'"),
+      std::string::npos);
+  // The root of x - 1 from both sides, with its sign: its rate is infinite.
+  EXPECT_NE(end_of(with_function([](double, auto x, auto) { return std::cbrt(x[0] - 1.0); }), SFDAE_SINGULAR)
+                .find("no derivative"),
+            std::string::npos);
+  EXPECT_NE(end_of(with_function(level, [](double t, auto x) { x[0] = std::fabs(t - 1.0); }), SFDAE_SINGULAR)
+                .find("no derivative"),
+            std::string::npos);
+}
+
+}  // namespace
