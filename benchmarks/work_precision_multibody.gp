@@ -3,7 +3,7 @@
 #
 #   gnuplot -e "results='results.csv'" work_precision_multibody.gp
 if (!exists("results")) results = "results.csv"
-problems = "pendulum car_axis rigid_slider_crank slider_crank andrews fekete"
+problems = "pendulum car_axis rigid_slider_crank slider_crank andrews fekete five_bar"
 series = '"IDA idx1" "IDA idx2" "IDA ggl2" "multibody BDF" "multibody Radau" '.\
     '"general BDF" "general Radau" "structured BDF" "structured Radau" "extended BDF" "extended Radau"'
 

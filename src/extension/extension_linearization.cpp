@@ -62,10 +62,12 @@ bool ExtensionLinearization::is_harmless(double sensitivity) const {
   return sensitivity <= std::max(harmless_sensitivity, worth_a_choice * sensitivity_of_choice_);
 }
 
-PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<int>& states, CallbackError& error) {
+PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<int>& states, Archive& archive,
+                                            CallbackError& error) {
   const PointStatus status = linearize(jet, error);
   if (status != PointStatus::ok) return status;
   set_states(states);
+  archive_lists(archive);
   if (!factor_held()) return PointStatus::singular;
   is_usable_ = true;
   return PointStatus::ok;

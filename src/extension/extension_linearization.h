@@ -26,8 +26,12 @@ class ExtensionLinearization {
   // At the jet; the states stay if they determine all other unknowns about as well as where they were chosen, else others
   // take their place. singular: no choice does.
   PointStatus renew(const Jet& jet, CallbackError& error);
-  // As renew() with these states and no others.
-  PointStatus restore(const Jet& jet, const std::vector<int>& states, CallbackError& error);
+  // As renew() with these states and no others, and the lists that were archived.
+  PointStatus restore(const Jet& jet, const std::vector<int>& states, Archive& archive, CallbackError& error);
+  void archive_lists(Archive& archive) {
+    held_.archive_list(archive, choice_);
+    step_.archive_list(archive, choice_);
+  }
   // It must not be used any more, before renew() or restore().
   void forget() { is_usable_ = false; }
   bool is_usable() const { return is_usable_; }

@@ -414,6 +414,7 @@ void ExtensionSystem::archive(Archive& archive) {
   states.resize(index(differential()));
   archive.small(states.data(), states.size());
   if (!archive.is_reading()) {
+    linearization_.archive_lists(archive);
     linearization_.archive_matrices(archive);
     return;
   }
@@ -426,7 +427,7 @@ void ExtensionSystem::archive(Archive& archive) {
   const int unjudged = unjudged_;
   if (certify(jet_, linearization_.noise_of_jet()) != PointStatus::ok) throw DamagedArchive();
   unjudged_ = unjudged;
-  if (linearization_.restore(origin, states, callback_error_) != PointStatus::ok) throw DamagedArchive();
+  if (linearization_.restore(origin, states, archive, callback_error_) != PointStatus::ok) throw DamagedArchive();
   if (!linearization_.archive_matrices(archive)) throw DamagedArchive();
   if (!is_usable) linearization_.forget();
 }

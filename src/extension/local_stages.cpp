@@ -23,33 +23,36 @@ bool LocalStages::is_of_use(int s) const {
   return s >= fewest_stages && d > 0 && d * s <= most_coupled && q <= most_rows && rows_for_a_state * d <= q;
 }
 
-bool LocalStages::choose_pivots(const StateChoice& choice, const ExtensionDerivatives& derivatives) {
-  const StateChoice::Layout& layout = choice.layout(true);
-  choice.assemble(layout, derivatives, 0.0, values_);
-  if (!elimination_.choose(layout.pattern, values_.data())) return false;
-  factors_.resize(std::max(factors_.size(), elimination_.fill() * index(s_)));
+// By the values that were factored last.
+bool LocalStages::choose_pivots(const StateChoice& choice) {
+  pivots_of_ = -1;
+  return elimination_.choose(choice.layout(true).pattern, values_.data()) == RecordedElimination::Choice::made;
+}
+
+// Those that the linearization has, which are archived.
+bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
+  if (pivots_of_ == linearization.number()) return true;
+  const RecordedElimination* known = linearization.held().elimination();
+  if (known == nullptr) return false;
+  elimination_ = *known;
+  pivots_of_ = linearization.number();
   return true;
 }
 
 bool LocalStages::factor(int stage, const StateChoice& choice, const ExtensionDerivatives& derivatives) {
+  factors_.resize(std::max(factors_.size(), elimination_.fill() * index(s_)));
   choice.assemble(choice.layout(true), derivatives, 0.0, values_);
   return elimination_.factor(values_.data(), factors(stage));
 }
 
-// Pivots are those of the linearization that is there, which is archived; where they do not suit a stage, those of that stage,
-// for this step alone.
+// Pivots are those of the linearization; where they do not suit a stage, those of that stage, for this step alone.
 PointStatus LocalStages::linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                                    ExtensionLinearization& linearization, CallbackError& error) {
   const StateChoice& choice = linearization.choice();
   s_ = equations.method.s;
   q_ = extension_.num_rows();
   d_ = extension_.freedom();
-  if (pivots_of_ != linearization.number()) {
-    pivots_of_ = -1;
-    if (!choose_pivots(choice, linearization.derivatives())) return PointStatus::singular;
-    pivots_of_ = linearization.number();
-  }
-  factors_.resize(std::max(factors_.size(), elimination_.fill() * index(s_)));
+  if (!take_pivots(linearization)) return PointStatus::singular;
   tangents_.resize(std::max(tangents_.size(), index(s_) * index(q_) * index(d_)));
   slope_slots_.clear();
   for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
@@ -62,9 +65,7 @@ PointStatus LocalStages::linearize(const StageEquations& equations, const std::v
       make_tangents(i, choice);
       continue;
     }
-    if (choices++ == most_choices || !choose_pivots(choice, {extension_, extension_.values()}))
-      return PointStatus::singular;
-    pivots_of_ = -1;
+    if (choices++ == most_choices || !choose_pivots(choice)) return PointStatus::singular;
     i = -1;
   }
   return factor_coupled(equations) ? PointStatus::ok : PointStatus::singular;

@@ -39,7 +39,8 @@ class LocalStages {
   ConstView end_tangents() const { return tangents(s_ - 1); }
 
  private:
-  bool choose_pivots(const StateChoice& choice, const ExtensionDerivatives& derivatives);
+  bool choose_pivots(const StateChoice& choice);
+  bool take_pivots(const ExtensionLinearization& linearization);
   bool factor(int stage, const StateChoice& choice, const ExtensionDerivatives& derivatives);
   void make_tangents(int stage, const StateChoice& choice);
   bool factor_coupled(const StageEquations& equations);
@@ -51,7 +52,7 @@ class LocalStages {
   MinimalExtension& extension_;
   int s_ = 0, q_ = 0, d_ = 0;
   RecordedElimination elimination_;
-  long pivots_of_ = -1;  // the number of the linearization whose values they were chosen by
+  long pivots_of_ = -1;  // the number of the linearization whose pivots they are
   std::vector<int> slope_slots_;
   std::vector<double> values_, factors_, tangents_;
   std::vector<double> coupled_, z_;  // s d equations

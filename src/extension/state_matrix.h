@@ -9,10 +9,12 @@
 
 #include <complex>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "extension/minimal_extension.h"
 #include "linalg/archive.h"
+#include "linalg/listed_factors.h"
 #include "linalg/sparse_lu.h"
 
 namespace sfdae::core {
@@ -74,7 +76,8 @@ void StateChoice::assemble(const Layout& layout, const ExtensionDerivatives& fro
   }
 }
 
-// Factored for one epsilon at a time.
+// Factored for one epsilon at a time. Real ones that are not too large by a list of operations (linalg/listed_factors.h), whose
+// pivots outlive the linearization (docs/decisions/69-listed-step-matrices.md).
 template <class Number>
 class StateMatrix {
  public:
@@ -83,15 +86,17 @@ class StateMatrix {
   // The pattern is analyzed when it is factored first: not all matrices are.
   void set_choice() {
     is_analyzed_ = false;
+    list_.reset();
     forget();
   }
   // Ordered as that one, which is of the same choice and kind.
   void set_choice_of(const StateMatrix& other) {
     lu_ = other.lu_;
+    list_ = other.list_;
     is_analyzed_ = other.is_analyzed_;
     forget();
   }
-  // As after set_choice(): what comes depends on nothing before.
+  // What comes depends on nothing before but the pivots of the list.
   void forget() {
     epsilon_.reset();
     lu_.forget_pivots();
@@ -102,38 +107,70 @@ class StateMatrix {
   // False: singular.
   bool factor(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
     epsilon_.reset();
-    analyze(choice);
-    std::vector<Number> values;
-    choice.assemble(choice.layout(holds_states_), from, epsilon, values);
-    if (!lu_.factor(values.data())) return false;
+    choice.assemble(choice.layout(holds_states_), from, epsilon, values_);
+    if constexpr (may_be_listed) {
+      is_listed_ = list_.factor(choice.layout(holds_states_).pattern, values_.data());
+      if (is_listed_) epsilon_ = epsilon;
+    }
+    return is_listed_ || factor_unlisted(choice, epsilon);
+  }
+  // The pivots of the list. Reading: before anything is factored.
+  void archive_list(Archive& archive, const StateChoice& choice) {
+    if constexpr (may_be_listed) list_.archive(choice.layout(holds_states_).pattern, archive);
+  }
+  // Reading: of the same values, choice and list. False: singular.
+  bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
+    bool is_factored = is_valid();
+    archive.small(is_factored, is_listed_);
+    if (!is_factored) return true;
+    Number now = epsilon_.value_or(Number(0)), pivots = is_listed_ ? now : epsilon_of_pivots_;
+    archive.reals(parts(pivots), sizeof(Number) / sizeof(double));
+    archive.reals(parts(now), sizeof(Number) / sizeof(double));
+    if (!archive.is_reading()) return true;
+    if (is_listed_) return factor(from, choice, now) && is_listed_;
+    return restore(from, choice, pivots) && (now == pivots || restore(from, choice, now));
+  }
+  void solve(Number* b, int count = 1) {
+    if constexpr (may_be_listed)
+      if (is_listed_) {
+        const std::size_t size = list_.elimination().size();
+        for (int k = 0; k < count; ++k) list_.solve(b + index(k) * size);
+        return;
+      }
+    lu_.solve(b, count);
+  }
+  double reciprocal_condition() {
+    return is_listed_ ? list_.reciprocal_condition(values_.data()) : lu_.reciprocal_condition();
+  }
+  // The elimination that it was factored by, or null.
+  const RecordedElimination* elimination() const { return is_valid() && is_listed_ ? &list_.elimination() : nullptr; }
+  std::size_t fill() const { return is_listed_ ? list_.elimination().fill() : lu_.fill(); }
+  double factorization_in_solutions() const {
+    return is_listed_ ? list_.elimination().factorization_in_solutions() : lu_.factorization_in_solutions();
+  }
+
+ private:
+  static constexpr bool may_be_listed = std::is_same_v<Number, double>;
+
+  bool factor_unlisted(const StateChoice& choice, Number epsilon) {
+    if (!is_analyzed_) lu_.analyze(choice.layout(holds_states_).pattern);
+    is_analyzed_ = true;
+    if (!lu_.factor(values_.data())) return false;
     if (lu_.has_new_pivots()) epsilon_of_pivots_ = epsilon;
     epsilon_ = epsilon;
     return true;
   }
-  // Reading: of the same values and choice. False: singular.
-  bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
-    bool is_factored = is_valid();
-    archive.small(is_factored);
-    if (!is_factored) return true;
-    Number pivots = epsilon_of_pivots_, now = epsilon_.value_or(Number(0));
-    archive.reals(parts(pivots), sizeof(Number) / sizeof(double));
-    archive.reals(parts(now), sizeof(Number) / sizeof(double));
-    return !archive.is_reading() || (factor(from, choice, pivots) && (now == pivots || factor(from, choice, now)));
-  }
-  void solve(Number* b, int count = 1) { lu_.solve(b, count); }
-  double reciprocal_condition() { return lu_.reciprocal_condition(); }
-  std::size_t fill() const { return lu_.fill(); }
-  double factorization_in_solutions() const { return lu_.factorization_in_solutions(); }
-
- private:
-  void analyze(const StateChoice& choice) {
-    if (!is_analyzed_) lu_.analyze(choice.layout(holds_states_).pattern);
-    is_analyzed_ = true;
+  bool restore(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
+    epsilon_.reset();
+    choice.assemble(choice.layout(holds_states_), from, epsilon, values_);
+    return factor_unlisted(choice, epsilon);
   }
   static double* parts(Number& number) { return reinterpret_cast<double*>(&number); }
 
   SparseLu<Number> lu_;
-  bool holds_states_, is_analyzed_ = false;
+  ListedFactors list_;
+  bool holds_states_, is_analyzed_ = false, is_listed_ = false;
+  std::vector<Number> values_;
   std::optional<Number> epsilon_;
   Number epsilon_of_pivots_{};
 };

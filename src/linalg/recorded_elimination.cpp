@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
+#include "linalg/condition.h"
 #include "linalg/dense_factors.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -18,6 +21,14 @@ namespace {
 // elimination is repeated, as for lanes (docs/decisions/36-evaluation-of-stages.md).
 constexpr double large_enough = 0.1, still_large_enough = 0.01;
 constexpr double largest_number = std::numeric_limits<double>::max();
+// Products of two scales and their inverses are numbers.
+constexpr int largest_exponent = 400;
+// Among rows with fewest entries, as Zlatev has it [DER86, 7.2].
+constexpr std::size_t rows_searched = 4;
+// KLU is faster with more. Chosen, not measured.
+constexpr std::size_t most_updates_for_a_row = 50;
+// Relative times; see docs/decisions/69-listed-step-matrices.md.
+constexpr double time_of_pivot = 6.0, time_of_entry = 1.5, time_of_update = 1.0, time_of_unknown = 4.0;
 
 }  // namespace
 
@@ -43,15 +54,22 @@ class RecordedElimination::Search {
     return slot;
   }
 
-  struct Choice {
+  struct Pivot {
     int row = -1, column = -1;
   };
   // The entry that fills in least, the larger one of several.
-  Choice choose() const {
-    Choice best;
+  Pivot choose() {
+    Pivot best;
     std::size_t least = std::numeric_limits<std::size_t>::max();
     double size = 0.0;
-    for (int i : left_) {
+    const std::size_t searched = std::min(rows_searched, left_.size());
+    std::partial_sort(left_.begin(), left_.begin() + static_cast<std::ptrdiff_t>(searched), left_.end(),
+                      [this](int one, int other) {
+                        const std::size_t a = rows[index(one)].size(), b = rows[index(other)].size();
+                        return a != b ? a < b : one < other;
+                      });
+    for (std::size_t k = 0; k < searched; ++k) {
+      const int i = left_[k];
       const std::vector<int>& row = rows[index(i)];
       double largest = 0.0;
       for (int j : row) largest = std::max(largest, std::fabs(value[index(slot(i, j))]));
@@ -68,7 +86,7 @@ class RecordedElimination::Search {
     return best;
   }
   // Both leave what is searched; the row without the pivot, and the column without it.
-  std::pair<std::vector<int>, std::vector<int>> take(const Choice& pivot) {
+  std::pair<std::vector<int>, std::vector<int>> take(const Pivot& pivot) {
     std::erase(left_, pivot.row);
     std::vector<int> row = std::move(rows[index(pivot.row)]), column = std::move(columns[index(pivot.column)]);
     std::erase(row, pivot.column);
@@ -86,57 +104,79 @@ class RecordedElimination::Search {
   std::vector<int> place_, left_;
 };
 
-bool RecordedElimination::choose(const SparsePattern& pattern, const double* values) {
-  size_ = slots_ = 0;
+RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pattern, const double* values) {
+  forget();
   const int n = pattern.size;
-  if (!all_finite_numbers(values, pattern.row.size())) return false;
-  if (!equilibration_.compute(CompressedLines{n, n, pattern.first.data(), pattern.row.data()}, values)) return false;
-  const auto power = [](int exponent) { return std::ldexp(1.0, exponent); };
+  if (!all_finite_numbers(values, pattern.row.size())) return Choice::singular;
+  if (!equilibration_.compute(CompressedLines{n, n, pattern.first.data(), pattern.row.data()}, values))
+    return Choice::singular;
+  row_exponent_ = equilibration_.of_crossings();
+  column_exponent_ = equilibration_.of_lines();
+  for (const std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
+    for (int exponent : *exponents)
+      if (std::abs(exponent) > largest_exponent) return Choice::too_long;
+  return record(pattern, values, Pivots::wanted);
+}
+
+// values: null where pivots are known.
+RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pattern, const double* values,
+                                                        Pivots pivots) {
+  const int n = pattern.size;
   Search search(n, pattern.row.size());
   slot_of_entry_.clear();
+  column_of_entry_.clear();
   scale_.clear();
   for (int j = 0; j < n; ++j)
     for (int k = pattern.first[index(j)]; k < pattern.first[index(j) + 1]; ++k) {
       const int i = pattern.row[index(k)];
-      scale_.push_back(power(equilibration_.of_lines()[index(j)] + equilibration_.of_crossings()[index(i)]));
-      slot_of_entry_.push_back(search.add(i, j, scale_.back() * values[k]));
+      scale_.push_back(times_power_of_two(1.0, column_exponent_[index(j)] + row_exponent_[index(i)]));
+      slot_of_entry_.push_back(search.add(i, j, values != nullptr ? scale_.back() * values[k] : 0.0));
+      column_of_entry_.push_back(j);
     }
-  if (!eliminate(search)) return false;
+  const Choice choice = eliminate(search, pivots);
+  if (choice != Choice::made) return choice;
   row_scale_.clear();
   column_scale_.clear();
   for (int k = 0; k < n; ++k) {
-    row_scale_.push_back(power(equilibration_.of_crossings()[index(row_[index(k)])]));
-    column_scale_.push_back(power(equilibration_.of_lines()[index(column_[index(k)])]));
+    row_scale_.push_back(times_power_of_two(1.0, row_exponent_[index(row_[index(k)])]));
+    column_scale_.push_back(times_power_of_two(1.0, column_exponent_[index(column_[index(k)])]));
   }
   size_ = n;
   slots_ = static_cast<int>(search.value.size());
   work_.assign(index(size_) + 1, 0.0);
-  return true;
+  return Choice::made;
 }
 
 // A = L U with ones on the diagonal of U.
-bool RecordedElimination::eliminate(Search& search) {
+RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivots pivots) {
   const std::size_t n = search.rows.size();
-  for (auto* list : {&row_, &column_, &pivot_}) list->clear();
+  row_.resize(n);
+  column_.resize(n);
+  pivot_.clear();
   for (auto* list : {&lower_, &upper_}) list->clear();
   for (auto* first : {&first_lower_, &first_upper_, &first_update_}) first->assign(1, 0);
   updates_.clear();
   std::vector<int> place_of_row(n), place_of_column(n);
   for (std::size_t k = 0; k < n; ++k) {
-    const Search::Choice pivot = search.choose();
-    if (pivot.row < 0) return false;
-    const auto [row, column] = search.take(pivot);
-    row_.push_back(pivot.row);
-    column_.push_back(pivot.column);
-    pivot_.push_back(search.slot(pivot.row, pivot.column));
-    place_of_row[index(pivot.row)] = place_of_column[index(pivot.column)] = static_cast<int>(k);
-    for (int i : column) lower_.push_back({search.slot(i, pivot.column), i});
+    if (pivots == Pivots::wanted) {
+      const Search::Pivot pivot = search.choose();
+      if (pivot.row < 0) return Choice::singular;
+      row_[k] = pivot.row;
+      column_[k] = pivot.column;
+    }
+    const int slot = search.slot(row_[k], column_[k]);
+    if (slot < 0) return Choice::singular;
+    const auto [row, column] = search.take({row_[k], column_[k]});
+    if (updates_.size() + row.size() * column.size() > most_updates_for_a_row * n) return Choice::too_long;
+    pivot_.push_back(slot);
+    place_of_row[index(row_[k])] = place_of_column[index(column_[k])] = static_cast<int>(k);
+    for (int i : column) lower_.push_back({search.slot(i, column_[k]), i});
     for (int j : row) {
-      const int right = search.slot(pivot.row, j);
+      const int right = search.slot(row_[k], j);
       upper_.push_back({right, j});
-      const double factor = search.value[index(right)] /= search.value[index(pivot_.back())];
+      const double factor = pivots == Pivots::wanted ? search.value[index(right)] /= search.value[index(slot)] : 0.0;
       for (int i : column) {
-        const int left = search.slot(i, pivot.column);
+        const int left = search.slot(i, column_[k]);
         updates_.push_back({search.add(i, j, -factor * search.value[index(left)]), left, right});
       }
     }
@@ -146,7 +186,14 @@ bool RecordedElimination::eliminate(Search& search) {
   }
   for (Entry& entry : lower_) entry.place = place_of_row[index(entry.place)];
   for (Entry& entry : upper_) entry.place = place_of_column[index(entry.place)];
-  return true;
+  return Choice::made;
+}
+
+double RecordedElimination::factorization_in_solutions() const {
+  const double entries = static_cast<double>(scale_.size()), updates = static_cast<double>(updates_.size());
+  const double off_diagonal = static_cast<double>(lower_.size() + upper_.size()), n = size_;
+  return (time_of_pivot * n + time_of_entry * (entries + off_diagonal) + time_of_update * updates) /
+         (time_of_unknown * n + time_of_update * off_diagonal);
 }
 
 // Pivots are replaced by their reciprocals.
@@ -170,9 +217,7 @@ bool RecordedElimination::factor(const double* values, double* factors) const {
   return true;
 }
 
-void RecordedElimination::solve(const double* factors, double* b) {
-  double* const y = work_.data();
-  for (std::size_t k = 0; k < index(size_); ++k) y[k] = row_scale_[k] * b[row_[k]];
+void RecordedElimination::substitute(const double* factors, double* y) const {
   for (std::size_t k = 0; k < index(size_); ++k) {
     y[k] *= factors[pivot_[k]];
     for (int l = first_lower_[k]; l < first_lower_[k + 1]; ++l)
@@ -184,7 +229,73 @@ void RecordedElimination::solve(const double* factors, double* b) {
       sum -= factors[upper_[index(u)].slot] * y[upper_[index(u)].place];
     y[k] = sum;
   }
+}
+
+void RecordedElimination::substitute_transposed(const double* factors, double* y) const {
+  for (std::size_t k = 0; k < index(size_); ++k)
+    for (int u = first_upper_[k]; u < first_upper_[k + 1]; ++u)
+      y[upper_[index(u)].place] -= factors[upper_[index(u)].slot] * y[k];
+  for (std::size_t k = index(size_); k-- > 0;) {
+    double sum = y[k];
+    for (int l = first_lower_[k]; l < first_lower_[k + 1]; ++l)
+      sum -= factors[lower_[index(l)].slot] * y[lower_[index(l)].place];
+    y[k] = sum * factors[pivot_[k]];
+  }
+}
+
+void RecordedElimination::solve(const double* factors, double* b) {
+  double* const y = work_.data();
+  for (std::size_t k = 0; k < index(size_); ++k) y[k] = row_scale_[k] * b[row_[k]];
+  substitute(factors, y);
   for (std::size_t k = 0; k < index(size_); ++k) b[column_[k]] = column_scale_[k] * y[k];
+}
+
+// In the order of the pivots: the norms of rows and columns in another order are the same.
+double RecordedElimination::reciprocal_condition(const double* values, const double* factors) const {
+  const QuietArithmetic quiet;
+  std::vector<double> sums(index(size_), 0.0);
+  for (std::size_t e = 0; e < scale_.size(); ++e)
+    sums[index(column_of_entry_[e])] += std::fabs(scale_[e] * values[e]);
+  const double inverse_norm = estimate_inverse_norm<double>(
+      size_, [&](double* x) { substitute(factors, x); }, [&](double* x) { substitute_transposed(factors, x); });
+  return inverse_norm > 0.0 ? 1.0 / *std::max_element(sums.begin(), sums.end()) / inverse_norm : 0.0;
+}
+
+bool RecordedElimination::are_pivots_sound(const SparsePattern& pattern) const {
+  for (const std::vector<int>* list : {&row_, &column_}) {
+    std::vector<char> is_met(index(pattern.size), 0);
+    for (int place : *list) {
+      if (place < 0 || place >= pattern.size || is_met[index(place)] != 0) return false;
+      is_met[index(place)] = 1;
+    }
+  }
+  for (const std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
+    for (int exponent : *exponents)
+      if (std::abs(exponent) > largest_exponent) return false;
+  return true;
+}
+
+void RecordedElimination::archive(const SparsePattern& pattern, Archive& archive) {
+  bool has_any = has_pivots();
+  archive.small(has_any);
+  if (archive.is_reading()) forget();
+  if (!has_any) return;
+  const std::size_t n = index(pattern.size);
+  std::vector<int> packed;
+  for (const std::vector<int>* list : {&row_, &column_}) packed.insert(packed.end(), list->begin(), list->end());
+  for (const std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
+    for (int exponent : *exponents) packed.push_back(exponent + largest_exponent);
+  packed.resize(4 * n);
+  archive.small(packed.data(), packed.size());
+  if (!archive.is_reading()) return;
+  auto next = packed.begin();
+  for (std::vector<int>* list : {&row_, &column_, &row_exponent_, &column_exponent_}) {
+    list->assign(next, next + pattern.size);
+    next += pattern.size;
+  }
+  for (std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
+    for (int& exponent : *exponents) exponent -= largest_exponent;
+  if (!are_pivots_sound(pattern) || record(pattern, nullptr, Pivots::known) != Choice::made) throw DamagedArchive();
 }
 
 }  // namespace sfdae::core

@@ -1,0 +1,58 @@
+// LU factors of one sparse matrix after another, of one pattern and with values that change little: by a recorded elimination
+// whose pivots are kept as long as they serve.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/archive.h"
+#include "linalg/equilibration.h"
+#include "linalg/quiet_arithmetic.h"
+#include "linalg/recorded_elimination.h"
+#include "linalg/sparse_pattern.h"
+
+namespace sfdae::core {
+
+class ListedFactors {
+ public:
+  // Larger matrices are faster with other methods, and take a full matrix of numbers while pivots are chosen.
+  static constexpr int largest_size = 300;
+
+  // As at first: another pattern may follow.
+  void reset() {
+    elimination_.forget();
+    is_too_long_ = false;
+  }
+  // Values in the order of the pattern. False: A is singular to working precision, a value is not finite, or other methods
+  // are faster; nothing may be solved then. Allocates where pivots are chosen; raises no floating-point exception.
+  bool factor(const SparsePattern& pattern, const double* values) {
+    if (is_too_long_ || pattern.size == 0 || pattern.size > largest_size ||
+        !all_finite_numbers(values, pattern.row.size()))
+      return false;
+    const QuietArithmetic quiet;
+    if (elimination_.has_pivots() && elimination_.factor(values, factors_.data())) return true;
+    const RecordedElimination::Choice choice = elimination_.choose(pattern, values);
+    is_too_long_ = choice == RecordedElimination::Choice::too_long;
+    factors_.resize(elimination_.fill());
+    return choice == RecordedElimination::Choice::made && elimination_.factor(values, factors_.data());
+  }
+  void solve(double* b) { elimination_.solve(factors_.data(), b); }
+  // values: those factored.
+  double reciprocal_condition(const double* values) const {
+    return elimination_.reciprocal_condition(values, factors_.data());
+  }
+  const RecordedElimination& elimination() const { return elimination_; }
+  // Without the factors: those of the same values are the same in every bit.
+  void archive(const SparsePattern& pattern, Archive& archive) {
+    archive.small(is_too_long_);
+    elimination_.archive(pattern, archive);
+    factors_.resize(elimination_.fill());
+  }
+
+ private:
+  RecordedElimination elimination_;
+  bool is_too_long_ = false;
+  std::vector<double> factors_;
+};
+
+}  // namespace sfdae::core
