@@ -23,14 +23,32 @@ bool LocalStages::is_of_use(int s) const {
   return s >= fewest_stages && d > 0 && d * s <= most_coupled && q <= most_rows && rows_for_a_state * d <= q;
 }
 
-// By the values that were factored last.
-bool LocalStages::choose_pivots(const StateChoice& choice) {
+// By the values of that stage.
+bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
   pivots_of_ = -1;
-  return elimination_.choose(choice.layout(true).pattern, values_.data()) == RecordedElimination::Choice::made;
+  values_of_stage_.clear();
+  for (const LaneBlock& value : values_) values_of_stage_.push_back(value.lane[stage]);
+  return elimination_.choose(choice.layout(true).pattern, values_of_stage_.data()) ==
+         RecordedElimination::Choice::made;
 }
 
 // Those that the linearization has, which are archived.
 bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
+  const StateChoice& choice = linearization.choice();
+  if (entries_of_ != linearization.number()) {
+    slope_slots_.clear();
+    held_entries_.clear();
+    for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
+    for (int row = 0; row < q_; ++row)
+      for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
+        const int column = extension_.column()[index(e)];
+        if (!choice.is_held(column)) continue;
+        const auto state =
+            std::find(choice.states().begin(), choice.states().end(), extension_.columns()[index(column)].unknown);
+        held_entries_.push_back({row, static_cast<int>(state - choice.states().begin()), index(e)});
+      }
+    entries_of_ = linearization.number();
+  }
   if (pivots_of_ == linearization.number()) return true;
   const RecordedElimination* known = linearization.held().elimination();
   if (known == nullptr) return false;
@@ -39,50 +57,65 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
   return true;
 }
 
-bool LocalStages::factor(int stage, const StateChoice& choice, const ExtensionDerivatives& derivatives) {
-  factors_.resize(std::max(factors_.size(), elimination_.fill() * index(s_)));
-  choice.assemble(choice.layout(true), derivatives, 0.0, values_);
-  return elimination_.factor(values_.data(), factors(stage));
-}
-
-// Pivots are those of the linearization; where they do not suit a stage, those of that stage, for this step alone.
-PointStatus LocalStages::linearize(const StageEquations& equations, const std::vector<Jet>& jets,
-                                   ExtensionLinearization& linearization, CallbackError& error) {
-  const StateChoice& choice = linearization.choice();
-  s_ = equations.method.s;
-  q_ = extension_.num_rows();
-  d_ = extension_.freedom();
-  if (!take_pivots(linearization)) return PointStatus::singular;
-  tangents_.resize(std::max(tangents_.size(), index(s_) * index(q_) * index(d_)));
-  slope_slots_.clear();
-  for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
-  int choices = 0;
+// Lanes beyond those of the stages repeat the last one.
+PointStatus LocalStages::evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization,
+                                  CallbackError& error) {
+  derivatives_.resize(extension_.column().size());
   for (int i = 0; i < s_; ++i) {
     error = extension_.linearize(jets[index(i)]);
     if (error.status != SFDAE_OK) return PointStatus::callback_error;
     linearization.count_local();
-    if (factor(i, choice, {extension_, extension_.values()})) {
-      make_tangents(i, choice);
-      continue;
-    }
-    if (choices++ == most_choices || !choose_pivots(choice)) return PointStatus::singular;
-    i = -1;
+    const int last = i < s_ - 1 ? i : lane_count - 1;
+    for (std::size_t e = 0; e < derivatives_.size(); ++e)
+      for (int l = i; l <= last; ++l) derivatives_[e].lane[l] = extension_.values()[e];
   }
+  return PointStatus::ok;
+}
+
+void LocalStages::assemble(const StateChoice& choice) {
+  const StateChoice::Layout& layout = choice.layout(true);
+  values_.assign(layout.pattern.row.size(), LaneBlock());
+  for (std::size_t e = 0; e < layout.place.size(); ++e) {
+    if (layout.place[e] < 0) continue;
+    LaneBlock& value = values_[index(layout.place[e])];
+    for (int l = 0; l < lane_count; ++l) value.lane[l] += derivatives_[e].lane[l];
+  }
+}
+
+// Where pivots do not suit a stage, with those of that stage, for this step alone.
+bool LocalStages::factor(const StateChoice& choice) {
+  assemble(choice);
+  for (int choices = 0; choices <= most_choices; ++choices) {
+    factors_.resize(std::max(factors_.size(), elimination_.fill()));
+    const int refusing = elimination_.factor_lanes(values_.data(), factors_.data());
+    if (refusing < 0) return true;
+    if (!choose_pivots(choice, std::min(refusing, s_ - 1))) return false;
+  }
+  return false;
+}
+
+PointStatus LocalStages::linearize(const StageEquations& equations, const std::vector<Jet>& jets,
+                                   ExtensionLinearization& linearization, CallbackError& error) {
+  s_ = equations.method.s;
+  q_ = extension_.num_rows();
+  d_ = extension_.freedom();
+  if (!take_pivots(linearization)) return PointStatus::singular;
+  const PointStatus status = evaluate(jets, linearization, error);
+  if (status != PointStatus::ok) return status;
+  if (!factor(linearization.choice())) return PointStatus::singular;
+  make_tangents();
   return factor_coupled(equations) ? PointStatus::ok : PointStatus::singular;
 }
 
-void LocalStages::make_tangents(int stage, const StateChoice& choice) {
-  double* const T = tangents_.data() + index(stage) * index(q_) * index(d_);
-  std::fill_n(T, index(q_) * index(d_), 0.0);
-  const std::vector<int>& states = choice.states();
-  for (int b = 0; b < d_; ++b) {
-    const int held = extension_.column_of(states[index(b)], 0);
-    double* const column = T + index(b) * index(q_);
-    for (int row = 0; row < q_; ++row)
-      for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e)
-        if (extension_.column()[index(e)] == held) column[row] -= extension_.values()[index(e)];
-    elimination_.solve(factors(stage), column);
+void LocalStages::make_tangents() {
+  tangents_.assign(index(q_) * index(d_), LaneBlock());
+  for (const HeldEntry& held : held_entries_) {
+    LaneBlock& b = tangent(held.state)[held.row];
+    for (int l = 0; l < lane_count; ++l) b.lane[l] -= derivatives_[held.entry].lane[l];
   }
+  for (int b = 0; b < d_; ++b) elimination_.solve_lanes(factors_.data(), tangent(b));
+  end_tangents_.clear();
+  for (const LaneBlock& block : tangents_) end_tangents_.push_back(block.lane[s_ - 1]);
 }
 
 bool LocalStages::factor_coupled(const StageEquations& equations) {
@@ -96,29 +129,29 @@ bool LocalStages::factor_coupled(const StageEquations& equations) {
   for (int i = 0; i < s_; ++i) {
     for (int k = 0; k < s_; ++k)
       for (int a = 0; a < d_; ++a) M(i * d_ + a, k * d_ + a) = equations.method.D_at(i, k) / h;
-    const ConstView T = tangents(i);
     for (int b = 0; b < d_; ++b)
-      for (int a = 0; a < d_; ++a) M(i * d_ + a, i * d_ + b) -= T(slope_slots_[index(a)], b);
+      for (int a = 0; a < d_; ++a) M(i * d_ + a, i * d_ + b) -= tangent(b)[slope_slots_[index(a)]].lane[i];
   }
   return factor_lu(M, pivots_.data());
 }
 
 void LocalStages::solve(View r) {
-  for (int i = 0; i < s_; ++i) {
-    elimination_.solve(factors(i), r.column(i));
-    for (int a = 0; a < d_; ++a) z_[index(i * d_ + a)] = r(slope_slots_[index(a)], i);
-  }
+  r_.resize(index(q_));
+  columns_to_lanes(r.data, q_, s_, r_.data());
+  elimination_.solve_lanes(factors_.data(), r_.data());
+  for (int i = 0; i < s_; ++i)
+    for (int a = 0; a < d_; ++a) z_[index(i * d_ + a)] = r_[index(slope_slots_[index(a)])].lane[i];
   const int size = s_ * d_;
   solve_lu(ConstView{coupled_.data(), size, size, size}, pivots_.data(), z_.data());
-  for (int i = 0; i < s_; ++i) {
-    const ConstView T = tangents(i);
-    double* const column = r.column(i);
-    for (int b = 0; b < d_; ++b) {
-      const double dz = z_[index(i * d_ + b)];
-      for (int row = 0; row < q_; ++row) column[row] += T(row, b) * dz;
-    }
-    for (int a = 0; a < d_; ++a) column[slope_slots_[index(a)]] = z_[index(i * d_ + a)];
+  LaneBlock dz;
+  for (int b = 0; b < d_; ++b) {
+    for (int i = 0; i < s_; ++i) dz.lane[i] = z_[index(i * d_ + b)];
+    for (int row = 0; row < q_; ++row)
+      for (int l = 0; l < lane_count; ++l) r_[index(row)].lane[l] += tangent(b)[row].lane[l] * dz.lane[l];
   }
+  for (int i = 0; i < s_; ++i)
+    for (int a = 0; a < d_; ++a) r_[index(slope_slots_[index(a)])].lane[i] = z_[index(i * d_ + a)];
+  lanes_to_columns(r_.data(), q_, s_, r.data);
 }
 
 }  // namespace sfdae::core

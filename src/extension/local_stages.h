@@ -8,7 +8,7 @@
 //
 // s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for all stages
 // (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the solution turns within a step,
-// as those of mechanisms do (docs/decisions/62-stages-with-few-states.md).
+// as those of mechanisms do (docs/decisions/62-stages-with-few-states.md). All H_i are factored side by side by one elimination.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,6 +16,7 @@
 
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
+#include "linalg/lanes.h"
 #include "linalg/matrix.h"
 #include "linalg/recorded_elimination.h"
 #include "system/jet.h"
@@ -36,25 +37,34 @@ class LocalStages {
   // states.
   void solve(View r);
   // T of the last stage: by slots, a column for each state.
-  ConstView end_tangents() const { return tangents(s_ - 1); }
+  ConstView end_tangents() const { return {end_tangents_.data(), q_, d_, q_ > 0 ? q_ : 1}; }
 
  private:
-  bool choose_pivots(const StateChoice& choice);
+  bool choose_pivots(const StateChoice& choice, int stage);
   bool take_pivots(const ExtensionLinearization& linearization);
-  bool factor(int stage, const StateChoice& choice, const ExtensionDerivatives& derivatives);
-  void make_tangents(int stage, const StateChoice& choice);
+  PointStatus evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization, CallbackError& error);
+  void assemble(const StateChoice& choice);
+  bool factor(const StateChoice& choice);
+  void make_tangents();
   bool factor_coupled(const StageEquations& equations);
-  ConstView tangents(int stage) const {
-    return {tangents_.data() + index(stage) * index(q_) * index(d_), q_, d_, q_ > 0 ? q_ : 1};
-  }
-  double* factors(int stage) { return factors_.data() + index(stage) * elimination_.fill(); }
+  LaneBlock* tangent(int state) { return tangents_.data() + index(state) * index(q_); }
+
+  // An entry of the extension in the column of a state.
+  struct HeldEntry {
+    int row, state;
+    std::size_t entry;
+  };
 
   MinimalExtension& extension_;
   int s_ = 0, q_ = 0, d_ = 0;
   RecordedElimination elimination_;
   long pivots_of_ = -1;  // the number of the linearization whose pivots they are
+  long entries_of_ = -1;
   std::vector<int> slope_slots_;
-  std::vector<double> values_, factors_, tangents_;
+  std::vector<HeldEntry> held_entries_;
+  // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of right-hand sides.
+  LaneArray derivatives_, values_, factors_, tangents_, r_;
+  std::vector<double> values_of_stage_, end_tangents_;
   std::vector<double> coupled_, z_;  // s d equations
   std::vector<int> pivots_;
 };

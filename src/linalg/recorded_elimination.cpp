@@ -32,6 +32,9 @@ constexpr double time_of_pivot = 6.0, time_of_entry = 1.5, time_of_update = 1.0,
 
 }  // namespace
 
+const RecordedElimination::PivotBounds RecordedElimination::pivot_bounds{vanishing_pivot, still_large_enough,
+                                                                         largest_number};
+
 // The matrix while pivots are being chosen. Entries have slots, which stay where they are.
 class RecordedElimination::Search {
  public:
@@ -123,94 +126,97 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
                                                         Pivots pivots) {
   const int n = pattern.size;
   Search search(n, pattern.row.size());
-  slot_of_entry_.clear();
+  list_.slot_of_entry.clear();
   column_of_entry_.clear();
-  scale_.clear();
+  list_.scale.clear();
   for (int j = 0; j < n; ++j)
     for (int k = pattern.first[index(j)]; k < pattern.first[index(j) + 1]; ++k) {
       const int i = pattern.row[index(k)];
-      scale_.push_back(times_power_of_two(1.0, column_exponent_[index(j)] + row_exponent_[index(i)]));
-      slot_of_entry_.push_back(search.add(i, j, values != nullptr ? scale_.back() * values[k] : 0.0));
+      list_.scale.push_back(times_power_of_two(1.0, column_exponent_[index(j)] + row_exponent_[index(i)]));
+      list_.slot_of_entry.push_back(search.add(i, j, values != nullptr ? list_.scale.back() * values[k] : 0.0));
       column_of_entry_.push_back(j);
     }
   const Choice choice = eliminate(search, pivots);
   if (choice != Choice::made) return choice;
-  row_scale_.clear();
-  column_scale_.clear();
+  list_.row_scale.clear();
+  list_.column_scale.clear();
   for (int k = 0; k < n; ++k) {
-    row_scale_.push_back(times_power_of_two(1.0, row_exponent_[index(row_[index(k)])]));
-    column_scale_.push_back(times_power_of_two(1.0, column_exponent_[index(column_[index(k)])]));
+    list_.row_scale.push_back(times_power_of_two(1.0, row_exponent_[index(list_.row[index(k)])]));
+    list_.column_scale.push_back(times_power_of_two(1.0, column_exponent_[index(list_.column[index(k)])]));
   }
-  size_ = n;
-  slots_ = static_cast<int>(search.value.size());
-  work_.assign(index(size_) + 1, 0.0);
+  list_.size = n;
+  list_.slots = static_cast<int>(search.value.size());
+  work_.assign(index(list_.size) + 1, 0.0);
   return Choice::made;
 }
 
 // A = L U with ones on the diagonal of U.
 RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivots pivots) {
   const std::size_t n = search.rows.size();
-  row_.resize(n);
-  column_.resize(n);
-  pivot_.clear();
-  for (auto* list : {&lower_, &upper_}) list->clear();
-  for (auto* first : {&first_lower_, &first_upper_, &first_update_}) first->assign(1, 0);
-  updates_.clear();
+  list_.row.resize(n);
+  list_.column.resize(n);
+  list_.pivot.clear();
+  for (auto* list : {&list_.lower, &list_.upper}) list->clear();
+  for (auto* first : {&list_.first_lower, &list_.first_upper, &list_.first_update}) first->assign(1, 0);
+  list_.updates.clear();
   std::vector<int> place_of_row(n), place_of_column(n);
   for (std::size_t k = 0; k < n; ++k) {
     if (pivots == Pivots::wanted) {
       const Search::Pivot pivot = search.choose();
       if (pivot.row < 0) return Choice::singular;
-      row_[k] = pivot.row;
-      column_[k] = pivot.column;
+      list_.row[k] = pivot.row;
+      list_.column[k] = pivot.column;
     }
-    const int slot = search.slot(row_[k], column_[k]);
+    const int slot = search.slot(list_.row[k], list_.column[k]);
     if (slot < 0) return Choice::singular;
-    const auto [row, column] = search.take({row_[k], column_[k]});
-    if (updates_.size() + row.size() * column.size() > most_updates_for_a_row * n) return Choice::too_long;
-    pivot_.push_back(slot);
-    place_of_row[index(row_[k])] = place_of_column[index(column_[k])] = static_cast<int>(k);
-    for (int i : column) lower_.push_back({search.slot(i, column_[k]), i});
+    const auto [row, column] = search.take({list_.row[k], list_.column[k]});
+    if (list_.updates.size() + row.size() * column.size() > most_updates_for_a_row * n) return Choice::too_long;
+    list_.pivot.push_back(slot);
+    place_of_row[index(list_.row[k])] = place_of_column[index(list_.column[k])] = static_cast<int>(k);
+    for (int i : column) list_.lower.push_back({search.slot(i, list_.column[k]), i});
     for (int j : row) {
-      const int right = search.slot(row_[k], j);
-      upper_.push_back({right, j});
+      const int right = search.slot(list_.row[k], j);
+      list_.upper.push_back({right, j});
       const double factor = pivots == Pivots::wanted ? search.value[index(right)] /= search.value[index(slot)] : 0.0;
       for (int i : column) {
-        const int left = search.slot(i, column_[k]);
-        updates_.push_back({search.add(i, j, -factor * search.value[index(left)]), left, right});
+        const int left = search.slot(i, list_.column[k]);
+        list_.updates.push_back({search.add(i, j, -factor * search.value[index(left)]), left, right});
       }
     }
-    first_lower_.push_back(static_cast<int>(lower_.size()));
-    first_upper_.push_back(static_cast<int>(upper_.size()));
-    first_update_.push_back(static_cast<int>(updates_.size()));
+    list_.first_lower.push_back(static_cast<int>(list_.lower.size()));
+    list_.first_upper.push_back(static_cast<int>(list_.upper.size()));
+    list_.first_update.push_back(static_cast<int>(list_.updates.size()));
   }
-  for (Entry& entry : lower_) entry.place = place_of_row[index(entry.place)];
-  for (Entry& entry : upper_) entry.place = place_of_column[index(entry.place)];
+  for (Entry& entry : list_.lower) entry.place = place_of_row[index(entry.place)];
+  for (Entry& entry : list_.upper) entry.place = place_of_column[index(entry.place)];
   return Choice::made;
 }
 
 double RecordedElimination::factorization_in_solutions() const {
-  const double entries = static_cast<double>(scale_.size()), updates = static_cast<double>(updates_.size());
-  const double off_diagonal = static_cast<double>(lower_.size() + upper_.size()), n = size_;
+  const double entries = static_cast<double>(list_.scale.size()), updates = static_cast<double>(list_.updates.size());
+  const double off_diagonal = static_cast<double>(list_.lower.size() + list_.upper.size()), n = list_.size;
   return (time_of_pivot * n + time_of_entry * (entries + off_diagonal) + time_of_update * updates) /
          (time_of_unknown * n + time_of_update * off_diagonal);
 }
 
 // Pivots are replaced by their reciprocals.
 bool RecordedElimination::factor(const double* values, double* factors) const {
-  std::fill_n(factors, slots_, 0.0);
-  for (std::size_t e = 0; e < slot_of_entry_.size(); ++e) factors[slot_of_entry_[e]] += scale_[e] * values[e];
-  for (std::size_t k = 0; k < index(size_); ++k) {
-    double& pivot = factors[pivot_[k]];
+  std::fill_n(factors, list_.slots, 0.0);
+  for (std::size_t e = 0; e < list_.slot_of_entry.size(); ++e)
+    factors[list_.slot_of_entry[e]] += list_.scale[e] * values[e];
+  for (std::size_t k = 0; k < index(list_.size); ++k) {
+    double& pivot = factors[list_.pivot[k]];
     double largest = 0.0;
-    for (int u = first_upper_[k]; u < first_upper_[k + 1]; ++u)
-      largest = std::max(largest, std::fabs(factors[upper_[index(u)].slot]));
+    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
+      largest = std::max(largest, std::fabs(factors[list_.upper[index(u)].slot]));
     const double size = std::fabs(pivot);
-    if (!(size > vanishing_pivot && size >= still_large_enough * largest && size <= largest_number)) return false;
+    if (!(size > pivot_bounds.least && size >= pivot_bounds.least_of_row * largest && size <= pivot_bounds.largest))
+      return false;
     pivot = 1.0 / pivot;
-    for (int u = first_upper_[k]; u < first_upper_[k + 1]; ++u) factors[upper_[index(u)].slot] *= pivot;
-    for (int u = first_update_[k]; u < first_update_[k + 1]; ++u) {
-      const Update& update = updates_[index(u)];
+    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
+      factors[list_.upper[index(u)].slot] *= pivot;
+    for (int u = list_.first_update[k]; u < list_.first_update[k + 1]; ++u) {
+      const Update& update = list_.updates[index(u)];
       factors[update.target] -= factors[update.left] * factors[update.right];
     }
   }
@@ -218,51 +224,51 @@ bool RecordedElimination::factor(const double* values, double* factors) const {
 }
 
 void RecordedElimination::substitute(const double* factors, double* y) const {
-  for (std::size_t k = 0; k < index(size_); ++k) {
-    y[k] *= factors[pivot_[k]];
-    for (int l = first_lower_[k]; l < first_lower_[k + 1]; ++l)
-      y[lower_[index(l)].place] -= factors[lower_[index(l)].slot] * y[k];
+  for (std::size_t k = 0; k < index(list_.size); ++k) {
+    y[k] *= factors[list_.pivot[k]];
+    for (int l = list_.first_lower[k]; l < list_.first_lower[k + 1]; ++l)
+      y[list_.lower[index(l)].place] -= factors[list_.lower[index(l)].slot] * y[k];
   }
-  for (std::size_t k = index(size_); k-- > 0;) {
+  for (std::size_t k = index(list_.size); k-- > 0;) {
     double sum = y[k];
-    for (int u = first_upper_[k]; u < first_upper_[k + 1]; ++u)
-      sum -= factors[upper_[index(u)].slot] * y[upper_[index(u)].place];
+    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
+      sum -= factors[list_.upper[index(u)].slot] * y[list_.upper[index(u)].place];
     y[k] = sum;
   }
 }
 
 void RecordedElimination::substitute_transposed(const double* factors, double* y) const {
-  for (std::size_t k = 0; k < index(size_); ++k)
-    for (int u = first_upper_[k]; u < first_upper_[k + 1]; ++u)
-      y[upper_[index(u)].place] -= factors[upper_[index(u)].slot] * y[k];
-  for (std::size_t k = index(size_); k-- > 0;) {
+  for (std::size_t k = 0; k < index(list_.size); ++k)
+    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
+      y[list_.upper[index(u)].place] -= factors[list_.upper[index(u)].slot] * y[k];
+  for (std::size_t k = index(list_.size); k-- > 0;) {
     double sum = y[k];
-    for (int l = first_lower_[k]; l < first_lower_[k + 1]; ++l)
-      sum -= factors[lower_[index(l)].slot] * y[lower_[index(l)].place];
-    y[k] = sum * factors[pivot_[k]];
+    for (int l = list_.first_lower[k]; l < list_.first_lower[k + 1]; ++l)
+      sum -= factors[list_.lower[index(l)].slot] * y[list_.lower[index(l)].place];
+    y[k] = sum * factors[list_.pivot[k]];
   }
 }
 
 void RecordedElimination::solve(const double* factors, double* b) {
   double* const y = work_.data();
-  for (std::size_t k = 0; k < index(size_); ++k) y[k] = row_scale_[k] * b[row_[k]];
+  for (std::size_t k = 0; k < index(list_.size); ++k) y[k] = list_.row_scale[k] * b[list_.row[k]];
   substitute(factors, y);
-  for (std::size_t k = 0; k < index(size_); ++k) b[column_[k]] = column_scale_[k] * y[k];
+  for (std::size_t k = 0; k < index(list_.size); ++k) b[list_.column[k]] = list_.column_scale[k] * y[k];
 }
 
 // In the order of the pivots: the norms of rows and columns in another order are the same.
 double RecordedElimination::reciprocal_condition(const double* values, const double* factors) const {
   const QuietArithmetic quiet;
-  std::vector<double> sums(index(size_), 0.0);
-  for (std::size_t e = 0; e < scale_.size(); ++e)
-    sums[index(column_of_entry_[e])] += std::fabs(scale_[e] * values[e]);
+  std::vector<double> sums(index(list_.size), 0.0);
+  for (std::size_t e = 0; e < list_.scale.size(); ++e)
+    sums[index(column_of_entry_[e])] += std::fabs(list_.scale[e] * values[e]);
   const double inverse_norm = estimate_inverse_norm<double>(
-      size_, [&](double* x) { substitute(factors, x); }, [&](double* x) { substitute_transposed(factors, x); });
+      list_.size, [&](double* x) { substitute(factors, x); }, [&](double* x) { substitute_transposed(factors, x); });
   return inverse_norm > 0.0 ? 1.0 / *std::max_element(sums.begin(), sums.end()) / inverse_norm : 0.0;
 }
 
 bool RecordedElimination::are_pivots_sound(const SparsePattern& pattern) const {
-  for (const std::vector<int>* list : {&row_, &column_}) {
+  for (const std::vector<int>* list : {&list_.row, &list_.column}) {
     std::vector<char> is_met(index(pattern.size), 0);
     for (int place : *list) {
       if (place < 0 || place >= pattern.size || is_met[index(place)] != 0) return false;
@@ -282,14 +288,15 @@ void RecordedElimination::archive(const SparsePattern& pattern, Archive& archive
   if (!has_any) return;
   const std::size_t n = index(pattern.size);
   std::vector<int> packed;
-  for (const std::vector<int>* list : {&row_, &column_}) packed.insert(packed.end(), list->begin(), list->end());
+  for (const std::vector<int>* list : {&list_.row, &list_.column})
+    packed.insert(packed.end(), list->begin(), list->end());
   for (const std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
     for (int exponent : *exponents) packed.push_back(exponent + largest_exponent);
   packed.resize(4 * n);
   archive.small(packed.data(), packed.size());
   if (!archive.is_reading()) return;
   auto next = packed.begin();
-  for (std::vector<int>* list : {&row_, &column_, &row_exponent_, &column_exponent_}) {
+  for (std::vector<int>* list : {&list_.row, &list_.column, &row_exponent_, &column_exponent_}) {
     list->assign(next, next + pattern.size);
     next += pattern.size;
   }

@@ -13,6 +13,7 @@
 
 #include "linalg/archive.h"
 #include "linalg/equilibration.h"
+#include "linalg/lanes.h"
 #include "linalg/sparse_pattern.h"
 
 namespace sfdae::core {
@@ -23,11 +24,11 @@ class RecordedElimination {
   // `singular` to working precision, or values not finite; too_long: other methods are faster.
   enum class Choice { made, singular, too_long };
   Choice choose(const SparsePattern& pattern, const double* values);
-  bool has_pivots() const { return slots_ > 0; }
-  void forget() { size_ = slots_ = 0; }
-  std::size_t size() const { return index(size_); }
+  bool has_pivots() const { return list_.slots > 0; }
+  void forget() { list_.size = list_.slots = 0; }
+  std::size_t size() const { return index(list_.size); }
   // Of the factors of one matrix.
-  std::size_t fill() const { return index(slots_); }
+  std::size_t fill() const { return index(list_.slots); }
   // What it takes to repeat the elimination, in solutions; estimated from counts of operations.
   double factorization_in_solutions() const;
   // factors: fill() numbers. False: a value is not finite, or a pivot much smaller than others of its row.
@@ -39,34 +40,49 @@ class RecordedElimination {
   // The pivots, if there are any. Reading throws DamagedArchive.
   void archive(const SparsePattern& pattern, Archive& archive);
 
- private:
+  // As factor(), of the matrices of eight points side by side. -1, or the first lane that refuses a pivot.
+  int factor_lanes(const LaneBlock* values, LaneBlock* factors) const;
+  void solve_lanes(const LaneBlock* factors, LaneBlock* b);
+
   struct Update {
     int target, left, right;  // slots: target -= left right
   };
   struct Entry {
     int slot, place;  // place: in the order of pivots
   };
+  // All operations: of pivot k those from first[k] to first[k + 1] - 1, rows of U, columns of L, and what is subtracted.
+  struct List {
+    int size = 0, slots = 0;
+    std::vector<int> slot_of_entry;  // of the pattern
+    std::vector<double> scale;       // of its entries
+    std::vector<int> row, column;    // of the pivots
+    std::vector<double> row_scale, column_scale;
+    std::vector<int> pivot;  // slots
+    std::vector<int> first_lower, first_upper, first_update;
+    std::vector<Entry> lower, upper;
+    std::vector<Update> updates;
+  };
+  // What a pivot has to be when the elimination is repeated, in size: at least a part of the largest entry of its row.
+  struct PivotBounds {
+    double least, least_of_row, largest;
+  };
+
+ private:
   class Search;
   enum class Pivots { wanted, known };
+  static const PivotBounds pivot_bounds;
   Choice record(const SparsePattern& pattern, const double* values, Pivots pivots);
   Choice eliminate(Search& search, Pivots pivots);
   bool are_pivots_sound(const SparsePattern& pattern) const;
   void substitute(const double* factors, double* y) const;
   void substitute_transposed(const double* factors, double* y) const;
 
-  int size_ = 0, slots_ = 0;
-  std::vector<int> slot_of_entry_, column_of_entry_;  // of the pattern
-  std::vector<double> scale_;                         // of its entries
-  std::vector<int> row_, column_;                     // of the pivots
-  std::vector<int> row_exponent_, column_exponent_;   // of the scales
-  std::vector<double> row_scale_, column_scale_;      // of the pivots
-  std::vector<int> pivot_;                            // slots
-  // Of pivot k those from first[k] to first[k + 1] - 1: rows of U, columns of L, and what is subtracted.
-  std::vector<int> first_lower_, first_upper_, first_update_;
-  std::vector<Entry> lower_, upper_;
-  std::vector<Update> updates_;
+  List list_;
+  std::vector<int> column_of_entry_;                 // of the pattern
+  std::vector<int> row_exponent_, column_exponent_;  // of the scales
   Equilibration equilibration_;
   std::vector<double> work_;
+  LaneArray lanes_;
 };
 
 }  // namespace sfdae::core

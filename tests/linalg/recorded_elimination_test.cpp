@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "instruction_sets.h"
 #include "linalg/listed_factors.h"
 #include "linalg/random.h"
 #include "linalg/sparse_lu.h"
@@ -175,6 +176,37 @@ TEST(ListedFactors, GoOnFromArchivesInEveryBit) {
   saved[2] = saved[3];
   Archive damaged = Archive::reader(saved.data(), saved.size());
   EXPECT_THROW(second.archive(matrix.pattern, damaged), DamagedArchive);
+}
+
+// Eight matrices side by side, with every instruction set.
+TEST(RecordedElimination, RepeatsItselfInLanes) {
+  const SparseMatrix matrix = sfdae_test::random_sparse(50, 2, 6);
+  const std::size_t n = index(matrix.pattern.size);
+  RecordedElimination elimination;
+  ASSERT_EQ(elimination.choose(matrix.pattern, matrix.values.data()), Choice::made);
+  LaneArray values(matrix.values.size()), factors(elimination.fill()), b(n);
+  const std::vector<double> changes = random_vector(8 * values.size(), 7), sides = random_vector(8 * n, 8);
+  for (std::size_t l = 0; l < 8; ++l) {
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[k].lane[l] = matrix.values[k] * (1.0 + 0.05 * changes[8 * k + l]);
+    for (std::size_t i = 0; i < n; ++i) b[i].lane[l] = sides[8 * i + l];
+  }
+  sfdae_test::for_each_instruction_set([&](InstructionSet) {
+    ASSERT_EQ(elimination.factor_lanes(values.data(), factors.data()), -1);
+    LaneArray x = b;
+    elimination.solve_lanes(factors.data(), x.data());
+    for (std::size_t l = 0; l < 8; ++l) {
+      std::vector<double> own, own_factors(elimination.fill()), y;
+      for (const LaneBlock& value : values) own.push_back(value.lane[l]);
+      for (const LaneBlock& side : b) y.push_back(side.lane[l]);
+      ASSERT_TRUE(elimination.factor(own.data(), own_factors.data()));
+      elimination.solve(own_factors.data(), y.data());
+      for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(x[i].lane[l], y[i]) << i << ", lane " << l;
+    }
+    LaneArray refused = values;
+    for (int k = matrix.pattern.first[3]; k < matrix.pattern.first[4]; ++k) refused[index(k)].lane[5] = 0.0;
+    EXPECT_EQ(elimination.factor_lanes(refused.data(), factors.data()), 5);
+  });
 }
 
 // Pivots that have become small are chosen anew; a matrix that is singular leaves nothing behind.
