@@ -50,7 +50,7 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
 
 // What follows from the blocks alone is certain where no states are found.
 std::string ExtensionSystem::what_is_unclear(PointStatus status) const {
-  if (status != PointStatus::singular || !certificate_.is_given())
+  if (status != PointStatus::singular || !is_certified_)
     return format("the structure is not confirmed at t = %.15g: ", jet_.t) + about_change_;
   return format(
       "the structure is confirmed at t = %.15g, with %d free initial values and a strangeness index of at most %d, "
@@ -117,12 +117,12 @@ PointStatus ExtensionSystem::set_point(const Jet& jet) {
   about_later_point_.clear();
   // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left it from the
   // solution.
-  PointStatus status = certify(jet_, {});
+  PointStatus status = certify(jet_, {}, Certificates::kept);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
   std::vector<double> noise = linearization_.noise_of_jet();
   add_distance(noise);
-  return certify(jet_, noise);
+  return certify(jet_, noise, Certificates::kept);
 }
 
 // To the solution, as the residuals tell.
@@ -139,24 +139,27 @@ void ExtensionSystem::add_distance(std::vector<double>& noise) {
 }
 
 // noise: of the jet, empty where it is not known.
-PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& noise) {
+PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& noise, Certificates certificates) {
   unjudged_ = 0;
+  is_certified_ = false;
   about_change_.clear();
+  certificate_ = {};
   Certificate certificate;
   const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
   if (!judge_.certify(problem_.evaluator(), point, settings_.rank_tol, certificate)) {
     callback_error_ = problem_.evaluation_error(jet.t);
     return PointStatus::callback_error;
   }
-  certificate_ = std::move(certificate);
-  smallest_kept_ = certificate_.smallest_kept();
+  smallest_kept_ = certificate.smallest_kept();
+  is_certified_ = certificate.is_given();
+  const int singular = certificate.first(BlockVerdict::singular);
+  const int block = singular >= 0 ? singular : certificate.first(BlockVerdict::unclear);
+  if (certificates == Certificates::kept) certificate_ = std::move(certificate);
   if (!still_cancel(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data())) {
     about_change_ = "equations that depended on each other do so no more.";
     return PointStatus::changed;
   }
-  if (certificate_.is_given()) return PointStatus::ok;
-  const int singular = certificate_.first(BlockVerdict::singular);
-  const int block = singular >= 0 ? singular : certificate_.first(BlockVerdict::unclear);
+  if (is_certified_) return PointStatus::ok;
   about_change_ = describe_block(block) + (singular >= 0 ? " is singular." : " is nearly singular.");
   return PointStatus::changed;
 }

@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "extension/extension_iteration.h"
@@ -45,7 +46,9 @@ class ExtensionSystem final : public DaeSystem {
   const std::vector<double>& scales() const { return scales_; }
   MinimalExtension& extension() { return extension_; }
   const ExtensionLinearization& linearization() const { return linearization_; }
-  const Certificate& certificate() const { return certificate_; }
+  // The certificate of the point that was set, once: it has a decision for each block.
+  Certificate take_certificate() { return std::exchange(certificate_, {}); }
+  double smallest_kept() const { return smallest_kept_; }
 
   PointStatus move_to(double t) override;
   void accept() override {
@@ -90,7 +93,9 @@ class ExtensionSystem final : public DaeSystem {
   std::string what_is_unclear(PointStatus status) const;
   void resize();
   void find_values();
-  PointStatus certify(const Jet& jet, const std::vector<double>& noise);
+  enum class Certificates { kept, not_kept };
+  PointStatus certify(const Jet& jet, const std::vector<double>& noise,
+                      Certificates certificates = Certificates::not_kept);
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
   template <class Iterate>
@@ -108,8 +113,9 @@ class ExtensionSystem final : public DaeSystem {
   ExtensionIteration iteration_;
   ExtensionStages stages_;
   StructureJudge judge_;
-  Certificate certificate_;
-  double smallest_kept_ = 1.0;  // of it: asked for at every point
+  Certificate certificate_;  // of the point that was set
+  bool is_certified_ = false;
+  double smallest_kept_ = 1.0;
   std::string about_change_, about_later_point_;
   JetHistory history_;
   Jet jet_, start_;

@@ -11,6 +11,18 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// Value k is coefficient k, of all that there are: nothing is differentiated or replaced.
+bool are_as_recorded(const std::vector<EntryTerm>& terms, std::size_t coefficients) {
+  if (terms.size() != coefficients) return false;
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    if (index(terms[k].entry) != k || terms[k].coefficient != k || terms[k].factor != 1.0) return false;
+  return true;
+}
+
+}  // namespace
+
 MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure)
     : problem_(problem),
       structure_(std::move(structure)),
@@ -40,6 +52,10 @@ void MinimalExtension::number_rows_and_columns() {
   }
   first_rows_.push_back(num_rows());
   first_columns_.push_back(num_columns());
+  rows_.shrink_to_fit();
+  columns_.shrink_to_fit();
+  place_.shrink_to_fit();
+  first_place_.shrink_to_fit();
 }
 
 // (D^m f)_k = (k + m)! / k! f_(k+m)
@@ -56,6 +72,8 @@ void MinimalExtension::note_parts() {
     first_part_.push_back(static_cast<int>(parts_.size()));
   }
   highest_level_ = *std::max_element(levels_.begin(), levels_.end());
+  parts_.shrink_to_fit();
+  first_part_.shrink_to_fit();
 }
 
 // With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1). Derivatives that
@@ -93,8 +111,11 @@ void MinimalExtension::make_pattern() {
       highest_order[index(entry.unknown)] = -1;
     first_.push_back(static_cast<int>(column_.size()));
   }
-  coefficients_.assign(tape.targets.size() * length, 0.0);
+  column_.shrink_to_fit();
   values_.assign(column_.size(), 0.0);
+  if (are_as_recorded(terms_, tape.targets.size() * length)) terms_ = {};
+  else coefficients_.assign(tape.targets.size() * length, 0.0);
+  terms_.shrink_to_fit();
 }
 
 CallbackError MinimalExtension::evaluate(const Jet& jet, int order) {
@@ -189,9 +210,10 @@ void MinimalExtension::perturb(double size) {
 }
 
 CallbackError MinimalExtension::linearize(const Jet& jet) {
-  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_level_, levels_, coefficients_.data());
+  double* const entries = terms_.empty() ? values_.data() : coefficients_.data();
+  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_level_, levels_, entries);
   if (error.status != SFDAE_OK) return error;
-  sum_terms(terms_, coefficients_, values_);
+  if (!terms_.empty()) sum_terms(terms_, coefficients_, values_);
   return error;
 }
 

@@ -110,6 +110,7 @@ class MinimalExtension {
   std::vector<int> place_;
   std::vector<std::size_t> first_place_;
   std::vector<int> first_, column_;
+  // None, where values are derivatives of the recorded equations as they are, in their order.
   std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;

@@ -7,31 +7,44 @@
 namespace sfdae::core {
 
 void BdfHistory::resize(std::size_t n, std::size_t size_w) {
-  for (int i = 0; i < capacity; ++i) {
-    w_[index(i)].resize(size_w);
-    dw_[index(i)].resize(size_w);
-    x_[index(i)].resize(n);
-    dx_[index(i)].resize(n);
-  }
+  n_ = n;
+  for (Table* table : {&w_, &dw_})
+    for (std::vector<double>& values : *table) values.resize(size_w);
+}
+
+void BdfHistory::reserve_x() {
+  for (Table* table : {&x_, &dx_})
+    for (std::vector<double>& values : *table) values.resize(n_);
+}
+
+// w_[i] is there already.
+void BdfHistory::set_x(int i, const double* x) {
+  const std::vector<double>& w = w_[index(i)];
+  is_same_[index(i)] = w.size() == n_ && std::equal(w.begin(), w.end(), x);
+  if (is_same_[index(i)]) return;
+  reserve_x();
+  std::copy_n(x, n_, x_[index(i)].data());
 }
 
 void BdfHistory::start(const StartingPoint& point) {
   resize(point.x.size(), point.w.size());
   times_[0] = point.t;
   w_[0] = point.w;
-  x_[0] = point.x;
   slope_w_ = point.wdot;
   slope_x_ = point.xdot;
   points_ = 2;
   is_fictitious_ = true;
-  is_same_[0] = x_[0] == w_[0];
+  set_x(0, point.x.data());
 }
 
 void BdfHistory::place_fictitious_point(double h) {
   times_[1] = times_[0] - h;
   for (std::size_t i = 0; i < slope_w_.size(); ++i) w_[1][i] = w_[0][i] - h * slope_w_[i];
-  for (std::size_t i = 0; i < slope_x_.size(); ++i) x_[1][i] = x_[0][i] - h * slope_x_[i];
-  is_same_[1] = x_[1] == w_[1];
+  is_same_[1] = is_same_[0] && slope_x_ == slope_w_;
+  if (is_same_[1]) return;
+  reserve_x();
+  const std::vector<double>& x = x_at(0);
+  for (std::size_t i = 0; i < slope_x_.size(); ++i) x_[1][i] = x[i] - h * slope_x_[i];
 }
 
 void BdfHistory::append(double t, const std::vector<double>& w, const std::vector<double>& x) {
@@ -43,15 +56,17 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   std::rotate(is_same_.begin(), is_same_.begin() + count - 1, is_same_.begin() + count);
   times_[0] = t;
   std::copy_n(w.data(), w_[0].size(), w_[0].data());
-  std::copy_n(x.data(), x_[0].size(), x_[0].data());
-  is_same_[0] = x_[0] == w_[0];
+  set_x(0, x.data());
   points_ = count;
 }
 
 void BdfHistory::compute_differences(int count, bool with_x) {
   differences_of_history(times_, w_, count, dw_);
   shares_ = std::all_of(is_same_.begin(), is_same_.begin() + count, [](bool same) { return same; });
-  if (with_x && !shares_) differences_of_history(times_, x_, count, dx_);
+  if (!with_x || shares_) return;
+  for (int i = 0; i < count; ++i)
+    if (is_same_[index(i)]) x_[index(i)] = w_[index(i)];
+  differences_of_history(times_, x_, count, dx_);
 }
 
 int BdfHistory::archive_size(Archive& archive, const Sizes& sizes, int max_points, int& last_order) {
@@ -71,13 +86,14 @@ void BdfHistory::archive_points(Archive& archive, int points) {
   const bool has_slope = points == 2 && is_fictitious_;
   for (int i = 0; i < (has_slope ? 1 : points); ++i) {
     archive.reals(w_[index(i)], size_w());
-    archive.reals(x_[index(i)], size_x());
+    std::vector<double> x = archive.is_reading() ? std::vector<double>() : x_at(i);
+    archive.reals(x, size_x());
+    if (archive.is_reading()) set_x(i, x.data());
   }
   if (has_slope) {
     archive.reals(slope_w_, size_w());
     archive.reals(slope_x_, size_x());
   }
-  for (int i = 0; i < points; ++i) is_same_[index(i)] = x_[index(i)] == w_[index(i)];
 }
 
 }  // namespace sfdae::core

@@ -22,8 +22,8 @@ class BdfHistory {
   // The newest point first.
   int points() const { return points_; }
   double time(int i) const { return times_[index(i)]; }
-  const std::vector<double>& x() const { return x_[0]; }
-  std::size_t size_x() const { return x_[0].size(); }
+  const std::vector<double>& x() const { return x_at(0); }
+  std::size_t size_x() const { return n_; }
   std::size_t size_w() const { return w_[0].size(); }
 
   // Before the first step there is one point only. A second one at t - h on its tangent makes the slope there the
@@ -50,15 +50,20 @@ class BdfHistory {
 
  private:
   void resize(std::size_t n, std::size_t size_w);
+  void reserve_x();
+  void set_x(int i, const double* x);
+  const std::vector<double>& x_at(int i) const { return is_same_[index(i)] ? w_[index(i)] : x_[index(i)]; }
   const Table& table_x() const { return shares_ ? dw_ : dx_; }
 
   std::array<double, capacity> times_{};
+  std::size_t n_ = 0;
   Table w_, x_;
   int points_ = 0;
   bool is_fictitious_ = false;  // the second one of the start
   std::vector<double> slope_w_, slope_x_;
   Table dw_, dx_;
-  // x = w at these points, in every bit, as with W = I: differences of w serve both.
+  // x = w at these points, in every bit, as with W = I: w and its differences serve both, and x_ and dx_ have no memory as long
+  // as there is no other point.
   std::array<bool, capacity> is_same_{};
   bool shares_ = false;
 };
