@@ -150,9 +150,11 @@ bool choose(const Lanes* a, const Lanes* b, const Lanes* c, Lanes* v, Order K) {
   return true;
 }
 
-// The same operations in the same order as execute(); false where lanes have to be looked at one by one. slopes: of
-// order 0 alone, as gradients are.
-template <bool with_slopes, class Order>
+// The derivatives that gradients need: of order 0 alone, or all coefficients.
+enum class Slopes { none, plain, series };
+
+// The same operations in the same order as execute(); false where lanes have to be looked at one by one.
+template <Slopes slopes, class Order>
 bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
   const Lanes* const a = slots + instruction.a;
   const Lanes* const b = slots + instruction.b;
@@ -176,8 +178,9 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
       for (int k = 0; k <= K; ++k) v[k] = b[0] * a[k];
       return true;
     case Code::divide:
+      if constexpr (slopes == Slopes::series) return false;
       if (!divide(a, b, v, K)) return false;
-      if constexpr (with_slopes) {
+      if constexpr (slopes == Slopes::plain) {
         p[0] = 1.0 / b[0];
         slots[instruction.q] = v[0] * p[0];
       }
@@ -185,11 +188,12 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
     case Code::divide_by_number:
       if (any(b[0] == 0.0)) return false;
       for (int k = 0; k <= K; ++k) v[k] = a[k] / b[0];
-      if constexpr (with_slopes) p[0] = 1.0 / b[0];
+      if constexpr (slopes != Slopes::none) p[0] = 1.0 / b[0];
       return true;
     case Code::sqrt:
+      if constexpr (slopes == Slopes::series) return false;
       if (!sqrt(a, v, K)) return false;
-      if constexpr (with_slopes) p[0] = 0.5 / v[0];
+      if constexpr (slopes == Slopes::plain) p[0] = 0.5 / v[0];
       return true;
     case Code::exp: return exp(a, v, K);
     case Code::choose: return choose(a, b, slots + instruction.c, v, K);
@@ -198,10 +202,11 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
   }
 }
 
-template <bool with_slopes, class Order>
+template <Slopes slopes, class Order>
 void execute_all(const std::vector<Instruction>& instructions, Lanes* slots, Order K) {
   for (const Instruction& instruction : instructions)
-    if (!execute_together<with_slopes>(instruction, slots, K)) execute_singly<with_slopes>(instruction, slots, K);
+    if (!execute_together<slopes>(instruction, slots, K))
+      execute_singly<slopes != Slopes::none>(instruction, slots, K);
 }
 
 // Adjoints of order 0. with_choices: as in edges.h.
@@ -225,6 +230,53 @@ void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjo
   }
 }
 
+// As follow() of edges.h.
+template <class Order>
+void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* handed, Order K) {
+  switch (edge.code) {
+    case EdgeCode::pass: std::copy_n(from, K + 1, handed); return;
+    case EdgeCode::negate:
+      for (int k = 0; k <= K; ++k) handed[k] = -from[k];
+      return;
+    case EdgeCode::multiply:
+    case EdgeCode::multiply_negated:
+      if (edge.from_number)
+        for (int k = 0; k <= K; ++k) handed[k] = from[0] * factor[k];
+      else multiply(from, factor, handed, K);
+      if (edge.code == EdgeCode::multiply_negated)
+        for (int k = 0; k <= K; ++k) handed[k] = -handed[k];
+      return;
+    case EdgeCode::scale:
+      for (int k = 0; k <= K; ++k) handed[k] = factor[0] * from[k];
+      return;
+    case EdgeCode::pass_if_positive:
+      for (int k = 0; k <= K; ++k) handed[k] = factor[0] > 0.0 ? from[k] : Lanes{};
+      return;
+    case EdgeCode::pass_otherwise:
+      for (int k = 0; k <= K; ++k) handed[k] = factor[0] > 0.0 ? Lanes{} : from[k];
+      return;
+  }
+}
+
+// Adjoints with coefficients, `stride` for each slot.
+template <bool with_choices, class Order>
+void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints, int stride, Order K) {
+  Lanes handed[LaneEvaluator::highest_order + 1];
+  for (const Edge* edge = first; edge != last; ++edge) {
+    const Lanes* const from = adjoints + edge->from * stride;
+    Lanes* const to = adjoints + edge->to * stride;
+    hand_on(*edge, from, slots + edge->factor, handed, K);
+    if constexpr (with_choices) {
+      LaneMask vanishes = from[0] == 0.0;
+      for (int k = 1; k <= K; ++k) vanishes &= from[k] == 0.0;
+      for (int k = 0; k <= K; ++k) handed[k] = vanishes ? Lanes{} : handed[k];
+    }
+    if (edge->is_first) std::copy_n(handed, K + 1, to);
+    else
+      for (int k = 0; k <= K; ++k) to[k] += handed[k];
+  }
+}
+
 struct Pass {
   const Tape& tape;
   const std::vector<Instruction>*of_parameters, *of_time;  // null: nothing to be done
@@ -232,17 +284,47 @@ struct Pass {
   const std::vector<Edge>& edges;
   const LaneEvaluator::Points& points;
   int stride, order;
-  bool with_gradients;
+  Slopes slopes;
+  const int* limits;  // of series
   Lanes *slots, *adjoints, *gradients;
   bool is_finite;
 };
+
+// Coefficients of the gradient of equation i.
+template <class Order>
+void sweep_back(Pass& pass, std::size_t i, LaneMask& bad, Order K) {
+  const Tape& tape = pass.tape;
+  Lanes* const seed = pass.adjoints + tape.residuals[i] * pass.stride;
+  seed[0] = Lanes{} + 1.0;
+  for (int k = 1; k <= K; ++k) seed[k] = Lanes{};
+  const Edge* const first = pass.edges.data() + tape.first_edge[i];
+  const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
+  if (tape.has_choices) follow<true>(first, last, pass.slots, pass.adjoints, pass.stride, K);
+  else follow<false>(first, last, pass.slots, pass.adjoints, pass.stride, K);
+  for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
+    for (int k = 0; k <= K; ++k) {
+      const Lanes entry = pass.adjoints[tape.targets[e].slot * pass.stride + k];
+      note_not_finite(entry, bad);
+      pass.gradients[e * index(pass.order + 1) + index(k)] = entry;
+    }
+}
+
+void sweep_back_all(Pass& pass, LaneMask& bad) {
+  for (std::size_t i = 0; i < pass.tape.residuals.size(); ++i) {
+    switch (std::min(pass.order, pass.limits[i])) {
+      case 0: sweep_back(pass, i, bad, Fixed<0>()); break;
+      case 1: sweep_back(pass, i, bad, Fixed<1>()); break;
+      default: sweep_back(pass, i, bad, Fixed<2>());
+    }
+  }
+}
 
 template <class Order>
 void run(Pass& pass, Order K) {
   const Tape& tape = pass.tape;
   Lanes* const slots = pass.slots;
   LaneMask bad{};
-  if (pass.of_parameters != nullptr) execute_all<false>(*pass.of_parameters, slots, Fixed<0>());
+  if (pass.of_parameters != nullptr) execute_all<Slopes::none>(*pass.of_parameters, slots, Fixed<0>());
   if (pass.of_time != nullptr) {
     const Lanes& t = lanes(*pass.points.t);
     note_not_finite(t, bad);
@@ -250,7 +332,7 @@ void run(Pass& pass, Order K) {
       slots[tape.time * pass.stride] = t;
       if (K > 0) slots[tape.time * pass.stride + 1] = Lanes{} + 1.0;
     }
-    execute_all<false>(*pass.of_time, slots, K);
+    execute_all<Slopes::none>(*pass.of_time, slots, K);
   }
   for (const Tape::Leaf& leaf : tape.leaves)
     for (int k = 0; k <= K; ++k) {
@@ -263,11 +345,15 @@ void run(Pass& pass, Order K) {
     pass.is_finite = false;
     return;
   }
-  if (pass.with_gradients) execute_all<true>(pass.of_state, slots, K);
-  else execute_all<false>(pass.of_state, slots, K);
+  switch (pass.slopes) {
+    case Slopes::none: execute_all<Slopes::none>(pass.of_state, slots, K); break;
+    case Slopes::plain: execute_all<Slopes::plain>(pass.of_state, slots, K); break;
+    case Slopes::series: execute_all<Slopes::series>(pass.of_state, slots, K);
+  }
   for (const int slot : tape.residuals)
     for (int k = 0; k <= K; ++k) note_not_finite(slots[slot * pass.stride + k], bad);
-  if (pass.with_gradients) {
+  if (pass.slopes == Slopes::series) sweep_back_all(pass, bad);
+  if (pass.slopes == Slopes::plain) {
     for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
       pass.adjoints[tape.residuals[i]] = Lanes{} + 1.0;
       const Edge* const first = pass.edges.data() + tape.first_edge[i];
@@ -305,6 +391,16 @@ Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data
 }  // namespace
 
 bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {
+  return evaluate_all(source, points, order, with_gradients ? Gradients::plain : Gradients::none, nullptr);
+}
+
+bool LaneEvaluator::evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
+                                     const std::vector<int>& limits) {
+  return evaluate_all(source, points, order, Gradients::series, limits.data());
+}
+
+bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& points, int order, Gradients gradients,
+                                 const int* limits) {
   assert(order >= 0 && order <= highest_order);
   const QuietArithmetic quiet;
   if (order >= stride_) reserve(source, order);
@@ -318,7 +414,10 @@ bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points
             points,
             stride_,
             order,
-            with_gradients,
+            gradients == Gradients::none    ? Slopes::none
+            : gradients == Gradients::plain ? Slopes::plain
+                                            : Slopes::series,
+            limits,
             to_lanes(slots_),
             to_lanes(adjoints_),
             to_lanes(gradients_),
@@ -336,8 +435,8 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   const Tape& tape = source.tape();
   const int stride = order + 1;
   stride_ = 0;  // until there is memory for all
-  LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_slots) + 1),
-      gradients(tape.targets.size() + 1);
+  LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(slots.size()),
+      gradients(tape.targets.size() * index(stride) + 1);
   of_parameters_ = in_offsets(tape.of_parameters, stride);
   of_time_ = in_offsets(tape.of_time, stride);
   of_state_ = in_offsets(tape.of_state, stride);

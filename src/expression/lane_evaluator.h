@@ -1,5 +1,5 @@
 // Recorded equations at several points in one pass of their tape: values and Taylor coefficients, to the last bit those
-// of TaylorEvaluator, and gradients.
+// of TaylorEvaluator, and gradients, of which there may be coefficients, too.
 //
 // The tape and the parameters are those of a TaylorEvaluator; this is the memory that one thread needs beside.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -27,12 +27,21 @@ class LaneEvaluator {
   // whatever the reason; the TaylorEvaluator can tell which. F_x is for equations without x' alone.
   bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
 
+  // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: entries(), those of target e of the tape from
+  // e (order + 1) on; what lies beyond limits has no meaning. False: as above.
+  bool evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
+                        const std::vector<int>& limits);
+  const LaneBlock* entries() const { return gradients_.data(); }
+
   // Of equation i, coefficient after coefficient.
   const LaneBlock* value(int i) const { return slots_.data() + values_[index(i)]; }
   // Entries of F_x that can differ from zero, in the order of the targets of the tape.
   const LaneBlock* gradients() const { return gradients_.data(); }
 
  private:
+  enum class Gradients { none, plain, series };
+  bool evaluate_all(const TaylorEvaluator& source, const Points& points, int order, Gradients gradients,
+                    const int* limits);
   void reserve(const TaylorEvaluator& source, int order);
   bool parameters_are_new(const TaylorEvaluator& source);
 

@@ -60,6 +60,10 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
 // Lanes beyond those of the stages repeat the last one.
 PointStatus LocalStages::evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization,
                                   CallbackError& error) {
+  if (extension_.linearize_side_by_side(jets, s_, derivatives_)) {
+    for (int i = 0; i < s_; ++i) linearization.count_local();
+    return PointStatus::ok;
+  }
   derivatives_.resize(extension_.column().size());
   for (int i = 0; i < s_; ++i) {
     error = extension_.linearize(jets[index(i)]);

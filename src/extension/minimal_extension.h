@@ -83,6 +83,9 @@ class MinimalExtension {
 
   // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
   CallbackError linearize(const Jet& jet);
+  // The same along the first `count` jets at once; values: of all entries, not those of values(). False: as
+  // residuals_side_by_side().
+  bool linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values);
   // The system Jacobian, for anyone who evaluates it first.
   SystemJacobian& leading() { return leading_; }
   // Each value times 1 + size times a random number, until they are made anew.
@@ -96,6 +99,7 @@ class MinimalExtension {
   void note_parts();
   void make_pattern();
   CallbackError evaluate(const Jet& jet, int order);
+  bool load_lanes(const std::vector<Jet>& jets, int count);
   double value_of(int row) const;
 
   RecordedProblem& problem_;
@@ -115,7 +119,7 @@ class MinimalExtension {
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
   std::vector<double> F_;
-  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_;
+  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_, lanes_of_coefficients_;
 };
 
 }  // namespace sfdae::core

@@ -168,6 +168,20 @@ CallbackError RecordedProblem::gradient_entries(double t, const double* jet, int
                        [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, order, limits, values); });
 }
 
+bool RecordedProblem::gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
+                                                    const std::vector<int>& limits, LaneBlock* values) {
+  if (source_ || stop_is_requested()) return false;
+  LaneEvaluator::Points points{t, {}};
+  for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
+  if (!lanes_.evaluate_entries(evaluator_, points, order, limits)) {
+    ++failed_evaluations_;
+    return false;
+  }
+  linearizations_ += count;
+  std::copy_n(lanes_.entries(), evaluator_.tape().targets.size() * index(order + 1), values);
+  return true;
+}
+
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
 }

@@ -134,6 +134,9 @@ class RecordedProblem final : public NonlinearProblem {
   // See TaylorEvaluator::entries.
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
+  // As gradient_entries(), at `count` points; see residuals_side_by_side().
+  bool gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
+                                     const std::vector<int>& limits, LaneBlock* values);
   // evaluate: calls that function of the evaluator, whose answer it gives.
   template <class Evaluate>
   CallbackError gradients_for(double t, Evaluate evaluate) {

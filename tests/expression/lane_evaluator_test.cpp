@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -72,6 +73,26 @@ void expect_equal(const TaylorEvaluator& source, LaneEvaluator& lanes, const Jet
   }
 }
 
+// Coefficients of gradients, the last equation without those of the highest order.
+void expect_equal_entries(const TaylorEvaluator& source, LaneEvaluator& lanes, const Jets& jets, int order) {
+  const Tape& tape = source.tape();
+  TaylorEvaluator single = source;
+  std::vector<int> limits(size(source.record().m()), order);
+  limits.back() = std::max(order - 1, 0);
+  ASSERT_TRUE(lanes.evaluate_entries(source, jets.points(), order, limits));
+  for (int l = 0; l < lane_count; ++l) {
+    Numbers entries(tape.targets.size() * size(order + 1));
+    ASSERT_TRUE(single.entries(jets.t.lane[l], jets.jet(l).data(), order, limits, entries.data()))
+        << single.failure().message;
+    for (std::size_t i = 0; i < limits.size(); ++i)
+      for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
+        for (int k = 0; k <= limits[i]; ++k) {
+          const std::size_t place = e * size(order + 1) + size(k);
+          EXPECT_EQ(lanes.entries()[place].lane[l], entries[place]) << "equation " << i << ", coefficient " << k;
+        }
+  }
+}
+
 class EveryOperationInLanes : public testing::TestWithParam<Operator> {};
 
 // Near x = (0.7, 0.45), where all of them are smooth; three points, and their repetition.
@@ -83,8 +104,11 @@ TEST_P(EveryOperationInLanes, IsThatOfEachPoint) {
   for_each_instruction_set([&](InstructionSet) {
     LaneEvaluator lanes;
     for (int points : {1, 3, 8})
-      for (int order = 0; order < orders; ++order)
-        expect_equal(source, lanes, Jets({0.7, 0.45}, points, static_cast<std::uint64_t>(points)), order);
+      for (int order = 0; order < orders; ++order) {
+        const Jets jets({0.7, 0.45}, points, static_cast<std::uint64_t>(points));
+        expect_equal(source, lanes, jets, order);
+        expect_equal_entries(source, lanes, jets, order);
+      }
   });
 }
 
@@ -108,6 +132,7 @@ TEST(LaneEvaluator, TakesDerivativesOfUnknowns) {
         for (int i = 0; i < 2; ++i)
           for (int k = 0; k <= order; ++k) EXPECT_EQ(lanes.value(i)[k].lane[l], F[size(i + 2 * k)]) << order;
       }
+      expect_equal_entries(source, lanes, jets, order);
     }
   });
 }
@@ -122,6 +147,7 @@ TEST(LaneEvaluator, HasBranchesOfEachPoint) {
   for_each_instruction_set([&](InstructionSet) {
     LaneEvaluator lanes;
     expect_equal(source, lanes, jets, 0);
+    for (int order = 0; order < orders; ++order) expect_equal_entries(source, lanes, jets, order);
   });
 }
 
