@@ -32,7 +32,7 @@ bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
          RecordedElimination::Choice::made;
 }
 
-// Those that the linearization has, which are archived.
+// Those that the linearization has, which are archived, or by its values.
 bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
   const StateChoice& choice = linearization.choice();
   if (entries_of_ != linearization.number()) {
@@ -51,8 +51,15 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
   }
   if (pivots_of_ == linearization.number()) return true;
   const RecordedElimination* known = linearization.held().elimination();
-  if (known == nullptr) return false;
-  elimination_ = *known;
+  pivots_of_ = -1;
+  if (known != nullptr) {
+    elimination_ = *known;
+  } else {
+    choice.assemble(choice.layout(true), linearization.derivatives(), 0.0, values_of_stage_);
+    if (elimination_.choose(choice.layout(true).pattern, values_of_stage_.data()) !=
+        RecordedElimination::Choice::made)
+      return false;
+  }
   pivots_of_ = linearization.number();
   return true;
 }

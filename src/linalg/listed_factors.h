@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 class ListedFactors {
  public:
-  // Larger matrices are faster with other methods, and take a full matrix of numbers while pivots are chosen.
-  static constexpr int largest_size = 300;
+  // Of larger ones the search for pivots takes longer than what is saved: Stokes's equations in 239 unknowns.
+  static constexpr int largest_size = 200;
 
   // As at first: another pattern may follow.
   void reset() {
@@ -41,6 +41,7 @@ class ListedFactors {
   double reciprocal_condition(const double* values) const {
     return elimination_.reciprocal_condition(values, factors_.data());
   }
+  Determinant<double> determinant() const { return elimination_.determinant(factors_.data()); }
   const RecordedElimination& elimination() const { return elimination_; }
   // Without the factors: those of the same values are the same in every bit.
   void archive(const SparsePattern& pattern, Archive& archive) {

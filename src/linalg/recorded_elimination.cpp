@@ -25,8 +25,8 @@ constexpr double largest_number = std::numeric_limits<double>::max();
 constexpr int largest_exponent = 400;
 // Among rows with fewest entries, as Zlatev has it [DER86, 7.2].
 constexpr std::size_t rows_searched = 4;
-// KLU is faster with more. Chosen, not measured.
-constexpr std::size_t most_updates_for_a_row = 50;
+// KLU is faster with more. Chosen: matrices of mechanisms and circuits have 2 to 11 (docs/decisions/69-listed-step-matrices.md).
+constexpr std::size_t most_updates_for_a_row = 20, few_updates = 1000;
 // Relative times; see docs/decisions/69-listed-step-matrices.md.
 constexpr double time_of_pivot = 6.0, time_of_entry = 1.5, time_of_update = 1.0, time_of_unknown = 4.0;
 
@@ -144,6 +144,9 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
     list_.row_scale.push_back(times_power_of_two(1.0, row_exponent_[index(list_.row[index(k)])]));
     list_.column_scale.push_back(times_power_of_two(1.0, column_exponent_[index(list_.column[index(k)])]));
   }
+  std::vector<int> column_of_row(index(n));
+  for (int k = 0; k < n; ++k) column_of_row[index(list_.row[index(k)])] = list_.column[index(k)];
+  is_odd_ = is_odd(column_of_row.data(), n);
   list_.size = n;
   list_.slots = static_cast<int>(search.value.size());
   work_.assign(index(list_.size) + 1, 0.0);
@@ -152,7 +155,7 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
 
 // A = L U with ones on the diagonal of U.
 RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivots pivots) {
-  const std::size_t n = search.rows.size();
+  const std::size_t n = search.rows.size(), most = std::max(most_updates_for_a_row * n, few_updates);
   list_.row.resize(n);
   list_.column.resize(n);
   list_.pivot.clear();
@@ -170,7 +173,7 @@ RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivot
     const int slot = search.slot(list_.row[k], list_.column[k]);
     if (slot < 0) return Choice::singular;
     const auto [row, column] = search.take({list_.row[k], list_.column[k]});
-    if (list_.updates.size() + row.size() * column.size() > most_updates_for_a_row * n) return Choice::too_long;
+    if (list_.updates.size() + row.size() * column.size() > most) return Choice::too_long;
     list_.pivot.push_back(slot);
     place_of_row[index(list_.row[k])] = place_of_column[index(list_.column[k])] = static_cast<int>(k);
     for (int i : column) list_.lower.push_back({search.slot(i, list_.column[k]), i});
@@ -265,6 +268,15 @@ double RecordedElimination::reciprocal_condition(const double* values, const dou
   const double inverse_norm = estimate_inverse_norm<double>(
       list_.size, [&](double* x) { substitute(factors, x); }, [&](double* x) { substitute_transposed(factors, x); });
   return inverse_norm > 0.0 ? 1.0 / *std::max_element(sums.begin(), sums.end()) / inverse_norm : 0.0;
+}
+
+Determinant<double> RecordedElimination::determinant(const double* factors) const {
+  Determinant<double> determinant;
+  for (int slot : list_.pivot) determinant.multiply(1.0 / factors[slot]);
+  determinant.change_sign_if(is_odd_);
+  for (const std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
+    for (int exponent : *exponents) determinant.log2 -= exponent;
+  return determinant;
 }
 
 bool RecordedElimination::are_pivots_sound(const SparsePattern& pattern) const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "linalg/determinant.h"
 #include "linalg/equilibration.h"
 #include "linalg/lanes.h"
 #include "linalg/sparse_pattern.h"
@@ -37,6 +38,8 @@ class RecordedElimination {
   void solve(const double* factors, double* b);
   // As SparseLu::reciprocal_condition(), of the scaled matrix; values: those factored.
   double reciprocal_condition(const double* values, const double* factors) const;
+  // Of the matrix, not of the scaled one.
+  Determinant<double> determinant(const double* factors) const;
   // The pivots, if there are any. Reading throws DamagedArchive.
   void archive(const SparsePattern& pattern, Archive& archive);
 
@@ -78,6 +81,7 @@ class RecordedElimination {
   void substitute_transposed(const double* factors, double* y) const;
 
   List list_;
+  bool is_odd_ = false;                              // what takes the rows of pivots to their columns
   std::vector<int> column_of_entry_;                 // of the pattern
   std::vector<int> row_exponent_, column_exponent_;  // of the scales
   Equilibration equilibration_;
