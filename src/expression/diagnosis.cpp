@@ -40,6 +40,8 @@ class Search {
       const int k = first_bad_order(slots_[tape_.slot_of[index(i)]], order_);
       if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
     }
+    // The tape itself does not keep them.
+    Tape(record_, &slopes_);
     for (int i : nodes)
       if (record_.is_active(i) && !has_slopes(i)) return not_smooth(i, 1);
     return {Kind::not_finite, failed_.equation, "", "overflow" + in_equation()};
@@ -50,8 +52,8 @@ class Search {
     const auto is_good = [&](int slot) {
       return slot < 0 || first_bad_order(slots_[slot], failed_.order_of_gradients) < 0;
     };
-    const int p = tape_.p_of[index(i)];
-    if (record_.node(i).operation != Operation::function) return is_good(p) && is_good(tape_.q_of[index(i)]);
+    const int p = slopes_.p[index(i)];
+    if (record_.node(i).operation != Operation::function) return is_good(p) && is_good(slopes_.q[index(i)]);
     for (int k = 0; k < record_.operands(i).size(); ++k)
       if (!is_good(p + k)) return false;
     return true;
@@ -156,6 +158,7 @@ class Search {
   Slots slots_;
   FailedEquation failed_;
   int order_;
+  SlopeSlots slopes_;
 };
 
 }  // namespace

@@ -233,8 +233,9 @@ void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjo
 // As follow() of edges.h.
 template <class Order>
 void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* handed, Order K) {
+  std::copy_n(from, K + 1, handed);
   switch (edge.code) {
-    case EdgeCode::pass: std::copy_n(from, K + 1, handed); return;
+    case EdgeCode::pass: return;
     case EdgeCode::negate:
       for (int k = 0; k <= K; ++k) handed[k] = -from[k];
       return;
@@ -294,9 +295,8 @@ struct Pass {
 template <class Order>
 void sweep_back(Pass& pass, std::size_t i, LaneMask& bad, Order K) {
   const Tape& tape = pass.tape;
-  Lanes* const seed = pass.adjoints + tape.residuals[i] * pass.stride;
-  seed[0] = Lanes{} + 1.0;
-  for (int k = 1; k <= K; ++k) seed[k] = Lanes{};
+  pass.adjoints[0] = Lanes{} + 1.0;
+  for (int k = 1; k <= K; ++k) pass.adjoints[k] = Lanes{};
   const Edge* const first = pass.edges.data() + tape.first_edge[i];
   const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
   if (tape.has_choices) follow<true>(first, last, pass.slots, pass.adjoints, pass.stride, K);
@@ -355,7 +355,7 @@ void run(Pass& pass, Order K) {
   if (pass.slopes == Slopes::series) sweep_back_all(pass, bad);
   if (pass.slopes == Slopes::plain) {
     for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
-      pass.adjoints[tape.residuals[i]] = Lanes{} + 1.0;
+      pass.adjoints[0] = Lanes{} + 1.0;
       const Edge* const first = pass.edges.data() + tape.first_edge[i];
       const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
       if (tape.has_choices) follow<true>(first, last, slots, pass.adjoints);
@@ -435,7 +435,7 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   const Tape& tape = source.tape();
   const int stride = order + 1;
   stride_ = 0;  // until there is memory for all
-  LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(slots.size()),
+  LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_adjoints) * index(stride)),
       gradients(tape.targets.size() * index(stride) + 1);
   of_parameters_ = in_offsets(tape.of_parameters, stride);
   of_time_ = in_offsets(tape.of_time, stride);

@@ -116,11 +116,12 @@ std::vector<Instruction> in_runs(std::vector<Instruction> instructions, int num_
 
 class Builder {
  public:
-  Builder(const Record& record, Tape& tape) : record_(record), tape_(tape) {}
+  Builder(const Record& record, Tape& tape, SlopeSlots& slopes)
+      : record_(record), tape_(tape), p_of_(slopes.p), q_of_(slopes.q) {}
 
   void build() {
     const std::vector<bool> live = live_nodes(record_);
-    for (auto* list : {&tape_.slot_of, &tape_.p_of, &tape_.q_of}) list->assign(index(record_.num_nodes()), -1);
+    for (auto* list : {&tape_.slot_of, &p_of_, &q_of_}) list->assign(index(record_.num_nodes()), -1);
     partner_.assign(index(record_.num_nodes()), -1);
     for (int i = 0; i < record_.num_nodes(); ++i) {
       if (!live[index(i)]) continue;
@@ -130,6 +131,7 @@ class Builder {
     }
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
     touched_.assign(index(tape_.num_slots), -1);
+    adjoint_of_.assign(index(tape_.num_slots), -1);
     BackwardWalk backward(record_);
     for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
     tape_.first_edge.push_back(tape_.edges.size());
@@ -178,11 +180,11 @@ class Builder {
     if (has_second_slope(instruction.code)) instruction.q = tape_.num_slots++;
     if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
     tape_.slot_of[index(i)] = instruction.v;
-    tape_.p_of[index(i)] = instruction.p;
-    tape_.q_of[index(i)] = instruction.q;
+    p_of_[index(i)] = instruction.p;
+    q_of_[index(i)] = instruction.q;
     if (node.operation == Operation::cos || node.operation == Operation::cosh) {
       tape_.slot_of[index(i)] = instruction.p;
-      tape_.p_of[index(i)] = instruction.v;
+      p_of_[index(i)] = instruction.v;
     }
     section(i).push_back(instruction);
   }
@@ -198,7 +200,7 @@ class Builder {
     if (k > 1)
       for (int argument : call.arguments) section(i).push_back({Code::copy, tape_.num_slots++, slot(argument)});
     instruction.v = tape_.slot_of[index(i)] = tape_.num_slots++;
-    instruction.p = tape_.p_of[index(i)] = tape_.num_slots;
+    instruction.p = p_of_[index(i)] = tape_.num_slots;
     tape_.num_slots += k;
     section(i).push_back(instruction);
   }
@@ -212,8 +214,8 @@ class Builder {
       partner = i;
       return false;
     }
-    tape_.slot_of[index(i)] = tape_.p_of[index(partner)];
-    tape_.p_of[index(i)] = tape_.slot_of[index(partner)];
+    tape_.slot_of[index(i)] = p_of_[index(partner)];
+    p_of_[index(i)] = tape_.slot_of[index(partner)];
     return true;
   }
 
@@ -234,19 +236,21 @@ class Builder {
     tape_.first_edge.push_back(tape_.edges.size());
     tape_.first_target.push_back(tape_.targets.size());
     equation_ = equation;
-    if (!adjoints.empty()) touched_[index(slot(adjoints.front().node))] = equation;
+    num_adjoints_ = 0;
+    if (!adjoints.empty()) touch(slot(adjoints.front().node));
     for (const Adjoint& adjoint : adjoints) {
       const Node& node = record_.node(adjoint.node);
       from_number_ = !varies_in_time(adjoint.dependence);
       if (is_leaf(node.operation))
-        tape_.targets.push_back({slot(adjoint.node), node.a, node.operation == Operation::derivative});
+        tape_.targets.push_back(
+            {adjoint_of_[index(slot(adjoint.node))], node.a, node.operation == Operation::derivative});
       else add_edges_of(adjoint.node);
     }
   }
 
   void add_edges_of(int i) {
     const Node& node = record_.node(i);
-    const int p = tape_.p_of[index(i)], q = tape_.q_of[index(i)];
+    const int p = p_of_[index(i)], q = q_of_[index(i)];
     switch (node.operation) {
       case Operation::negate: return add_edge(EdgeCode::negate, i, node.a, -1);
       case Operation::add: add_edge(EdgeCode::pass, i, node.a, -1); return add_edge(EdgeCode::pass, i, node.b, -1);
@@ -282,21 +286,35 @@ class Builder {
 
   void add_edge(EdgeCode code, int from, int to, int factor) {
     if (!record_.is_active(to)) return;
-    const bool is_first = touched_[index(slot(to))] != equation_;
-    touched_[index(slot(to))] = equation_;
-    tape_.edges.push_back({code, is_first, from_number_, slot(from), slot(to), std::max(factor, 0)});
+    const bool is_first = touch(slot(to));
+    tape_.edges.push_back({code, is_first, from_number_, adjoint_of_[index(slot(from))], adjoint_of_[index(slot(to))],
+                           std::max(factor, 0)});
+  }
+
+  // False: it has an adjoint in this equation already.
+  bool touch(int slot) {
+    if (touched_[index(slot)] == equation_) return false;
+    touched_[index(slot)] = equation_;
+    adjoint_of_[index(slot)] = num_adjoints_++;
+    tape_.num_adjoints = std::max(tape_.num_adjoints, num_adjoints_);
+    return true;
   }
 
   const Record& record_;
   Tape& tape_;
+  std::vector<int>&p_of_, &q_of_;
   std::vector<int> partner_, hyperbolic_partner_;
-  std::vector<int> touched_;  // slots, by which equation
+  std::vector<int> touched_, adjoint_of_;  // slots: by which equation, and the number of its adjoint there
+  int num_adjoints_ = 0;
   int equation_ = 0;
   bool from_number_ = false;
 };
 
 }  // namespace
 
-Tape::Tape(const Record& record) { Builder(record, *this).build(); }
+Tape::Tape(const Record& record, SlopeSlots* slopes) {
+  SlopeSlots own;
+  Builder(record, *this, slopes != nullptr ? *slopes : own).build();
+}
 
 }  // namespace sfdae::core

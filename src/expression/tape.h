@@ -61,7 +61,8 @@ enum class EdgeCode : std::uint8_t {
 // The instruction that computes an operation (which is no leaf): without regard to what kind of operands it has.
 Code code_of(Operation operation);
 
-// How a derivative is handed from a value to one of its operands.
+// How a derivative is handed from a value to one of its operands. Adjoints are numbered within each equation, that of the residual is
+// the first.
 struct Edge {
   EdgeCode code;
   bool is_first;     // = instead of +=
@@ -70,8 +71,14 @@ struct Edge {
   int factor;  // slot, 0 if there is none
 };
 
+// The slots p and q of the instructions of all nodes, or -1.
+struct SlopeSlots {
+  std::vector<int> p, q;
+};
+
 struct Tape {
-  explicit Tape(const Record& record);
+  // slopes: filled in where they are wanted.
+  explicit Tape(const Record& record, SlopeSlots* slopes = nullptr);
 
   struct Number {
     int slot, index;  // of a constant or a parameter
@@ -94,11 +101,11 @@ struct Tape {
   // Equation i: its edges and the leaves that they lead to are those from first[i] to first[i + 1].
   std::vector<Edge> edges;
   std::vector<std::size_t> first_edge;
-  std::vector<Leaf> targets;
+  int num_adjoints = 1;       // of the equation that has most of them
+  std::vector<Leaf> targets;  // slot: the number of the adjoint
   std::vector<std::size_t> first_target;
 
-  // By node: slot, or -1, and its instruction's slots p and q.
-  std::vector<int> slot_of, p_of, q_of;
+  std::vector<int> slot_of;  // by node; -1: none
 };
 
 }  // namespace sfdae::core

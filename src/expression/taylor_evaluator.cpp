@@ -134,7 +134,8 @@ bool TaylorEvaluator::entries(double t, const double* jet, int order, const std:
 void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
   const int stride = order + 1;
-  std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0), adjoints(slots);
+  std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0),
+      adjoints(index(tape_.num_adjoints) * index(stride), 0.0);
   if (stride > 1)
     program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
                 in_offsets(tape_.of_state, stride), in_offsets(tape_.edges, stride)};
@@ -239,9 +240,8 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
 template <class Order>
 void TaylorEvaluator::sweep_back(int equation, Order order) {
   double* const adjoints = adjoints_.data();
-  double* const seed = adjoints + index(tape_.residuals[index(equation)]) * index(stride_);
-  for (int k = 0; k <= order; ++k) seed[k] = 0.0;
-  seed[0] = 1.0;
+  for (int k = 1; k <= order; ++k) adjoints[k] = 0.0;
+  adjoints[0] = 1.0;
   const Edge* const edges = stride_ == 1 ? tape_.edges.data() : program_.edges.data();
   const Edge* const first = edges + tape_.first_edge[index(equation)];
   const Edge* const last = edges + tape_.first_edge[index(equation + 1)];

@@ -14,19 +14,19 @@ namespace {
 
 // Flags of the targets of a tape: the derivative is the same everywhere.
 std::vector<char> constant_targets(const Tape& tape, const Record& record) {
-  std::vector<char> is_constant(tape.targets.size(), 0), of_slot(index(tape.num_slots), 1);
+  std::vector<char> is_constant(tape.targets.size(), 0), of_adjoint(index(tape.num_adjoints), 1);
   for (int i = 0; i < record.m(); ++i) {
-    of_slot[index(tape.residuals[index(i)])] = 1;
+    of_adjoint[0] = 1;
     for (std::size_t e = tape.first_edge[index(i)]; e < tape.first_edge[index(i + 1)]; ++e) {
       const Edge& edge = tape.edges[e];
       const bool is_factor_constant =
           edge.code == EdgeCode::pass || edge.code == EdgeCode::negate || edge.code == EdgeCode::scale;
-      const bool is_same = is_factor_constant && of_slot[index(edge.from)] != 0;
-      char& to = of_slot[index(edge.to)];
+      const bool is_same = is_factor_constant && of_adjoint[index(edge.from)] != 0;
+      char& to = of_adjoint[index(edge.to)];
       to = is_same && (edge.is_first || to != 0) ? 1 : 0;
     }
     for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e)
-      is_constant[e] = of_slot[index(tape.targets[e].slot)];
+      is_constant[e] = of_adjoint[index(tape.targets[e].slot)];
   }
   return is_constant;
 }
@@ -61,8 +61,8 @@ void BlockDeterminants::add(int number, BlockEntries& of_blocks) {
   of_blocks.for_each(number, [&](int row, int column, int e) { columns[index(column)].emplace_back(row, e); });
   const SparsePattern pattern = pattern_of(columns, block.entries);
   if (pattern.size > largest_small_determinant) {
-    block.lu = std::make_unique<SparseLu<double>>();
-    block.lu->analyze(pattern);
+    block.list = std::make_unique<ListedFactors>();
+    block.pattern = pattern;
   } else {
     for (std::size_t column = 0; column < columns.size(); ++column)
       for (const auto& [row, e] : columns[column])
@@ -71,14 +71,28 @@ void BlockDeterminants::add(int number, BlockEntries& of_blocks) {
   blocks_.push_back(std::move(block));
 }
 
-BlockDeterminants::Value BlockDeterminants::value(const Block& block) {
+bool BlockDeterminants::find_determinant(Block& block, const std::vector<double>& values,
+                                         Determinant<double>& determinant) {
+  if (block.list->factor(block.pattern, values.data())) {
+    determinant = block.list->determinant();
+    return true;
+  }
+  if (!block.lu) {
+    block.lu = std::make_unique<SparseLu<double>>();
+    block.lu->analyze(block.pattern);
+  }
+  if (!block.lu->factor(values.data())) return false;
+  determinant = block.lu->determinant();
+  return true;
+}
+
+BlockDeterminants::Value BlockDeterminants::value(Block& block) {
   const std::vector<double>& entries = jacobian_.values();
   Determinant<double> determinant;
-  if (block.lu) {
+  if (block.list) {
     values_.clear();
     for (int entry : block.entries) values_.push_back(entries[index(entry)]);
-    if (!block.lu->factor(values_.data())) return {};
-    determinant = block.lu->determinant();
+    if (!find_determinant(block, values_, determinant)) return {};
   } else {
     const int equations = size(block);
     values_.assign(index(equations) * index(equations), 0.0);
@@ -93,7 +107,7 @@ bool BlockDeterminants::measure(double t, const double* jet, std::vector<Value>&
   values.clear();
   if (blocks_.empty()) return true;
   if (!jacobian_.evaluate(evaluator_, t, jet)) return false;
-  for (const Block& block : blocks_) values.push_back(value(block));
+  for (Block& block : blocks_) values.push_back(value(block));
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
+#include "linalg/listed_factors.h"
 #include "linalg/sparse_lu.h"
 #include "structure/structure.h"
 #include "structure/system_jacobian.h"
@@ -39,13 +40,17 @@ class BlockDeterminants {
  private:
   struct Block {
     int number;
-    std::vector<int> entries;              // of the system Jacobian, by columns of the block
-    std::vector<int> places;               // of small blocks: of these in a full matrix
-    std::unique_ptr<SparseLu<double>> lu;  // of others
+    std::vector<int> entries;  // of the system Jacobian, by columns of the block
+    std::vector<int> places;   // of small blocks: of these in a full matrix
+    // Of others; factors where the list does not serve, ordered when they are needed first.
+    SparsePattern pattern;
+    std::unique_ptr<ListedFactors> list;
+    std::unique_ptr<SparseLu<double>> lu;
   };
   int size(const Block& block) const { return static_cast<int>(structure_.blocks.equations(block.number).size()); }
   void add(int number, BlockEntries& of_blocks);
-  Value value(const Block& block);
+  Value value(Block& block);
+  static bool find_determinant(Block& block, const std::vector<double>& values, Determinant<double>& determinant);
 
   const Structure& structure_;
   TaylorEvaluator& evaluator_;
