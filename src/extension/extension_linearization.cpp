@@ -33,7 +33,6 @@ constexpr double few_roundings = 4.0;
 
 PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& error) {
   is_usable_ = false;
-  ++number_;
   step_.forget();
   held_.forget();
   for (auto& pair : pairs_) pair.forget();
@@ -189,6 +188,7 @@ bool ExtensionLinearization::choose_states() {
 void ExtensionLinearization::set_states(std::vector<int> states) {
   ++choices_;
   if (choices_ > 1 && states == choice_.states()) return;
+  ++choice_number_;
   choice_.set(extension_, std::move(states));
   held_.set_choice();
   step_.set_choice();

@@ -36,8 +36,7 @@ class ExtensionLinearization {
   void forget() { is_usable_ = false; }
   bool is_usable() const { return is_usable_; }
   const Jet& origin() const { return origin_; }
-  // Of linearizations so far, and the derivatives at the origin.
-  long number() const { return number_; }
+  // At the origin.
   ExtensionDerivatives derivatives() const { return {extension_, values_}; }
   // Another one and its factors, made elsewhere.
   void count_local() {
@@ -48,6 +47,8 @@ class ExtensionLinearization {
   // slots.
   bool states_serve(ConstView tangents) const;
   const StateChoice& choice() const { return choice_; }
+  // Changes whenever the states do.
+  long choice_number() const { return choice_number_; }
   // Reading: after restore(), the factored matrices. False: they cannot have been.
   bool archive_matrices(Archive& archive);
   // The matrix with the states held.
@@ -116,7 +117,7 @@ class ExtensionLinearization {
   SystemCounts& counts_;
   Jet origin_;
   bool is_usable_ = false;
-  long choices_ = 0, number_ = 0;
+  long choices_ = 0, choice_number_ = 0;
   // By how many of their sizes the other unknowns x_j change if the states do by theirs.
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x

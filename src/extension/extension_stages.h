@@ -32,6 +32,10 @@ class ExtensionStages {
   PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
   bool may_linearize_each(int s) const { return local_.is_of_use(s); }
+  // What stages depend on besides the linearization; see LocalStages.
+  void archive(Archive& archive, const ExtensionLinearization& linearization) {
+    local_.archive(archive, linearization);
+  }
   // At the end of the step, of the stages linearized one by one: see LocalStages.
   ConstView end_tangents() const { return local_.end_tangents(); }
   const Jet& middle() const { return starts_[index(s_ / 2)]; }

@@ -419,6 +419,7 @@ void ExtensionSystem::archive(Archive& archive) {
   if (!archive.is_reading()) {
     linearization_.archive_lists(archive);
     linearization_.archive_matrices(archive);
+    stages_.archive(archive, linearization_);
     return;
   }
   if (values.d != differential() || values.a != unknowns() - values.d) throw DamagedArchive();
@@ -432,6 +433,7 @@ void ExtensionSystem::archive(Archive& archive) {
   unjudged_ = unjudged;
   if (linearization_.restore(origin, states, archive, callback_error_) != PointStatus::ok) throw DamagedArchive();
   if (!linearization_.archive_matrices(archive)) throw DamagedArchive();
+  stages_.archive(archive, linearization_);
   if (!is_usable) linearization_.forget();
 }
 

@@ -25,43 +25,47 @@ bool LocalStages::is_of_use(int s) const {
 
 // By the values of that stage.
 bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
-  pivots_of_ = -1;
   values_of_stage_.clear();
   for (const LaneBlock& value : values_) values_of_stage_.push_back(value.lane[stage]);
   return elimination_.choose(choice.layout(true).pattern, values_of_stage_.data()) ==
          RecordedElimination::Choice::made;
 }
 
-// Those that the linearization has, which are archived, or by its values.
-bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
+// Other states have other matrices.
+void LocalStages::note_choice(const ExtensionLinearization& linearization) {
+  if (choice_ == linearization.choice_number()) return;
+  choice_ = linearization.choice_number();
+  elimination_.forget();
   const StateChoice& choice = linearization.choice();
-  if (entries_of_ != linearization.number()) {
-    slope_slots_.clear();
-    held_entries_.clear();
-    for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
-    for (int row = 0; row < q_; ++row)
-      for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
-        const int column = extension_.column()[index(e)];
-        if (!choice.is_held(column)) continue;
-        const auto state =
-            std::find(choice.states().begin(), choice.states().end(), extension_.columns()[index(column)].unknown);
-        held_entries_.push_back({row, static_cast<int>(state - choice.states().begin()), index(e)});
-      }
-    entries_of_ = linearization.number();
-  }
-  if (pivots_of_ == linearization.number()) return true;
-  const RecordedElimination* known = linearization.held().elimination();
-  pivots_of_ = -1;
-  if (known != nullptr) {
+  slope_slots_.clear();
+  held_entries_.clear();
+  for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
+  for (int row = 0; row < extension_.num_rows(); ++row)
+    for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
+      const int column = extension_.column()[index(e)];
+      if (!choice.is_held(column)) continue;
+      const auto state =
+          std::find(choice.states().begin(), choice.states().end(), extension_.columns()[index(column)].unknown);
+      held_entries_.push_back({row, static_cast<int>(state - choice.states().begin()), index(e)});
+    }
+}
+
+// Those of an earlier step, or of the linearization, or by its values.
+bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
+  note_choice(linearization);
+  if (elimination_.has_pivots()) return true;
+  if (const RecordedElimination* known = linearization.held().elimination()) {
     elimination_ = *known;
-  } else {
-    choice.assemble(choice.layout(true), linearization.derivatives(), 0.0, values_of_stage_);
-    if (elimination_.choose(choice.layout(true).pattern, values_of_stage_.data()) !=
-        RecordedElimination::Choice::made)
-      return false;
+    return true;
   }
-  pivots_of_ = linearization.number();
-  return true;
+  const StateChoice::Layout& layout = linearization.choice().layout(true);
+  linearization.choice().assemble(layout, linearization.derivatives(), 0.0, values_of_stage_);
+  return elimination_.choose(layout.pattern, values_of_stage_.data()) == RecordedElimination::Choice::made;
+}
+
+void LocalStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
+  if (archive.is_reading() || choice_ != linearization.choice_number()) note_choice(linearization);
+  elimination_.archive(linearization.choice().layout(true).pattern, archive);
 }
 
 // Lanes beyond those of the stages repeat the last one.
@@ -93,7 +97,7 @@ void LocalStages::assemble(const StateChoice& choice) {
   }
 }
 
-// Where pivots do not suit a stage, with those of that stage, for this step alone.
+// Where pivots do not suit a stage, with those of that stage.
 bool LocalStages::factor(const StateChoice& choice) {
   assemble(choice);
   for (int choices = 0; choices <= most_choices; ++choices) {

@@ -33,6 +33,8 @@ class LocalStages {
   // At the jets of all stages, with the states of `linearization`. Not ok: the error, or `singular`.
   PointStatus linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                         ExtensionLinearization& linearization, CallbackError& error);
+  // The pivots, which outlive steps. Reading: after the states of the linearization have been set.
+  void archive(Archive& archive, const ExtensionLinearization& linearization);
   // r: residuals times -1 by rows, a column for each stage; becomes the changes by slots, those of x_j in place of x_j' of the
   // states.
   void solve(View r);
@@ -41,6 +43,7 @@ class LocalStages {
 
  private:
   bool choose_pivots(const StateChoice& choice, int stage);
+  void note_choice(const ExtensionLinearization& linearization);
   bool take_pivots(const ExtensionLinearization& linearization);
   PointStatus evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization, CallbackError& error);
   void assemble(const StateChoice& choice);
@@ -58,8 +61,7 @@ class LocalStages {
   MinimalExtension& extension_;
   int s_ = 0, q_ = 0, d_ = 0;
   RecordedElimination elimination_;
-  long pivots_of_ = -1;  // the number of the linearization whose pivots they are
-  long entries_of_ = -1;
+  long choice_ = -1;  // of states, whose pivots and slots are known
   std::vector<int> slope_slots_;
   std::vector<HeldEntry> held_entries_;
   // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of right-hand sides.

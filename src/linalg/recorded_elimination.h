@@ -43,7 +43,8 @@ class RecordedElimination {
   // The pivots, if there are any. Reading throws DamagedArchive.
   void archive(const SparsePattern& pattern, Archive& archive);
 
-  // As factor(), of the matrices of eight points side by side. -1, or the first lane that refuses a pivot.
+  // As factor(), of the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane that refuses
+  // one.
   int factor_lanes(const LaneBlock* values, LaneBlock* factors) const;
   void solve_lanes(const LaneBlock* factors, LaneBlock* b);
 

@@ -12,6 +12,10 @@ namespace {
 
 using List = RecordedElimination::List;
 
+// Pivots of all points: one that is good for each may not exist. What is solved is iterated, with residuals of the equations
+// themselves, so that rounding errors may grow.
+constexpr double least_part_of_row = 1e-4;
+
 struct FactorWork {
   const List& list;
   const RecordedElimination::PivotBounds& bounds;
@@ -36,7 +40,7 @@ void factor_all(FactorWork& work) {
     }
     const Lanes size = pivot < 0.0 ? -pivot : pivot;
     const LaneMask serves =
-        (size > work.bounds.least) & (size >= work.bounds.least_of_row * largest) & (size <= work.bounds.largest);
+        (size > work.bounds.least) & (size >= least_part_of_row * largest) & (size <= work.bounds.largest);
     work.refused = ~serves;
     if (any(work.refused)) return;
     pivot = 1.0 / pivot;
