@@ -24,6 +24,9 @@ constexpr double step_tolerance = 0.03;
 // Where stages are linearized one by one, the linearization tells about rounding errors and the states alone
 // (docs/decisions/62-stages-with-few-states.md).
 constexpr int points_between_renewals = 4;
+// Where these do not converge one linearization for all stages hardly does, as a rule: a shorter step is tried first
+// (docs/decisions/69-listed-step-matrices.md).
+constexpr int failures_of_local_stages = 2;
 
 }  // namespace
 
@@ -273,10 +276,12 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
     PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
     if (status == PointStatus::ok) {
+      failures_in_row_ = 0;
       take_stages(x, w);
       return review_local();
     }
     if (is_hopeless(status)) return status;
+    if (status == PointStatus::not_converged && ++failures_in_row_ < failures_of_local_stages) return status;
   }
   const auto iterate = [&] {
     return iterate_with_renewal(
@@ -288,6 +293,7 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
     status = iterate();
   }
   if (status != PointStatus::ok) return status;
+  failures_in_row_ = 0;
   take_stages(x, w);
   return review();
 }
@@ -403,7 +409,7 @@ void ExtensionSystem::archive(Archive& archive) {
   if (!archive.is_reading()) archive_structure(extension_.structure(), archive);
   CharacteristicValues& values = analysis_.values;
   bool is_usable = linearization_.is_usable();
-  archive.small(values.mu, values.d, values.a, unjudged_, is_usable);
+  archive.small(values.mu, values.d, values.a, unjudged_, is_usable, failures_in_row_);
   archive.real(analysis_.t);
   iteration_.archive(archive);
   linearization_.archive_choice(archive);

@@ -121,7 +121,8 @@ class ExtensionSystem final : public DaeSystem {
   Jet jet_, start_;
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
-  int unjudged_ = 0;  // points since the structure was judged
+  int unjudged_ = 0;         // points since the structure was judged
+  int failures_in_row_ = 0;  // of stages linearized one by one, which did not converge
   // The stages that have been solved were linearized one by one, and the last one is the current point.
   bool has_end_tangents_ = false;
 };
