@@ -3,6 +3,7 @@
 #include "extension/local_stages.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -34,7 +35,7 @@ bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
 // Other states have other matrices.
 void LocalStages::note_choice(const ExtensionLinearization& linearization) {
   if (choice_ == linearization.choice_number()) return;
-  choice_ = linearization.choice_number();
+  choice_ = -1;  // until there is memory for all
   elimination_.forget();
   const StateChoice& choice = linearization.choice();
   slope_slots_.clear();
@@ -48,6 +49,7 @@ void LocalStages::note_choice(const ExtensionLinearization& linearization) {
           std::find(choice.states().begin(), choice.states().end(), extension_.columns()[index(column)].unknown);
       held_entries_.push_back({row, static_cast<int>(state - choice.states().begin()), index(e)});
     }
+  choice_ = linearization.choice_number();
 }
 
 // Those of an earlier step, or of the linearization, or by its values.
@@ -55,7 +57,8 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
   note_choice(linearization);
   if (elimination_.has_pivots()) return true;
   if (const RecordedElimination* known = linearization.held().elimination()) {
-    elimination_ = *known;
+    RecordedElimination copy = *known;
+    elimination_ = std::move(copy);
     return true;
   }
   const StateChoice::Layout& layout = linearization.choice().layout(true);

@@ -20,10 +20,12 @@ void BdfHistory::reserve_x() {
 // w_[i] is there already.
 void BdfHistory::set_x(int i, const double* x) {
   const std::vector<double>& w = w_[index(i)];
-  is_same_[index(i)] = w.size() == n_ && std::equal(w.begin(), w.end(), x);
-  if (is_same_[index(i)]) return;
-  reserve_x();
-  std::copy_n(x, n_, x_[index(i)].data());
+  const bool is_same = w.size() == n_ && std::equal(w.begin(), w.end(), x);
+  if (!is_same) {
+    reserve_x();
+    std::copy_n(x, n_, x_[index(i)].data());
+  }
+  is_same_[index(i)] = is_same;
 }
 
 void BdfHistory::start(const StartingPoint& point) {
@@ -40,14 +42,17 @@ void BdfHistory::start(const StartingPoint& point) {
 void BdfHistory::place_fictitious_point(double h) {
   times_[1] = times_[0] - h;
   for (std::size_t i = 0; i < slope_w_.size(); ++i) w_[1][i] = w_[0][i] - h * slope_w_[i];
-  is_same_[1] = is_same_[0] && slope_x_ == slope_w_;
-  if (is_same_[1]) return;
-  reserve_x();
+  const bool is_same = is_same_[0] && slope_x_ == slope_w_;
+  if (!is_same) reserve_x();
+  is_same_[1] = is_same;
+  if (is_same) return;
   const std::vector<double>& x = x_at(0);
   for (std::size_t i = 0; i < slope_x_.size(); ++i) x_[1][i] = x[i] - h * slope_x_[i];
 }
 
 void BdfHistory::append(double t, const std::vector<double>& w, const std::vector<double>& x) {
+  // Nothing has changed where there is no memory.
+  if (size_w() != n_ || !std::equal(w.data(), w.data() + n_, x.data())) reserve_x();
   // The oldest vectors make room for the newest.
   const int count = std::min(points_ + 1, capacity);
   std::rotate(w_.begin(), w_.begin() + count - 1, w_.begin() + count);

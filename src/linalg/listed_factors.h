@@ -30,6 +30,7 @@ class ListedFactors {
         !all_finite_numbers(values, pattern.row.size()))
       return false;
     const QuietArithmetic quiet;
+    factors_.resize(elimination_.fill());
     if (elimination_.has_pivots() && elimination_.factor(values, factors_.data())) return true;
     const RecordedElimination::Choice choice = elimination_.choose(pattern, values);
     is_too_long_ = choice == RecordedElimination::Choice::too_long;

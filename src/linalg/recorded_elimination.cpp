@@ -147,9 +147,9 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
   std::vector<int> column_of_row(index(n));
   for (int k = 0; k < n; ++k) column_of_row[index(list_.row[index(k)])] = list_.column[index(k)];
   is_odd_ = is_odd(column_of_row.data(), n);
+  work_.assign(index(n) + 1, 0.0);
   list_.size = n;
   list_.slots = static_cast<int>(search.value.size());
-  work_.assign(index(list_.size) + 1, 0.0);
   return Choice::made;
 }
 

@@ -78,8 +78,9 @@ bool BlockDeterminants::find_determinant(Block& block, const std::vector<double>
     return true;
   }
   if (!block.lu) {
-    block.lu = std::make_unique<SparseLu<double>>();
-    block.lu->analyze(block.pattern);
+    auto lu = std::make_unique<SparseLu<double>>();
+    lu->analyze(block.pattern);
+    block.lu = std::move(lu);
   }
   if (!block.lu->factor(values.data())) return false;
   determinant = block.lu->determinant();
