@@ -18,9 +18,6 @@ namespace {
 // Pivots are not smaller than this part of the largest entry of their columns, among the columns with fewest entries.
 constexpr double threshold = 0.1;
 constexpr std::size_t columns_searched = 4;
-// Residuals, relative to the terms that they are sums of: what is refined, which is nearly all, and what is refused after that. With
-// residuals up to 1e-14 left as they were the error test of sensitivities ran into their noise, and steps became ever shorter.
-constexpr double rounding = 1e-16, refused = 1e-12;
 // Pivots may be chosen for every eighth solution; more often they do not save anything.
 constexpr long least_plans = 8, solutions_of_a_plan = 8;
 
@@ -29,8 +26,6 @@ double time_of_list(double operations) { return 1.2 * operations; }
 // Longer lists are read from memory, and pivots are not worth the search.
 constexpr std::size_t most_operations = 500000;
 double time_of_full_matrix(double n) { return n * (50.0 + 0.3 * n) + 0.022 * n * n * n; }
-
-constexpr double golden_section = 0.6180339887;
 
 double power_of_two(int exponent) { return times_power_of_two(1.0, exponent); }
 
@@ -164,7 +159,7 @@ void PlannedLu::analyze(const SparsePattern& pattern) {
   has_plan_ = false;
   plans_ = solutions_ = 0;
   scales_ = Equilibration();
-  target_.clear();
+  list_.target.clear();
 }
 
 bool PlannedLu::is_worthwhile(std::size_t operations) const {
@@ -185,21 +180,21 @@ bool PlannedLu::choose_pivots(const double* values) {
   const CompressedLines columns{pattern_.size, pattern_.size, pattern_.first.data(), pattern_.row.data()};
   if (!is_suitable_ || !scales_.compute(columns, values)) return false;
   const std::size_t size = index(pattern_.size);
-  row_factor_.resize(size);
-  column_factor_.resize(size);
-  entry_factor_.resize(pattern_.row.size());
+  list_.row_factor.resize(size);
+  list_.column_factor.resize(size);
+  list_.entry_factor.resize(pattern_.row.size());
   scaled_.resize(pattern_.row.size());
   constexpr int harmless = 400;  // products of two factors and their inverses are numbers
   for (std::size_t k = 0; k < size; ++k) {
     const int of_row = scales_.of_crossings()[k], of_column = scales_.of_lines()[k];
     if (std::abs(of_row) > harmless || std::abs(of_column) > harmless) return is_suitable_ = false;
-    row_factor_[k] = power_of_two(of_row);
-    column_factor_[k] = power_of_two(of_column);
+    list_.row_factor[k] = power_of_two(of_row);
+    list_.column_factor[k] = power_of_two(of_column);
   }
   for (std::size_t j = 0; j < size; ++j)
     for (std::size_t e = index(pattern_.first[j]); e < index(pattern_.first[j + 1]); ++e) {
-      entry_factor_[e] = row_factor_[index(pattern_.row[e])] * column_factor_[j];
-      scaled_[e] = entry_factor_[e] * values[e];
+      list_.entry_factor[e] = list_.row_factor[index(pattern_.row[e])] * list_.column_factor[j];
+      scaled_[e] = list_.entry_factor[e] * values[e];
     }
   std::size_t most = 0;
   while (is_worthwhile(most + 1)) most = 2 * most + 1;
@@ -234,59 +229,60 @@ void PlannedLu::archive(Archive& archive) {
 void PlannedLu::take(const Planning& planning) {
   const std::size_t size = index(pattern_.size);
   std::vector<int> moved(index(planning.positions()));
-  step_of_row_.resize(size);
-  step_of_column_.resize(size);
-  first_u_.assign(1, 0);
-  first_l_.assign(1, 0);
+  list_.step_of_row.resize(size);
+  list_.step_of_column.resize(size);
+  list_.first_u.assign(1, 0);
+  list_.first_l.assign(1, 0);
   int next = pattern_.size;
   for (std::size_t k = 0; k < size; ++k) {
     const Planning::Step& step = planning.steps()[k];
-    step_of_row_[index(step.row)] = step_of_column_[index(step.column)] = static_cast<int>(k);
+    list_.step_of_row[index(step.row)] = list_.step_of_column[index(step.column)] = static_cast<int>(k);
     moved[index(planning.pivot_position(k))] = static_cast<int>(k);
     for (int position : step.u_positions) moved[index(position)] = next++;
-    first_u_.push_back(first_u_.back() + static_cast<int>(step.u_positions.size()));
+    list_.first_u.push_back(list_.first_u.back() + static_cast<int>(step.u_positions.size()));
   }
   for (std::size_t k = 0; k < size; ++k) {
     for (int position : planning.steps()[k].l_positions) moved[index(position)] = next++;
-    first_l_.push_back(first_l_.back() + static_cast<int>(planning.steps()[k].l_positions.size()));
+    list_.first_l.push_back(list_.first_l.back() + static_cast<int>(planning.steps()[k].l_positions.size()));
   }
-  u_column_.clear();
-  l_row_.clear();
+  list_.u_column.clear();
+  list_.l_row.clear();
   for (const Planning::Step& step : planning.steps()) {
-    for (int column : step.u_columns) u_column_.push_back(step_of_column_[index(column)]);
-    for (int row : step.l_rows) l_row_.push_back(step_of_row_[index(row)]);
+    for (int column : step.u_columns) list_.u_column.push_back(list_.step_of_column[index(column)]);
+    for (int row : step.l_rows) list_.l_row.push_back(list_.step_of_row[index(row)]);
   }
-  target_.clear();
-  for (int position : planning.targets()) target_.push_back(moved[index(position)]);
-  for (std::vector<int>* v : {&position_, &row_step_, &column_step_}) v->resize(pattern_.row.size());
+  list_.target.clear();
+  for (int position : planning.targets()) list_.target.push_back(moved[index(position)]);
+  for (std::vector<int>* v : {&list_.position, &list_.row_step, &list_.column_step}) v->resize(pattern_.row.size());
   for (std::size_t j = 0; j < size; ++j)
     for (std::size_t e = index(pattern_.first[j]); e < index(pattern_.first[j + 1]); ++e) {
-      position_[e] = moved[e];
-      row_step_[e] = step_of_row_[index(pattern_.row[e])];
-      column_step_[e] = step_of_column_[j];
+      list_.position[e] = moved[e];
+      list_.row_step[e] = list_.step_of_row[index(pattern_.row[e])];
+      list_.column_step[e] = list_.step_of_column[j];
     }
+  list_.fill = moved.size();
   values_.assign(moved.size(), 0.0);
   inverse_.assign(size, 0.0);
   for (std::vector<double>* v : {&b_, &y_, &r_, &sums_}) v->assign(size * index(at_once), 0.0);
-  for (std::vector<double>* v : {&b_sum_, &y_sum_}) v->assign(size, 0.0);
 }
 
 bool PlannedLu::factor(const double* values) {
+  const EliminationList& list = list_;
   std::fill(values_.begin(), values_.end(), 0.0);
-  for (std::size_t e = 0; e < position_.size(); ++e) {
-    scaled_[e] = entry_factor_[e] * values[e];
-    values_[index(position_[e])] = scaled_[e];
+  for (std::size_t e = 0; e < list.position.size(); ++e) {
+    scaled_[e] = list.entry_factor[e] * values[e];
+    values_[index(list.position[e])] = scaled_[e];
   }
-  const std::size_t size = index(pattern_.size);
+  const std::size_t size = list.size();
   double* const U = values_.data() + size;
-  double* const L = U + first_u_[size];
-  const int* target = target_.data();
+  double* const L = U + list.first_u[size];
+  const int* target = list.target.data();
   for (std::size_t k = 0; k < size; ++k) {
     const double pivot = values_[k];
     if (pivot == 0.0) return false;
     inverse_[k] = 1.0 / pivot;
-    const int first = first_u_[k], last = first_u_[k + 1];
-    for (int l = first_l_[k]; l < first_l_[k + 1]; ++l) {
+    const int first = list.first_u[k], last = list.first_u[k + 1];
+    for (int l = list.first_l[k]; l < list.first_l[k + 1]; ++l) {
       const double multiplier = L[l] *= inverse_[k];
       for (int u = first; u < last; ++u) values_[index(*target++)] -= multiplier * U[u];
     }
@@ -297,39 +293,41 @@ bool PlannedLu::factor(const double* values) {
 // By steps, `width` columns side by side: right-hand sides become the solution.
 template <int width>
 void PlannedLu::substitute(double* z) const {
-  const std::size_t size = index(pattern_.size);
+  const std::size_t size = list_.size();
   const double* const U = values_.data() + size;
-  const double* const L = U + first_u_[size];
+  const double* const L = U + list_.first_u[size];
+  const int *const first_l = list_.first_l.data(), *const first_u = list_.first_u.data();
+  const int *const l_row = list_.l_row.data(), *const u_column = list_.u_column.data();
   for (std::size_t k = 0; k < size; ++k) {
     const double* const known = z + k * width;
-    for (int l = first_l_[k]; l < first_l_[k + 1]; ++l) {
-      double* const to = z + index(l_row_[index(l)]) * width;
+    for (int l = first_l[k]; l < first_l[k + 1]; ++l) {
+      double* const to = z + index(l_row[l]) * width;
       for (int c = 0; c < width; ++c) to[c] -= L[l] * known[c];
     }
   }
   for (std::size_t k = size; k-- > 0;) {
     double sum[width];
     std::copy_n(z + k * width, width, sum);
-    for (int u = first_u_[k]; u < first_u_[k + 1]; ++u) {
-      const double* const from = z + index(u_column_[index(u)]) * width;
+    for (int u = first_u[k]; u < first_u[k + 1]; ++u) {
+      const double* const from = z + index(u_column[u]) * width;
       for (int c = 0; c < width; ++c) sum[c] -= U[u] * from[c];
     }
     for (int c = 0; c < width; ++c) z[k * width + index(c)] = sum[c] * inverse_[k];
   }
 }
 
-// r_ := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the largest sum of
+// r := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the largest sum of
 // the sizes of its terms. NaN where anything is not finite.
 template <int width>
-double PlannedLu::residual(const double* b, const double* y_of_all) {
-  const std::size_t size = index(pattern_.size);
-  std::copy_n(b, size * width, r_.begin());
+double PlannedLu::residual() {
+  const std::size_t size = list_.size();
+  std::copy_n(b_.begin(), size * width, r_.begin());
   for (std::size_t k = 0; k < size * width; ++k) sums_[k] = std::fabs(r_[k]);
   for (std::size_t e = 0; e < scaled_.size(); ++e) {
     const double a = scaled_[e];
-    const double* const y = y_of_all + index(column_step_[e]) * width;
-    double* const r = r_.data() + index(row_step_[e]) * width;
-    double* const sums = sums_.data() + index(row_step_[e]) * width;
+    const double* const y = y_.data() + index(list_.column_step[e]) * width;
+    double* const r = r_.data() + index(list_.row_step[e]) * width;
+    double* const sums = sums_.data() + index(list_.row_step[e]) * width;
     for (int c = 0; c < width; ++c) {
       const double term = a * y[c];
       r[c] -= term;
@@ -351,76 +349,42 @@ double PlannedLu::residual(const double* b, const double* y_of_all) {
   return error;
 }
 
-// The first `count` columns of x, of at most `width`: others repeat the last. checked: each of them, refined where necessary; else all
-// are added to the sum that is looked at later.
+// The first `count` columns of x, of at most `width`: others repeat the last. Where the residual is what may be left after a
+// refinement it is not evaluated again.
 template <int width>
-bool PlannedLu::solve_columns(const double* b, int count, bool checked, double* x) {
-  const std::size_t size = index(pattern_.size);
+bool PlannedLu::solve_columns(const double* b, int count, double* x) {
+  const std::size_t size = list_.size();
   for (std::size_t i = 0; i < size; ++i)
     for (int c = 0; c < width; ++c)
-      b_[index(step_of_row_[i]) * width + index(c)] = row_factor_[i] * b[index(std::min(c, count - 1)) * size + i];
+      b_[index(list_.step_of_row[i]) * width + index(c)] =
+          list_.row_factor[i] * b[index(std::min(c, count - 1)) * size + i];
   std::copy_n(b_.begin(), size * width, y_.begin());
   substitute<width>(y_.data());
-  if (checked) {
-    double error = residual<width>(b_.data(), y_.data());
-    if (error > rounding) {
-      substitute<width>(r_.data());
-      for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
-      error = residual<width>(b_.data(), y_.data());
-    }
-    if (!(error <= refused)) return false;
-  } else {
-    add_to_sum<width>();
+  const double error = residual<width>();
+  if (!(error <= rounding_of_residuals)) {
+    substitute<width>(r_.data());
+    for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
+    if (!(error <= refused_residuals) && !(residual<width>() <= refused_residuals)) return false;
   }
   for (std::size_t j = 0; j < size; ++j)
     for (int c = 0; c < count; ++c)
-      x[index(c) * size + j] = column_factor_[j] * y_[index(step_of_column_[j]) * width + index(c)];
+      x[index(c) * size + j] = list_.column_factor[j] * y_[index(list_.step_of_column[j]) * width + index(c)];
   return true;
 }
 
-// Columns of about the same size, with weights that no structure makes cancel.
-template <int width>
-void PlannedLu::add_to_sum() {
-  const std::size_t size = index(pattern_.size);
-  double largest[width] = {};
-  for (std::size_t k = 0; k < size; ++k)
-    for (int c = 0; c < width; ++c)
-      largest[c] = std::max({largest[c], std::fabs(y_[k * width + index(c)]), std::fabs(b_[k * width + index(c)])});
-  double weight[width];
-  for (int c = 0; c < width; ++c) {
-    weight_ += weight_ < 0.9 ? golden_section : golden_section - 1.0;  // from 0.5 to 1.5
-    weight[c] = largest[c] > 0.0 ? weight_ / largest[c] : 0.0;
-  }
-  for (std::size_t k = 0; k < size; ++k)
-    for (int c = 0; c < width; ++c) {
-      b_sum_[k] += weight[c] * b_[k * width + index(c)];
-      y_sum_[k] += weight[c] * y_[k * width + index(c)];
-    }
-}
-
-bool PlannedLu::solve_all(const double* b, int count, bool checked, double* x) {
-  const std::size_t size = index(pattern_.size);
+bool PlannedLu::solve_with_plan(const double* values, const double* b, int count, double* x) {
+  if (!factor(values)) return false;
+  const std::size_t size = list_.size();
   for (int c = 0; c < count; c += at_once) {
     const int columns = std::min(at_once, count - c);
-    const std::size_t first = index(c) * size;
-    const bool is_solved = columns == 1 ? solve_columns<1>(b + first, 1, checked, x + first)
-                                        : solve_columns<at_once>(b + first, columns, checked, x + first);
+    const double* const from = b + index(c) * size;
+    double* const to = x + index(c) * size;
+    const bool is_solved = columns == 1   ? solve_columns<1>(from, 1, to)
+                           : columns == 2 ? solve_columns<2>(from, 2, to)
+                                          : solve_columns<at_once>(from, columns, to);
     if (!is_solved) return false;
   }
   return true;
-}
-
-// What is wrong with the factors is wrong with a sum of solutions: that of many columns costs one residual. Where it is not small
-// each of them is looked at.
-bool PlannedLu::solve_with_plan(const double* values, const double* b, int count, double* x) {
-  if (!factor(values)) return false;
-  if (count > 1) {
-    std::fill(b_sum_.begin(), b_sum_.end(), 0.0);
-    std::fill(y_sum_.begin(), y_sum_.end(), 0.0);
-    weight_ = 1.0;
-    if (solve_all(b, count, false, x) && residual<1>(b_sum_.data(), y_sum_.data()) <= rounding) return true;
-  }
-  return solve_all(b, count, true, x);
 }
 
 bool PlannedLu::solve(const double* values, const double* b, int count, double* x) {

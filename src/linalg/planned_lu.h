@@ -18,6 +18,27 @@
 
 namespace sfdae::core {
 
+// What is done to matrices of one pattern, without any search or test. Step k of the elimination: the row of its pivot has the
+// further entries first_u[k], ..., its column the multipliers first_l[k], ...; rows and columns are numbered by their steps. All
+// numbers are in one array of `fill`: pivots, entries of rows, multipliers.
+struct EliminationList {
+  std::size_t size() const { return row_factor.size(); }
+
+  std::vector<double> row_factor, column_factor,
+      entry_factor;  // of equilibration; entries in the order of the pattern
+  std::vector<int> step_of_row, step_of_column;
+  std::vector<int> position, row_step, column_step;  // of the entries of the pattern; the first among all numbers
+  std::vector<int> first_u, first_l;                 // size + 1, of the lists of columns and of rows
+  std::vector<int> u_column, l_row;
+  std::vector<int> target;  // of each multiplier with each entry of the row, among all numbers
+  std::size_t fill = 0;
+};
+
+// Residuals of scaled equations, relative to the terms that they are sums of, after which solutions are refined no more, and those
+// that are refused. With residuals up to 1e-14 left as they were the error test of sensitivities ran into their noise, and steps
+// became ever shorter.
+inline constexpr double rounding_of_residuals = 1e-16, refused_residuals = 1e-12;
+
 class PlannedLu {
  public:
   // Forgets the pivots.
@@ -33,10 +54,12 @@ class PlannedLu {
   // After analyze() of the same pattern, when reading: the pivots are those of the same matrix again. Throws DamagedArchive.
   void archive(Archive& archive);
 
+  // For those who eliminate several matrices at once; null where no pivots are known.
+  const EliminationList* list() const { return is_suitable_ && has_plan_ ? &list_ : nullptr; }
   // Choices of pivots.
   long plans() const { return plans_; }
   // Multiplications of the elimination.
-  std::size_t operations() const { return target_.size(); }
+  std::size_t operations() const { return list_.target.size(); }
 
  private:
   class Planning;
@@ -46,14 +69,11 @@ class PlannedLu {
   bool solve_with_plan(const double* values, const double* b, int count, double* x);
   bool factor(const double* values);
   template <int width>
-  bool solve_columns(const double* b, int count, bool checked, double* x);
-  bool solve_all(const double* b, int count, bool checked, double* x);
-  template <int width>
-  void add_to_sum();
+  bool solve_columns(const double* b, int count, double* x);
   template <int width>
   void substitute(double* z) const;
   template <int width>
-  double residual(const double* b, const double* y_of_all);
+  double residual();
 
   static constexpr int at_once = 4;  // columns
 
@@ -62,20 +82,11 @@ class PlannedLu {
   long plans_ = 0, solutions_ = 0;
   std::vector<double> planned_values_;  // of the matrix that the pivots were chosen for
   Equilibration scales_;
-  std::vector<double> row_factor_, column_factor_, entry_factor_;
-  std::vector<double> scaled_;  // in the order of the pattern
-  // Step k of the elimination: the row of its pivot has the further entries first_u[k], ..., its column the multipliers
-  // first_l[k], ...; rows and columns are numbered by their steps. All numbers are in values_.
-  std::vector<int> step_of_row_, step_of_column_;
-  std::vector<int> position_, row_step_, column_step_;  // of the entries of the pattern; the first in values_
-  std::vector<int> first_u_, first_l_;                  // size + 1, of the lists of columns and of rows
-  std::vector<int> u_column_, l_row_;
-  std::vector<int> target_;               // of each multiplier with each entry of the row, in values_
+  EliminationList list_;
+  std::vector<double> scaled_;            // in the order of the pattern
   std::vector<double> values_;            // pivots, entries of rows, multipliers
   std::vector<double> inverse_;           // of the pivots
   std::vector<double> b_, y_, r_, sums_;  // by steps, columns side by side
-  std::vector<double> b_sum_, y_sum_;     // of columns with weights
-  double weight_ = 1.0;                   // of the last one
 };
 
 }  // namespace sfdae::core
