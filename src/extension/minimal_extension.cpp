@@ -150,12 +150,14 @@ bool MinimalExtension::load_lanes(const std::vector<Jet>& jets, int count) {
 
 bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values) {
   if (!load_lanes(jets, count)) return false;
-  LaneArray& coefficients = terms_.empty() ? values : lanes_of_coefficients_;
-  coefficients.resize(problem_.evaluator().tape().targets.size() * index(highest_level_ + 1));
-  if (!problem_.gradient_entries_side_by_side(count, lanes_of_t_.data(), lanes_of_jets_.data(), highest_level_,
-                                              levels_, coefficients.data()))
-    return false;
-  if (terms_.empty()) return true;
+  const LaneBlock* const coefficients = problem_.gradient_entries_side_by_side(
+      count, lanes_of_t_.data(), lanes_of_jets_.data(), highest_level_, levels_);
+  if (coefficients == nullptr) return false;
+  if (terms_.empty()) {
+    values.assign(coefficients,
+                  coefficients + problem_.evaluator().tape().targets.size() * index(highest_level_ + 1));
+    return true;
+  }
   values.assign(column_.size(), LaneBlock());
   for (const EntryTerm& term : terms_)
     for (int l = 0; l < lane_count; ++l)

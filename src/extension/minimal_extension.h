@@ -119,7 +119,7 @@ class MinimalExtension {
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
   std::vector<double> F_;
-  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_, lanes_of_coefficients_;
+  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_;
 };
 
 }  // namespace sfdae::core

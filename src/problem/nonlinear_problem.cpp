@@ -168,18 +168,21 @@ CallbackError RecordedProblem::gradient_entries(double t, const double* jet, int
                        [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, order, limits, values); });
 }
 
-bool RecordedProblem::gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
-                                                    const std::vector<int>& limits, LaneBlock* values) {
-  if (source_ || stop_is_requested()) return false;
+LaneEvaluator::Points RecordedProblem::points_of_lanes(const LaneBlock* t, const LaneBlock* jets, int order) const {
   LaneEvaluator::Points points{t, {}};
   for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
-  if (!lanes_.evaluate_entries(evaluator_, points, order, limits)) {
+  return points;
+}
+
+const LaneBlock* RecordedProblem::gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets,
+                                                                int order, const std::vector<int>& limits) {
+  if (!has_lanes(order) || stop_is_requested()) return nullptr;
+  if (!lanes_.evaluate_entries(evaluator_, points_of_lanes(t, jets, order), order, limits)) {
     ++failed_evaluations_;
-    return false;
+    return nullptr;
   }
   linearizations_ += count;
-  std::copy_n(lanes_.entries(), evaluator_.tape().targets.size() * index(order + 1), values);
-  return true;
+  return lanes_.entries();
 }
 
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
@@ -188,9 +191,7 @@ CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int 
 
 bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) {
   if (source_) return false;
-  LaneEvaluator::Points points{t, {}};
-  for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
-  if (!lanes_.evaluate(evaluator_, points, order, false)) {
+  if (!lanes_.evaluate(evaluator_, points_of_lanes(t, jets, order), order, false)) {
     ++failed_evaluations_;
     return false;
   }

@@ -134,9 +134,12 @@ class RecordedProblem final : public NonlinearProblem {
   // See TaylorEvaluator::entries.
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
-  // As gradient_entries(), at `count` points; see residuals_side_by_side().
-  bool gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
-                                     const std::vector<int>& limits, LaneBlock* values);
+  // The same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one by one, for
+  // whatever reason. Valid until the next evaluation.
+  const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
+                                                 const std::vector<int>& limits);
+  // Those found last.
+  const LaneBlock* last_entries_side_by_side() const { return lanes_.entries(); }
   // evaluate: calls that function of the evaluator, whose answer it gives.
   template <class Evaluate>
   CallbackError gradients_for(double t, Evaluate evaluate) {
@@ -155,6 +158,7 @@ class RecordedProblem final : public NonlinearProblem {
 
  private:
   CallbackError failure(double t) const;
+  LaneEvaluator::Points points_of_lanes(const LaneBlock* t, const LaneBlock* jets, int order) const;
   TaylorEvaluator evaluator_;
   std::shared_ptr<SuppliedEquations> source_;
   LaneEvaluator lanes_;
