@@ -10,6 +10,7 @@
 #include "linalg/kernels_in_use.h"
 #include "linalg/random.h"
 #include "linalg/rank.h"
+#include "problem/row_factors.h"
 
 namespace sfdae::core {
 
@@ -23,12 +24,6 @@ constexpr double about_right = 8.0;
 // Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
 // factor.
 constexpr double small_data = 0.125;
-
-// Scaling by it rounds nothing. Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those
-// below 2^-900 the powers of their inverses.
-double power_of_two_near(double x) {
-  return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 130));
-}
 
 void multiply_entries(double* values, std::size_t count, double factor) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
@@ -51,9 +46,6 @@ void measure_rows(const TaylorData& data, double unit_of_A, std::vector<double>&
     if (at_point[i] != 0.0) sizes[i] = at_point[i];
 }
 
-// 2^exponent; no factor overflows or loses bits.
-double power_of_two(int exponent) { return std::ldexp(1.0, std::clamp(exponent, -1020, 1020)); }
-
 // The factors of all rows are as preferred where those are about right for all of them.
 bool are_about_right(const std::vector<double>& preferred, const std::vector<double>& wanted) {
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -63,32 +55,11 @@ bool are_about_right(const std::vector<double>& preferred, const std::vector<dou
   return true;
 }
 
-// From sizes of rows to factors: powers of two that bring the largest row to [1, 2) and the others to once or twice that, as a
-// common factor of all rows changes nothing but a common factor.
-void become_factors(std::vector<double>& sizes, RowScaling rows) {
-  const double largest = *std::max_element(sizes.begin(), sizes.end());
-  const int top = largest == 0.0 ? 0 : std::ilogb(largest);
-  const double top_mantissa = std::ldexp(largest, -top);
-  for (double& size : sizes) {
-    if (size == 0.0 || rows == RowScaling::common) {
-      size = power_of_two(-top);
-      continue;
-    }
-    const int exponent = std::ilogb(size);
-    size = power_of_two(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
-  }
-}
-
-double unit_of_A(RowScaling rows, double tau) {
-  if (rows == RowScaling::timed) return tau;
-  return rows == RowScaling::common ? 1.0 : std::max(tau, 1.0);
-}
-
 void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::vector<double>* preferred) {
   std::vector<double>& row_scale = data.row_scale;
   measure_rows(data, unit_of_A(rows, tau), row_scale);
   data.row_norm = row_scale;
-  become_factors(row_scale, rows);
+  become_row_factors(row_scale, rows);
   if (preferred == nullptr || rows == RowScaling::common) return;
   if (rows == RowScaling::given || are_about_right(*preferred, row_scale)) row_scale = *preferred;
 }
@@ -190,7 +161,7 @@ bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* p
 void TaylorData::balance_rows() {
   std::vector<double> factors(index(m));
   measure_rows(*this, 1.0, factors);
-  become_factors(factors, RowScaling::each);
+  become_row_factors(factors, RowScaling::each);
   for (int i = 0; i < m; ++i) row_scale[index(i)] *= factors[index(i)];
   const auto multiply = [&](double* values, int columns) {
     double norm = 0.0;

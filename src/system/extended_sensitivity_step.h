@@ -24,6 +24,27 @@
 
 namespace sfdae::core {
 
+// The equations of the extension differentiated: the coefficients (i, k) of each equation, k <= limits[i], and (j, l) of each unknown.
+struct ExtendedEquations {
+  // Of an entry of the matrix: factor times a Taylor coefficient of a derivative of an equation.
+  struct Term {
+    int row, column;
+    std::size_t coefficient;
+    double factor;
+    int position;
+  };
+  int num_rows() const { return first_row.back(); }
+  int num_columns() const { return first_column.back(); }
+  int num_states() const { return static_cast<int>(states.size()); }
+
+  int order = 0;                             // of the equation differentiated most
+  std::vector<int> limits;                   // c
+  std::vector<int> first_row, first_column;  // of (i, 0), of (j, 0); one more at the end
+  std::vector<Term> terms;
+  std::vector<int> states;
+  std::vector<int> state_positions;  // of S_s,0 and S_s,1 in the last rows
+};
+
 class ExtendedSensitivityStep {
  public:
   // Both live longer.
@@ -41,18 +62,18 @@ class ExtendedSensitivityStep {
   // What the constraints leave open, in the user's units: S = xp + T2 z with the states of S for z. T2: n x num_states(), xp: n x count.
   // Not possible any more: as solve().
   PointStatus find_tangents(const Jet& jet, View T2, View xp);
-  int num_states() const { return static_cast<int>(states_.size()); }
+  int num_states() const { return equations_.num_states(); }
+
+  // For those who find tangents of several jets at once. The list is null where find_tangents() has to be called first.
+  const ExtendedEquations& equations() const { return equations_; }
+  std::size_t num_entries() const { return pattern_.row.size(); }
+  const EliminationList* list() const { return has_pattern_ ? planned_.list() : nullptr; }
+  // Largest sizes of the unknowns met, which are to be kept up to date; whether the states serve that move unknowns by so much of these.
+  std::vector<double>& sizes() { return sizes_; }
+  bool are_good_states(double move) const;
   const CallbackError& callback_error() const { return callback_error_; }
 
  private:
-  // Of an entry of the matrix: factor times a Taylor coefficient of a derivative of an equation.
-  struct Term {
-    int row, column;
-    std::size_t coefficient;
-    double factor;
-    int position;
-  };
-
   bool fits(const AnalyzedEquations& equations) const;
   void prepare_equations(const AnalyzedEquations& equations);
   void find_terms();
@@ -68,19 +89,14 @@ class ExtendedSensitivityStep {
   PointStatus evaluate(const Jet& jet);
   template <class Solve, class Move>
   bool solve_with_good_states(Solve solve, Move move);
-  int num_rows() const { return first_row_.back(); }
-  int num_columns() const { return first_column_.back(); }
+  int num_rows() const { return equations_.num_rows(); }
+  int num_columns() const { return equations_.num_columns(); }
 
   RecordedProblem& problem_;
   ParameterSeries& parameters_;
   bool is_possible_ = false, has_pattern_ = false;
   double time_scale_ = 1.0, move_of_choice_ = 0.0;
-  int order_ = 0;                              // of the equation differentiated most
-  std::vector<int> limits_;                    // c
-  std::vector<int> first_row_, first_column_;  // of (i, 0), of (j, 0); one more at the end
-  std::vector<Term> terms_;
-  std::vector<int> states_;
-  std::vector<int> state_positions_;  // of S_s,0 and S_s,1 in the last rows
+  ExtendedEquations equations_;
   std::vector<double> coefficients_, values_, F_p_, right_, sizes_;
   std::vector<double> solution_;
   SparsePattern pattern_;

@@ -22,7 +22,8 @@ NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, Recorded
       parameters_(problem, numbers_),
       sparse_step_(problem, parameters_),
       extended_step_(problem, parameters_),
-      sparse_stages_(problem, parameters_) {}
+      sparse_stages_(problem, parameters_),
+      stage_lanes_(problem, parameters_, extended_step_) {}
 
 View NonlinearSensitivities::scaled(const double* S) {
   const int n = unknowns();
@@ -141,18 +142,38 @@ PointStatus NonlinearSensitivities::linearize_stage(const Jet& jet, const double
 
 PointStatus NonlinearSensitivities::keep(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
   // The first stage decides for the step.
-  if (i == 0) are_sparse_stages_ = xdot != nullptr && sparse_stages_.is_possible(method);
-  if (are_sparse_stages_) {
-    is_point_here_ = false;
-    const PointStatus status = sparse_stages_.keep(method, i, jet.t, jet.x.data(), xdot);
-    callback_error_ = sparse_stages_.callback_error();
-    return status;
+  if (i == 0) {
+    if (xdot != nullptr && sparse_stages_.is_possible(method)) kept_ = StagesKept::sparse;
+    else kept_ = stage_lanes_.begin(method.s) ? StagesKept::side_by_side : StagesKept::each;
   }
+  if (kept_ == StagesKept::each) return keep_one(method, i, jet, xdot);
+  is_point_here_ = false;
+  if (kept_ == StagesKept::side_by_side) {
+    stage_lanes_.keep(i, jet, xdot);
+    return PointStatus::ok;
+  }
+  const PointStatus status = sparse_stages_.keep(method, i, jet.t, jet.x.data(), xdot);
+  callback_error_ = sparse_stages_.callback_error();
+  return status;
+}
+
+PointStatus NonlinearSensitivities::keep_one(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
   const PointStatus status = linearize_stage(jet, xdot);
   if (status != PointStatus::ok) return status;
   stages_.resize(method.s, unknowns(), point_.d(), count());
   stages_.keep(i, point_);
   return PointStatus::ok;
+}
+
+// Where that is not possible, one by one: what is wrong is then named, or found to be harmless.
+PointStatus NonlinearSensitivities::linearize_side_by_side(const StageMethod& method) {
+  stages_.resize(method.s, unknowns(), extended_step_.num_states(), count());
+  if (stage_lanes_.linearize(system_.analyzed_equations(), stages_)) return PointStatus::ok;
+  std::vector<double> xdot;
+  PointStatus status = PointStatus::ok;
+  for (int i = 0; i < method.s && status == PointStatus::ok; ++i)
+    status = keep_one(method, i, stage_lanes_.jet(i), stage_lanes_.xdot(i, xdot));
+  return status;
 }
 
 PointStatus NonlinearSensitivities::keep_stage_of_step(const StageMethod& method, int i, const double* xdot) {
@@ -163,7 +184,11 @@ PointStatus NonlinearSensitivities::keep_stage_of_step(const StageMethod& method
 PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method, double h, const double* S_start,
                                                       double* S) {
   ++factorizations_;
-  if (are_sparse_stages_) return sparse_stages_.solve(method, h, S_start, S);
+  if (kept_ == StagesKept::sparse) return sparse_stages_.solve(method, h, S_start, S);
+  if (kept_ == StagesKept::side_by_side) {
+    const PointStatus status = linearize_side_by_side(method);
+    if (status != PointStatus::ok) return status;
+  }
   const Arena::Frame frame(arena_);
   if (!stages_.solve(method, h, scaled(S_start), arena_)) return PointStatus::singular;
   const View result = arena_.matrix(unknowns(), count());

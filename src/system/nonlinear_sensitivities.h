@@ -7,6 +7,7 @@
 #include "linalg/arena.h"
 #include "problem/parameter_series.h"
 #include "system/extended_sensitivity_step.h"
+#include "system/extended_stage_lanes.h"
 #include "system/nonlinear_system.h"
 #include "system/sensitivity_point.h"
 #include "system/sensitivity_stages.h"
@@ -46,6 +47,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
   // By the minimal extension where that is possible.
   PointStatus linearize_stage(const Jet& jet, const double* xdot);
   PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
+  PointStatus keep_one(const StageMethod& method, int i, const Jet& jet, const double* xdot);
+  PointStatus linearize_side_by_side(const StageMethod& method);
   bool derivative_of_ordinary(const double* S, double* Sdot);
   bool derivative_from_array(const double* S, double* Sdot);
   void correct_slopes(const double* S, double* Sdot);
@@ -65,7 +68,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
   ExtendedSensitivityStep extended_step_;
   SensitivityStages stages_;
   SparseSensitivityStages sparse_stages_;
-  bool are_sparse_stages_ = false;  // those kept last
+  ExtendedStageLanes stage_lanes_;
+  enum class StagesKept { each, sparse, side_by_side } kept_ = StagesKept::each;
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);
   Matrix step_matrix_;

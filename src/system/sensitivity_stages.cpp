@@ -50,6 +50,13 @@ void SensitivityStages::keep(int i, const SensitivityPoint& point) {
   multiply(1.0, Op::plain, point.ZA(), Op::plain, point.xp(), 1.0, stage.b);
 }
 
+SensitivityStages::Parts SensitivityStages::parts(int i, double time_scale) {
+  Stage& stage = stages_[index(i)];
+  is_ordinary_ = false;
+  stage.tau = time_scale;
+  return {stage.xp, T2_.view().block(0, i * d_, n_, d_), stage.L, stage.B, stage.b};
+}
+
 bool SensitivityStages::factor(const StageMethod& method, double h, Arena& arena) {
   const View M = matrix_.view().top(s_ * d_);
   const Arena::Frame frame(arena);

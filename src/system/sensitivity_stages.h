@@ -23,6 +23,11 @@ class SensitivityStages {
   void resize(int s, int n, int d, int count);
   void keep(int i, const SensitivityPoint& point);
   void keep_matrices(int i, const LinearizedPoint& point);
+  // Stage i of points that are not ordinary, to be filled by those who linearize in other ways.
+  struct Parts {
+    View xp, T2, L, B, b;
+  };
+  Parts parts(int i, double time_scale);
   // S_start: n x count, of scaled unknowns. False if the matrix is singular.
   bool solve(const StageMethod& method, double h, ConstView S_start, Arena& arena);
   // The matrix of z alone; false if it is singular. Then right-hand sides for its transpose, s d x any number.

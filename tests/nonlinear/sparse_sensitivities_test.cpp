@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sfdae/sfdae.hpp"
@@ -85,8 +86,8 @@ std::vector<double> end_with(const Problem& problem, const std::string& paramete
 class SparseSensitivities : public testing::TestWithParam<int> {
  protected:
   static Problem problem() { return GetParam() == 0 ? chain() : diffusion(); }
-  static sfdae::Solver started(const Problem& problem, Point& point, bool error_test) {
-    sfdae::Solver solver(problem.equations, options_with(1e-9, SFDAE_METHOD_BDF));
+  static sfdae::Solver started(const Problem& problem, Point& point, bool error_test, int method = SFDAE_METHOD_BDF) {
+    sfdae::Solver solver(problem.equations, options_with(1e-9, method));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "q"};
     wanted.error_test = error_test;
@@ -100,9 +101,10 @@ INSTANTIATE_TEST_SUITE_P(Problems, SparseSensitivities, testing::Values(0, 1));
 
 TEST_P(SparseSensitivities, AgreeWithDifferences) {
   const Problem problem = SparseSensitivities::problem();
-  for (bool error_test : {false, true}) {
+  for (const auto& [method, error_test] :
+       {std::pair(SFDAE_METHOD_BDF, false), {SFDAE_METHOD_BDF, true}, {SFDAE_METHOD_RADAU, false}}) {
     Point point;
-    sfdae::Solver solver = started(problem, point, error_test);
+    sfdae::Solver solver = started(problem, point, error_test, method);
     solver.advance(problem.end, point);
     const Matrix S = solver.sensitivities(problem.end).S;
     for (int j = 0; j < 2; ++j) {
@@ -115,7 +117,8 @@ TEST_P(SparseSensitivities, AgreeWithDifferences) {
       for (int i = 0; i < S.rows(); ++i) {
         const double difference = (above[std::size_t(i)] - below[std::size_t(i)]) / (2.0 * h);
         // h^2 and 1e-12 / h are errors of the differences.
-        EXPECT_NEAR(S(i, j), difference, 1e-5 * size) << name << ", " << i << ", error test " << error_test;
+        EXPECT_NEAR(S(i, j), difference, 1e-5 * size)
+            << name << ", " << i << ", method " << method << ", error test " << error_test;
       }
     }
   }
@@ -149,6 +152,30 @@ TEST_P(SparseSensitivities, AreTheSameWithoutSlopes) {
     for (int j = 0; j < 2; ++j)
       for (int i = 0; i < with.S.rows(); ++i) EXPECT_NEAR(with.S(i, j), without.S(i, j), 1e-7 * size);
   }
+}
+
+// Stages are linearized side by side: twice each where equations contain products of x' and parameters, as those of the chain do, and
+// not a third time for what each of them needs alone.
+TEST(SparseSensitivities, LinearizeStagesOfRadauSideBySide) {
+  const Problem problem = chain();
+  const auto linearizations = [&](bool with_sensitivities, long& steps) {
+    sfdae::Solver solver(problem.equations, options_with(1e-9, SFDAE_METHOD_RADAU));
+    sfdae::Sensitivities wanted;
+    if (with_sensitivities) wanted.parameters = {"p", "q"};
+    solver.set_sensitivities(wanted);
+    Point point{0.0, problem.x, {}};
+    solver.start(point, problem.end);
+    const long before = solver.statistics().linearizations;
+    solver.advance(problem.end, point);
+    steps = solver.statistics().steps;
+    return solver.statistics().linearizations - before;
+  };
+  long steps = 0, same_steps = 0;
+  const long own = linearizations(false, steps), all = linearizations(true, same_steps);
+  ASSERT_EQ(steps, same_steps);
+  // Three, five or seven stages; some steps are done one by one while pivots are chosen.
+  EXPECT_LE(double(all - own), 2.2 * 7 * double(steps));
+  EXPECT_GE(all - own, 2 * 3 * steps);
 }
 
 }  // namespace
