@@ -86,6 +86,7 @@ std::optional<int> TaylorEvaluator::find_parameter(const std::string& name) cons
 void TaylorEvaluator::set_parameter(int i, double value) {
   parameters_[index(i)] = value;
   parameters_changed_ = true;
+  ++changes_of_parameters_;
 }
 
 bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) {
@@ -130,6 +131,39 @@ bool TaylorEvaluator::entries(double t, const double* jet, int order, const std:
   return true;
 }
 
+bool TaylorEvaluator::entries(double t, const double* jet, VaryingEntries& varying, double* values) {
+  if (!source_ && varying.version == changes_of_parameters_ && varying_entries(t, jet, varying, values)) return true;
+  // All of them, which also says what is wrong.
+  varying.version = -1;
+  const std::vector<int> none(index(record_->m()), 0);
+  if (!entries(t, jet, 0, none, values)) return false;
+  if (source_) return true;
+  if (varying.stride() != stride_) varying.set(tape_, stride_);
+  varying.version = changes_of_parameters_;
+  return true;
+}
+
+bool TaylorEvaluator::varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values) {
+  const QuietArithmetic quiet;
+  if (varying.stride() != stride_ || !load(t, jet, 0)) return false;
+  run_before_state(t, 0);
+  double *const slots = slots_.data(), *const adjoints = adjoints_.data();
+  execute_all<true>(varying.instructions(), slots, 0);
+  bool finite = true;
+  for (const VaryingEntries::Row& row : varying.rows()) {
+    adjoints[index(tape_.residuals[index(row.equation)]) * index(stride_)] = 1.0;
+    const Edge *const first = varying.edges() + row.first_edge, *const last = varying.edges() + row.last_edge;
+    if (tape_.has_choices) follow<true>(first, last, slots, adjoints, Fixed<0>());
+    else follow<false>(first, last, slots, adjoints, Fixed<0>());
+    for (std::size_t k = row.first_target; k < row.last_target; ++k) {
+      const std::size_t e = varying.target(k);
+      values[e] = adjoints[index(tape_.targets[e].slot) * index(stride_)];
+      finite &= std::isfinite(values[e]);
+    }
+  }
+  return finite;
+}
+
 // Room for series of this order in every slot. Never shrinks.
 void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
@@ -168,6 +202,13 @@ bool TaylorEvaluator::load(double t, const double* jet, int order) {
 }
 
 void TaylorEvaluator::run(double t, int order, bool with_slopes) {
+  run_before_state(t, order);
+  const std::vector<Instruction>& of_state = instructions(&Tape::of_state, &Program::of_state);
+  if (with_slopes) execute_all<true>(of_state, slots_.data(), order);
+  else execute_all<false>(of_state, slots_.data(), order);
+}
+
+void TaylorEvaluator::run_before_state(double t, int order) {
   double* const slots = slots_.data();
   if (parameters_changed_) {
     for (const Tape::Number& parameter : tape_.parameters)
@@ -186,9 +227,6 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
     time_ = t;
     time_order_ = order;
   }
-  const std::vector<Instruction>& of_state = instructions(&Tape::of_state, &Program::of_state);
-  if (with_slopes) execute_all<true>(of_state, slots, order);
-  else execute_all<false>(of_state, slots, order);
 }
 
 bool TaylorEvaluator::write_values(int order, double* F) {

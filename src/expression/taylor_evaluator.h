@@ -19,6 +19,7 @@
 #include "expression/equation_source.h"
 #include "expression/record.h"
 #include "expression/tape.h"
+#include "expression/varying_entries.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -56,6 +57,10 @@ class TaylorEvaluator {
   // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
+  // The same of order 0, with `values` as the last call with `varying` has left them: those that are numbers are not evaluated again
+  // before parameters change.
+  bool entries(double t, const double* jet, VaryingEntries& varying, double* values);
+
   // Beyond rounding errors, relative: see EquationSource::noise.
   // Functions of the user's, no formulas.
   bool has_source() const { return source_ != nullptr; }
@@ -84,6 +89,8 @@ class TaylorEvaluator {
   void reserve(int order);
   bool load(double t, const double* jet, int order);
   void run(double t, int order, bool with_slopes);
+  void run_before_state(double t, int order);
+  bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
   bool write_values(int order, double* F);
   bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x, const std::vector<int>* limits);
   template <class Order>
@@ -100,6 +107,7 @@ class TaylorEvaluator {
   int stride_ = 0;  // of slots
   std::vector<double> slots_, adjoints_;
   bool parameters_changed_ = true;
+  long changes_of_parameters_ = 0;
   double time_ = 0.0;    // at which values that depend on t alone are known,
   int time_order_ = -1;  // to this order
   EvaluationFailure failure_;

@@ -168,6 +168,11 @@ CallbackError RecordedProblem::gradient_entries(double t, const double* jet, int
                        [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, order, limits, values); });
 }
 
+CallbackError RecordedProblem::gradient_entries(double t, const double* jet, VaryingEntries& varying,
+                                                double* values) {
+  return gradients_for(t, [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, varying, values); });
+}
+
 LaneEvaluator::Points RecordedProblem::points_of_lanes(const LaneBlock* t, const LaneBlock* jets, int order) const {
   LaneEvaluator::Points points{t, {}};
   for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();

@@ -134,6 +134,7 @@ class RecordedProblem final : public NonlinearProblem {
   // See TaylorEvaluator::entries.
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
+  CallbackError gradient_entries(double t, const double* jet, VaryingEntries& varying, double* values);
   // The same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one by one, for
   // whatever reason. Valid until the next evaluation.
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,

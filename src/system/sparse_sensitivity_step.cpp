@@ -24,7 +24,7 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   is_possible_ = values.mu == 0 && problem_.m() == n && values.d + values.a == n && analysis.v_hat == 0;
   if (!is_possible_) return false;
   const SparsePattern pattern = find_pattern();
-  limits_.assign(index(n), 0);
+  varying_.version = -1;
   jet_.assign(2 * index(n), 0.0);
   derivatives_.assign(entries_.size(), 0.0);
   values_.assign(pattern.row.size(), 0.0);
@@ -86,7 +86,7 @@ PointStatus SparseSensitivityStep::evaluate(const Step& step) {
   const int n = problem_.n();
   std::copy_n(step.x, n, jet_.begin());
   std::copy_n(step.xdot, n, jet_.begin() + n);
-  callback_error_ = problem_.gradient_entries(step.t, jet_.data(), 0, limits_, derivatives_.data());
+  callback_error_ = problem_.gradient_entries(step.t, jet_.data(), varying_, derivatives_.data());
   return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
 }
 

@@ -69,7 +69,7 @@ class SparseSensitivityStep {
   bool is_possible_ = false;
   std::vector<RecordedEntry> entries_;
   std::vector<int> positions_;  // of these, in the matrix
-  std::vector<int> limits_;
+  VaryingEntries varying_;
   std::vector<double> jet_, derivatives_, values_, right_, nu_;
   SparseLu<double> lu_;
   KnownPivots pivots_;

@@ -1,0 +1,43 @@
+// What of a tape has to be done for those derivatives alone that are no numbers: most equations are sums of terms with constant
+// factors, whose derivatives need not be evaluated at each point.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "expression/tape.h"
+
+namespace sfdae::core {
+
+class VaryingEntries {
+ public:
+  // Slots become offsets, `stride` numbers for each.
+  void set(const Tape& tape, int stride);
+  int stride() const { return stride_; }
+
+  // Of the instructions of_state of the tape those that are needed.
+  const std::vector<Instruction>& instructions() const { return instructions_; }
+  // Equations with such derivatives, the edges that lead to these, and their numbers among the targets of the tape.
+  struct Row {
+    int equation;
+    std::size_t first_edge, last_edge, first_target, last_target;
+  };
+  const std::vector<Row>& rows() const { return rows_; }
+  const Edge* edges() const { return edges_.data(); }
+  std::size_t target(std::size_t k) const { return targets_[k]; }
+
+  // The parameters with which the other derivatives have been evaluated, as TaylorEvaluator counts them; -1: none.
+  long version = -1;
+
+ private:
+  void choose_edges(const Tape& tape, int equation, std::vector<char>& is_needed);
+
+  int stride_ = 0;
+  std::vector<Instruction> instructions_;
+  std::vector<Row> rows_;
+  std::vector<Edge> edges_;
+  std::vector<std::size_t> targets_;
+};
+
+}  // namespace sfdae::core
