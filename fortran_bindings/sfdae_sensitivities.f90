@@ -23,7 +23,7 @@ module sfdae_sensitivities
     character(len=name_length), allocatable :: parameter_names(:)
     !> n x their number: derivatives of the guess of x; or none, for zero.
     real(c_double), allocatable :: directions(:, :)
-    !> Steps are chosen for them as well, with BDF.
+    !> Steps are chosen for them as well.
     logical :: error_test = .false.
     !> Typical sizes of the parameters, for the error test; or none, for 1.
     real(c_double), allocatable :: scales(:)

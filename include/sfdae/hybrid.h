@@ -148,7 +148,7 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  *
  * parameters: each is one of those of one mode at least; the equations of modes that do not have it do not depend on it. A
  * parameter that several modes have is one and the same (with sfdae_set_parameter give it one value in all of them). directions:
- * at the start. options: not the adjoint; the error test where all modes are solved by BDF.
+ * at the start. options: not the adjoint.
  *
  * At a transition at t, where its function g(t, x) is zero, or at a fixed time (dt/dp = 0), or at once after another one (with its dt/dp),
  *

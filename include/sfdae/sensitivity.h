@@ -24,7 +24,7 @@ extern "C" {
 /** How sensitivities are computed. Call sfdae_sensitivity_options_init first. */
 typedef struct sfdae_sensitivity_options {
   size_t size;          /**< set by sfdae_sensitivity_options_init */
-  int error_test;       /**< 0 (default): steps are chosen for x alone. 1: for S as well, with BDF only */
+  int error_test;       /**< 0 (default): steps are chosen for x alone. 1: for S as well */
   const double* scales; /**< of the error test: NULL (all 1), or one positive number for each parameter, its typical
                              size: S_ij has the tolerance rtol |S_ij| + atol_i / scales[j] */
   int adjoint; /**< 0 (default): S goes along with x. 1: steps are kept for sfdae_get_gradient, and S is not computed */

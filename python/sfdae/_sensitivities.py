@@ -79,7 +79,7 @@ class Sensitivities(Inspection):
             n x p: derivatives of the guess of x by each of these, added to the unit vectors of
             start values.
         error_test : bool
-            Whether steps are chosen for them as well, with the method ``"bdf"``.
+            Whether steps are chosen for them as well.
         scales : array_like, optional
             p typical sizes of the parameters, for the error test; by default 1.
         adjoint : bool

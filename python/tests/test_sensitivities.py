@@ -47,6 +47,23 @@ def test_times_that_do_not_begin_at_the_start():
     assert sol.S[0, 0] == pytest.approx(exact(np.array([0.5, 1.5]))[0], abs=1e-6)
 
 
+def test_error_test_of_every_method():
+    # x rests, dx/dp does not.
+    def rests(t, x, xdot, p=0.0):
+        return [xdot[0] - p * sfdae.cos(10 * t)]
+
+    for method in ["bdf", "radau", "automatic"]:
+        solver = sfdae.Solver(
+            sfdae.NonlinearProblem(rests, 1), rtol=1e-6, atol=1e-6, method=method
+        )
+        for error_test in [False, True]:
+            solver.set_sensitivities(["p"], error_test=error_test)
+            solver.start(0, [0], 5)
+            point = solver.advance(5)
+            error = abs(solver.sensitivities(point.t)[0][0, 0] - np.sin(50) / 10)
+            assert error < 1e-3 if error_test else error > 1e-2
+
+
 def test_step_by_step():
     solver = sfdae.Solver(sfdae.NonlinearProblem(oscillator, 3, names=NAMES), **TIGHT)
     solver.set_sensitivities(["c", "a"], directions=np.zeros((3, 2)), error_test=True, scales=[2, 1])

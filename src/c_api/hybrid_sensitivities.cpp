@@ -281,9 +281,6 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
     }
     if (solver.model.evaluator() == nullptr)
       return illegal_argument(hybrid.name_of(k) + " is given by callbacks; sensitivities need recorded equations.");
-    if (wanted->options.error_test && solver.options.integration.method != Method::bdf)
-      return illegal_argument(hybrid.name_of(k) +
-                              ": the error test of sensitivities needs method = SFDAE_METHOD_BDF.");
     SensitivityRequest request;
     for (const std::string& name : wanted->names)
       request.parameters.push_back(name.empty() ? -1 : solver.model.evaluator()->find_parameter(name).value_or(-1));
@@ -411,14 +408,11 @@ CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const*
   wanted.directions.assign(size, 0.0);
   if (directions != nullptr) std::copy_n(directions, size, wanted.directions.begin());
   SensitivityRequest request;
-  checked = read_sensitivity_options(count, options, Method::bdf, request);
+  checked = read_sensitivity_options(count, options, request);
   if (checked.status != SFDAE_OK) return checked;
   if (request.by_adjoint)
     return illegal_argument("adjoint = 1 is for single problems: steps are not kept over transitions.");
   wanted.options = std::move(request.options);
-  for (int k = 0; wanted.options.error_test && k < static_cast<int>(hybrid.modes.size()); ++k)
-    if (hybrid.modes[index(k)].solver->options.integration.method != Method::bdf)
-      return illegal_argument(hybrid.name_of(k) + ": error_test = 1 is for method = SFDAE_METHOD_BDF.");
   return {};
 }
 

@@ -38,8 +38,7 @@ CallResult read_parameters(sfdae_solver& solver, int count, const char* const* n
 
 }  // namespace
 
-CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, Method method,
-                                    SensitivityRequest& request) {
+CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, SensitivityRequest& request) {
   SensitivityOptions& options = request.options;
   options.scales.assign(index(count), 1.0);
   if (given == nullptr) return {};
@@ -59,9 +58,6 @@ CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* 
   request.by_adjoint = read.adjoint == 1;
   request.max_kept_steps = read.max_kept_steps;
   options.error_test = read.error_test == 1;
-  if (options.error_test && method != Method::bdf)
-    return illegal_argument(
-        "error_test = 1 is for method = SFDAE_METHOD_BDF: with others steps are chosen for x alone.");
   for (int j = 0; j < count && read.scales != nullptr; ++j) {
     if (!std::isfinite(read.scales[j]) || read.scales[j] <= 0.0)
       return illegal_argument(format("scales[%d] = %g; it must be positive.", j, read.scales[j]));
@@ -94,7 +90,7 @@ CallResult read_request(sfdae_solver& solver, int count, const char* const* name
     if (!all_finite(directions, size)) return illegal_argument("directions has entries that are not finite.");
     std::copy_n(directions, size, request.directions.begin());
   }
-  return read_sensitivity_options(count, options, solver.options.integration.method, request);
+  return read_sensitivity_options(count, options, request);
 }
 
 // At the time of the start: the derivatives of values at a time that moves, less what x' has done since.

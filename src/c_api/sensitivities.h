@@ -24,8 +24,7 @@ struct SensitivityRequest {
 };
 
 // Reads what the user says, NULL for the defaults.
-CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, Method method,
-                                    SensitivityRequest& request);
+CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, SensitivityRequest& request);
 // From the next start on; none: no more. An integration under way ends, and the analysis stays where it serves.
 void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request);
 // Those that were asked for go with the integration from its start, at the values found, where the system stands. Throws

@@ -279,8 +279,6 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     SolverOptions fresh(copy, solver->model.n());
     demand_structure(solver->model, fresh.model.structure);
     fresh.model.for_sensitivities = solver->options.model.for_sensitivities;
-    if (solver->sensitivities && solver->sensitivities->options.error_test && fresh.integration.method != Method::bdf)
-      return illegal_argument("the error test of sensitivities needs method = SFDAE_METHOD_BDF.");
     fresh.integration.events = solver->events.get();
     solver->use_breakpoints(fresh.integration);
     solver->use_continuation(fresh.integration);

@@ -136,13 +136,23 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   stages.take_end(method, start, tried_.end);
   system.correct_slopes(tried_.end.wdot.data(), tried_.end.xdot.data());
   workspace_.scales.update(weights, start, tried_.end);
-  const ErrorTerms terms = test_error(system, weights);
+  terms_ = test_error(system, weights);
+  return judge(system, terms_);
+}
+
+StepOutcome Radau::judge(const StrangenessFreeSystem& system, const ErrorTerms& terms) {
   if (!(terms.error <= 1.0)) {
     next_step_ = control_.rejected(tried_.h, terms);
     return StepOutcome::error_too_large;
   }
   next_step_ = step_after_acceptance(system, terms);
   return StepOutcome::accepted;
+}
+
+// What is judged is the attempt, as if x had had these errors, too.
+StepOutcome Radau::test_beside(const StrangenessFreeSystem& system, const ErrorTerms& terms) {
+  control_ = control_before_;
+  return judge(system, larger_of(terms_, terms));
 }
 
 ErrorTerms Radau::test_error(StrangenessFreeSystem& system, const ErrorWeights& weights) {

@@ -30,11 +30,19 @@ class Radau final : public Stepper {
   void withdraw() override { control_ = control_before_; }
   void reduce_after_failure(double h) override { next_step_ = control_.failed(h); }
   void set_next_step(double h) override { next_step_ = h; }
+  StepOutcome test_beside(const StrangenessFreeSystem& system, const ErrorTerms& terms) override;
 
   StepState state() const override;
   TriedStep tried() const override {
-    return {tried_.end.t, tried_.h, tried_.method->order(), tried_.stages.x.data(),
-            0.0,          nullptr,  &tried_.method->stages, history_.newest().x.data()};
+    return {tried_.end.t,
+            tried_.h,
+            tried_.method->order(),
+            tried_.stages.x.data(),
+            0.0,
+            nullptr,
+            &tried_.method->stages,
+            history_.newest().x.data(),
+            control_before_.is_rough()};
   }
   const std::vector<double>& x() const override { return history_.newest().x; }
   const std::vector<double>& tried_x() const override { return tried_.end.x; }
@@ -55,6 +63,7 @@ class Radau final : public Stepper {
   RadauPredictor predictor(const StrangenessFreeSystem& system);
   Guess guess(const StrangenessFreeSystem& system, double t, ErrorWeights& weights);
   ErrorTerms test_error(StrangenessFreeSystem& system, const ErrorWeights& weights);
+  StepOutcome judge(const StrangenessFreeSystem& system, const ErrorTerms& terms);
   double step_after_acceptance(const StrangenessFreeSystem& system, const ErrorTerms& terms);
 
   StepOptions options_;
@@ -63,6 +72,7 @@ class Radau final : public Stepper {
   RadauStep tried_;
   RadauWorkspace workspace_;
   RadauErrorEstimate estimate_;
+  ErrorTerms terms_;  // of the step tried last
   RadauOutput output_;
   RadauControl control_, control_before_;
   double next_step_ = 0.0;

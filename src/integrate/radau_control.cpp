@@ -64,6 +64,17 @@ double decay_at(int k, const ErrorTerms& terms) {
 
 }  // namespace
 
+ErrorTerms larger_of(const ErrorTerms& one, const ErrorTerms& other) {
+  const auto wanted_step = [](const ErrorTerms& terms) {
+    return std::pow(std::max(terms.error, tiny), -1.0 / terms.exponent);
+  };
+  const bool is_other = !(other.error <= 1.0) || (one.error <= 1.0 && wanted_step(other) < wanted_step(one));
+  ErrorTerms larger = is_other ? other : one;
+  for (std::size_t k = 0; k < larger.decay.size(); ++k)
+    larger.decay[k] = one.decay[k] < 0.0 || other.decay[k] < 0.0 ? -1.0 : std::max(one.decay[k], other.decay[k]);
+  return larger;
+}
+
 void RadauControl::start(const StepOptions& options) {
   *this = RadauControl();
   set_options(options);

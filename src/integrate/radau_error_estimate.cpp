@@ -12,14 +12,6 @@ namespace sfdae::core {
 
 namespace {
 
-// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on the 287 runs of decision 11 with s =
-// 3 alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
-// More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference
-// of w says nothing.
-constexpr double embedded_limit(int s, bool beside_difference) {
-  return s == 3 ? (beside_difference ? 0.4 : 0.08) : s == 5 ? 0.012 : 0.003;
-}
-
 // The new node and the last ones, as many as a divided difference of order 2s needs.
 ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
   ChosenNodes chosen;
@@ -30,6 +22,14 @@ ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
 }
 
 }  // namespace
+
+// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on the 287 runs of decision 11 with s =
+// 3 alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
+// More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference
+// of w says nothing.
+double embedded_limit(int s, bool beside_difference) {
+  return s == 3 ? (beside_difference ? 0.4 : 0.08) : s == 5 ? 0.012 : 0.003;
+}
 
 void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stages) {
   error_.assign(n, 0.0);

@@ -19,6 +19,9 @@
 
 namespace sfdae::core {
 
+// How large the embedded error may be in units of tol^((s+1)/(2s)), s > 1.
+double embedded_limit(int s, bool beside_difference);
+
 class RadauErrorEstimate {
  public:
   void resize(std::size_t n, std::size_t size_w, int most_stages);

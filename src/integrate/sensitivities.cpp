@@ -69,6 +69,7 @@ void Sensitivities::start(const Integrator& integrator) {
   largest_next_ = 0.0;
   const Vector none;
   history_.start({t, none, none, S_, Sdot_});
+  if (options_.error_test && integrator.method == Method::radau) estimate_.start(t, S_, Sdot_);
   step_.resize(0, size());
 }
 
@@ -119,7 +120,9 @@ StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tol
     stepper.set_next_step(step_tried_.h);
     throw;
   }
+  // Radau has judged S as it judges x.
   if (outcome == StepOutcome::accepted) return outcome;
+  if (outcome == StepOutcome::error_too_large && step_tried_.method != nullptr) return outcome;
   stepper.withdraw();
   if (outcome == StepOutcome::error_too_large) stepper.set_next_step(smaller_step_);
   return outcome;
@@ -133,9 +136,29 @@ StepOutcome Sensitivities::solve_tried() {
   return all_finite(tried_.data(), tried_.size()) ? StepOutcome::accepted : StepOutcome::not_finite;
 }
 
-// Of BDF; next steps are no longer than S allows.
-StepOutcome Sensitivities::test_error(const Integrator& integrator, const Tolerances& tolerances) {
-  const double error = error_of_bdf(step_tried_, integrator, tolerances);
+StepOutcome Sensitivities::test_error(Integrator& integrator, const Tolerances& tolerances) {
+  for (std::size_t j = 0; j < weights_.size(); ++j) {
+    Tolerances scaled = tolerances;
+    for (double& atol : scaled.atol) atol /= options_.scales[j];
+    weights_[j].set(scaled, integrator.stepper->tightening());
+  }
+  const StepOutcome outcome = step_tried_.method != nullptr ? test_error_of_radau(integrator) : test_error_of_bdf();
+  if (outcome != StepOutcome::accepted) ++work_.error_failures;
+  return outcome;
+}
+
+// As if x had these errors, for the next step as well; without differential equations there are none.
+StepOutcome Sensitivities::test_error_of_radau(Integrator& integrator) {
+  if (integrator.system.differential() == 0) return StepOutcome::accepted;
+  const RadauMethod& method = radau_method(step_tried_.method->s);
+  const ErrorTerms terms =
+      estimate_.estimate(*system_, {method, step_tried_.h, step_tried_.forgets_past, stages_}, weights_);
+  return integrator.stepper->test_beside(integrator.system, terms);
+}
+
+// Next steps are no longer than S allows.
+StepOutcome Sensitivities::test_error_of_bdf() {
+  const double error = error_of_bdf(step_tried_);
   const double factor = std::pow(safety * error + least_error, -1.0 / (step_tried_.order + 1));
   if (error <= 1.0) {
     largest_next_ = std::fabs(step_tried_.h) * std::max(factor, fastest_fall);
@@ -143,7 +166,6 @@ StepOutcome Sensitivities::test_error(const Integrator& integrator, const Tolera
   }
   smaller_step_ =
       step_tried_.h * (std::isfinite(factor) ? std::clamp(factor, fastest_fall, slowest_fall) : fastest_fall);
-  ++work_.error_failures;
   return StepOutcome::error_too_large;
 }
 
@@ -173,8 +195,7 @@ PointStatus Sensitivities::solve_radau(const TriedStep& tried) {
 }
 
 // As BdfErrorEstimate does for x: the difference to the predictor, mapped to the directions that the constraints leave.
-double Sensitivities::error_of_bdf(const TriedStep& tried, const Integrator& integrator,
-                                   const Tolerances& tolerances) {
+double Sensitivities::error_of_bdf(const TriedStep& tried) {
   const std::size_t n = index(unknowns());
   history_.polynomial_w(tried.order).evaluate(tried.t, slopes_.data(), nullptr);
   for (std::size_t i = 0; i < size(); ++i) slopes_[i] = tried_[i] - slopes_[i];
@@ -182,9 +203,6 @@ double Sensitivities::error_of_bdf(const TriedStep& tried, const Integrator& int
   const double constant = tried.h / (tried.t - history_.time(tried.order));
   double largest = 0.0;
   for (std::size_t j = 0; j < weights_.size(); ++j) {
-    Tolerances scaled = tolerances;
-    for (double& atol : scaled.atol) atol /= options_.scales[j];
-    weights_[j].set(scaled, integrator.stepper->tightening());
     weights_[j].update(tried_.data() + j * n);
     largest = std::max(largest, weights_[j].norm(error_.data() + j * n));
   }
@@ -197,6 +215,7 @@ void Sensitivities::commit(Integrator& integrator) {
   S_ = tried_;
   method_ = step_tried_.method;
   if (method_ == nullptr) history_.append(step_tried_.t, tried_, {});
+  else if (options_.error_test && integrator.system.differential() > 0) estimate_.append();
   const double next = integrator.stepper->state().next_step;
   if (largest_next_ > 0.0 && std::fabs(next) > largest_next_)
     integrator.stepper->set_next_step(std::copysign(largest_next_, next));

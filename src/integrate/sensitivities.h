@@ -11,6 +11,7 @@
 #include "integrate/bdf_history.h"
 #include "integrate/bdf_step.h"
 #include "integrate/companion.h"
+#include "integrate/sensitivity_error_estimate.h"
 #include "system/sensitivity_system.h"
 
 namespace sfdae::core {
@@ -57,10 +58,12 @@ class Sensitivities final : public Companion {
  private:
   void demand(PointStatus status, double t) const;
   StepOutcome solve_tried();
-  StepOutcome test_error(const Integrator& integrator, const Tolerances& tolerances);
+  StepOutcome test_error(Integrator& integrator, const Tolerances& tolerances);
+  StepOutcome test_error_of_bdf();
+  StepOutcome test_error_of_radau(Integrator& integrator);
   PointStatus solve_bdf(const TriedStep& tried);
   PointStatus solve_radau(const TriedStep& tried);
-  double error_of_bdf(const TriedStep& tried, const Integrator& integrator, const Tolerances& tolerances);
+  double error_of_bdf(const TriedStep& tried);
   void archive_history(Archive& archive, const Integrator& integrator);
   void finish_stages(double t, double h, double* S, double* Sdot);
 
@@ -76,6 +79,7 @@ class Sensitivities final : public Companion {
   const StageMethod* method_ = nullptr;  // of the last step, of Radau
   std::vector<double> stages_, slopes_, error_;
   std::vector<double> xdot_;
+  SensitivityErrorEstimate estimate_;  // of Radau
   std::vector<ErrorWeights> weights_;
   double largest_next_ = 0.0;  // step that the error test of S allows; 0: any
   double smaller_step_ = 0.0;  // to be tried after a step that it has refused

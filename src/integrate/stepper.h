@@ -79,7 +79,10 @@ struct TriedStep {
   const double* rest = nullptr;
   const StageMethod* method = nullptr;
   const double* x_start = nullptr;
+  bool forgets_past = false;  // of Radau: points before its start do not say how smooth the solution is
 };
+
+struct ErrorTerms;
 
 // Where an integrator stands between attempts.
 struct StepState {
@@ -117,6 +120,9 @@ class Stepper {
   virtual void withdraw() = 0;
   // After a failure: the next step becomes smaller.
   virtual void reduce_after_failure(double h) = 0;
+  // Of Radau, after an attempt that was accepted: that what goes along with x has these errors counts as well, for this step and the
+  // next.
+  virtual StepOutcome test_beside(const StrangenessFreeSystem&, const ErrorTerms&) { return StepOutcome::accepted; }
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;

@@ -56,6 +56,7 @@ PointStatus NonlinearSensitivities::linearize_here() {
 
 // With S = xp + T2 z and K = c tau Z1^T E - Z1^T A:  K T2 z = Z1^T f - K xp - tau Z1^T E rest.
 PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, const double* xdot, double* S) {
+  has_stages_ = false;
   if (sparse_step_.is_possible()) {
     is_point_here_ = false;
     ++factorizations_;
@@ -184,6 +185,7 @@ PointStatus NonlinearSensitivities::keep_stage_of_step(const StageMethod& method
 PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method, double h, const double* S_start,
                                                       double* S) {
   ++factorizations_;
+  has_stages_ = false;
   if (kept_ == StagesKept::sparse) return sparse_stages_.solve(method, h, S_start, S);
   if (kept_ == StagesKept::side_by_side) {
     const PointStatus status = linearize_side_by_side(method);
@@ -196,6 +198,7 @@ PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method,
     stages_.expand(i, result);
     to_user(result, S + size() * index(i));
   }
+  has_stages_ = true;
   return PointStatus::ok;
 }
 
@@ -222,6 +225,13 @@ PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
 }
 
 void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
+  if (has_stages_) {
+    const Arena::Frame frame(arena_);
+    const View result = arena_.matrix(unknowns(), count());
+    if (stages_.map_errors(scaled(errors), result, arena_)) to_user(result, mapped);
+    else std::copy_n(errors, size(), mapped);
+    return;
+  }
   // Without the form errors are not smaller than with it.
   if (point_.is_ordinary() || linearize_here() != PointStatus::ok) {
     std::copy_n(errors, size(), mapped);

@@ -69,6 +69,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   SensitivityStages stages_;
   SparseSensitivityStages sparse_stages_;
   ExtendedStageLanes stage_lanes_;
+  bool has_stages_ = false;  // stages_ are those solved for last
   enum class StagesKept { each, sparse, side_by_side } kept_ = StagesKept::each;
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);

@@ -101,6 +101,23 @@ void SensitivityStages::solve_transposed(View weights) const {
   solve_lu_transposed(matrix_.view().top(s_ * d_), pivots_.data(), weights);
 }
 
+bool SensitivityStages::map_errors(ConstView errors, View mapped, Arena& arena) const {
+  if (is_ordinary_) {
+    copy(errors, mapped);
+    return true;
+  }
+  const Arena::Frame frame(arena);
+  const Stage& last = stages_.back();
+  const View G = arena.matrix(d_, d_), z = arena.matrix(d_, errors.cols);
+  multiply(1.0, Op::plain, last.L, Op::plain, T2(s_ - 1), 0.0, G);
+  multiply(1.0, Op::plain, last.L, Op::plain, errors, 0.0, z);
+  int* const pivots = arena.integers(d_ + 1);
+  if (!factor_lu(G, pivots)) return false;
+  solve_lu(G, pivots, z);
+  multiply(1.0, Op::plain, T2(s_ - 1), Op::plain, z, 0.0, mapped);
+  return true;
+}
+
 void SensitivityStages::expand(int i, View S) const {
   const Stage& stage = stages_[index(i)];
   if (is_ordinary_) return copy(z_.view().block(i * d_, 0, d_, count_), S);

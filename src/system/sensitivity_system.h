@@ -51,7 +51,7 @@ class SensitivitySystem {
   virtual PointStatus solve_kept_stages(const StageMethod& method, double h, const double* S_start, double* S) = 0;
   // S with F2 = 0 whose differential part is that of the guess.
   virtual PointStatus restore(const double* guess, double* S) = 0;
-  // What an error of the differential part means for S; at the point linearized last.
+  // What an error of the differential part means for S; at the point or at the end of the stages that were solved for last.
   virtual void error_in_S(const double* errors, double* mapped) = 0;
   // S' of sensitivities restored here, or of a stage kept here. It comes with the value of S' of a polynomial, which is corrected where the
   // derivative array does not determine it.

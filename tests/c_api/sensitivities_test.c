@@ -213,7 +213,7 @@ static void mistakes_are_named(void) {
   how.error_test = 1;
   CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
   options.method = SFDAE_METHOD_RADAU;
-  REFUSED(sfdae_set_options(solver, &options));
+  CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   REFUSED(sfdae_get_sensitivities(solver, 0, NULL, NULL));
   REFUSED(sfdae_get_sensitivities(solver, NAN, S, NULL));
@@ -233,11 +233,38 @@ static void mistakes_are_named(void) {
   CHECK_STATUS(sfdae_set_sensitivities(solver, 0, NULL, NULL, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+}
 
-  options = options_with(1e-6, SFDAE_METHOD_RADAU);
-  solver = solver_of(oscillator, N, N, &options);
-  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
-  CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+static void every_method_tests_their_errors(void) {
+  const int methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC};
+  for (int k = 0; k < 3; ++k) {
+    sfdae_options options = options_with(1e-6, methods[k]);
+    sfdae_solver* solver = solver_of(oscillator, N, N, &options);
+    sfdae_sensitivity_options how;
+    sfdae_sensitivity_statistics statistics;
+    double x[N] = {1, 0, 0}, t;
+    long steps[2];
+    for (int test = 0; test < 2; ++test) {
+      sfdae_statistics of_x;
+      /* As if S were 1000 times as large. */
+      const double scales[COUNT] = {1000, 1000};
+      sfdae_sensitivity_options_init(&how, sizeof how);
+      how.error_test = test;
+      how.scales = scales;
+      x[0] = 1, x[1] = x[2] = 0;
+      CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
+      CHECK_STATUS(sfdae_start(solver, 0, 5, x, NULL), SFDAE_OK);
+      CHECK_STATUS(sfdae_advance(solver, 5, &t, x, NULL), SFDAE_OK);
+      sfdae_statistics_init(&of_x, sizeof of_x);
+      CHECK_STATUS(sfdae_get_statistics(solver, &of_x), SFDAE_OK);
+      steps[test] = of_x.steps;
+      sfdae_sensitivity_statistics_init(&statistics, sizeof statistics);
+      CHECK_STATUS(sfdae_get_sensitivity_statistics(solver, &statistics), SFDAE_OK);
+      CHECK(test == 1 || statistics.error_test_failures == 0);
+    }
+    CHECK(steps[1] > steps[0]);
+    CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+  }
 }
 
 /* q'' = -k q from (1, 0): q = cos(t sqrt k), dq/dk = -t sin(t sqrt k) / (2 sqrt k). */
@@ -426,6 +453,7 @@ int main(void) {
   checkpoints_go_on(SFDAE_METHOD_RADAU);
   large_problems_use_the_whole_array();
   mistakes_are_named();
+  every_method_tests_their_errors();
   mechanical_systems_have_them();
   problems_without_sensitivities_are_named();
   fixed_values_that_cannot_follow_are_named();

@@ -60,7 +60,7 @@ program sensitivities_test
   real(dp), parameter :: p = 1.5_dp, c = 2.0_dp
   type(oscillator), target :: problem
   type(first_component), target :: events
-  type(dae_solver) :: solver, other
+  type(dae_solver) :: solver, other, tested
   type(dae_options) :: options
   type(dae_sensitivities) :: wanted
   type(sfdae_sensitivity_statistics) :: statistics
@@ -139,6 +139,21 @@ program sensitivities_test
   wanted%scales = [1.0_dp]
   call solver%set_sensitivities(wanted, status)
   call check(status == sfdae_illegal_argument, "too few scales")
+
+  ! Steps of Radau for S as well, as if it were 1000 times as large.
+  wanted%scales = [1000.0_dp, 1000.0_dp, 1000.0_dp]
+  wanted%error_test = .true.
+  options%method = sfdae_method_radau
+  call tested%create(problem, status, options)
+  call tested%set_sensitivities(wanted, status)
+  call check(status == sfdae_ok, "set_sensitivities with an error test")
+  x = [1, 0, 0]
+  call tested%start(0.0_dp, 3.0_dp, x, status)
+  call tested%advance(0.7_dp, t, x, status)
+  call tested%get_sensitivities(t, s, status)
+  call check(status == sfdae_ok .and. near(s(1, 1), -t * sin(p * t), 1.0e-8_dp), "tested dx1/dp")
+  call tested%destroy(status)
+  wanted%error_test = .false.
 
   ! The gradient of x1 + z at 0.7 and of x1 at 0.
   deallocate (wanted%scales)
