@@ -4,10 +4,11 @@
 // Columns: method, steps, the time of x alone, what one and ten sensitivities add, relative, and what the gradient of a
 // functional of the end values by ten parameters adds, kept steps included; with all of them,
 // and with 60, so that the others are made again. Run it with OPENBLAS_NUM_THREADS=1. Arguments:
-// nothing; or a problem (0, 1, 2), a method (0: BDF, 1: Radau) and a count (-1, -2: the adjoint), of which one integration is
-// done, to be profiled or counted.
+// nothing; or "large": problems of 100 and 400 unknowns, forward sensitivities alone; or a problem (0, ..., 6), a method (0: BDF,
+// 1: Radau) and a count (-1, -2: the adjoint), of which one integration is done, to be profiled or counted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -21,7 +22,7 @@ namespace {
 using sfdae::Expression;
 
 struct Problem {
-  const char* name;
+  std::string name;
   sfdae::NonlinearProblem equations;
   std::vector<double> x;
   double end;
@@ -73,10 +74,44 @@ Problem stiff(int n) {
     for (int i = 0; i < n; ++i)
       F[i] = xdot[i] - 500.0 * (at(i - 1) - 2.0 * x[i] + at(i + 1)) - rate[std::size_t(i % 10)] * x[i] * (1.0 - x[i]);
   };
-  return {"40 stiff equations", std::move(problem), std::vector<double>(std::size_t(n), 0.1), 5.0};
+  return {std::to_string(n) + " stiff equations", std::move(problem), std::vector<double>(std::size_t(n), 0.1), 5.0};
 }
 
-Problem problem_of(int number) { return number == 0 ? chain(1, 10.0) : number == 1 ? chain(4, 2.0) : stiff(40); }
+// Two species that react in cells of a line and diffuse, 2 cells unknowns; the first parameters are those of the reaction.
+Problem brusselator(int cells) {
+  sfdae::NonlinearProblem problem(2 * cells, 2 * cells);
+  problem.equations = [cells](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression a = parameter_of(t, 0, 1.0), b = parameter_of(t, 1, 3.0), diffusion = parameter_of(t, 2, 0.02);
+    for (int j = 3; j < 10; ++j) parameter_of(t, j, 1.0);
+    const double squared = double(cells + 1) * double(cells + 1);
+    const auto at = [&](int i, int k) { return i < 0 || i >= cells ? 0.0 * t + (k == 0 ? 1.0 : 3.0) : x[2 * i + k]; };
+    for (int i = 0; i < cells; ++i) {
+      const Expression u = x[2 * i], v = x[2 * i + 1], reaction = u * u * v;
+      F[2 * i] =
+          xdot[2 * i] - a - reaction + (b + 1.0) * u - squared * diffusion * (at(i - 1, 0) - 2.0 * u + at(i + 1, 0));
+      F[2 * i + 1] =
+          xdot[2 * i + 1] - b * u + reaction - squared * diffusion * (at(i - 1, 1) - 2.0 * v + at(i + 1, 1));
+    }
+  };
+  std::vector<double> x;
+  for (int i = 0; i < cells; ++i) {
+    x.push_back(1.0 + std::sin(2.0 * 3.14159265358979 * (i + 1) / (cells + 1)));
+    x.push_back(3.0);
+  }
+  return {"Brusselator, n = " + std::to_string(2 * cells), std::move(problem), std::move(x), 10.0};
+}
+
+Problem problem_of(int number) {
+  switch (number) {
+    case 0: return chain(1, 10.0);
+    case 1: return chain(4, 2.0);
+    case 2: return stiff(40);
+    case 3: return stiff(100);
+    case 4: return stiff(400);
+    case 5: return brusselator(50);
+    default: return brusselator(200);
+  }
+}
 
 // Seconds of the processor for the steps, without the start.
 double run(const Problem& problem, int method, int count, long& steps) {
@@ -107,21 +142,23 @@ double run(const Problem& problem, int method, int count, long& steps) {
   return double(end - begin) / CLOCKS_PER_SEC;
 }
 
-void print_table() {
+// repetitions: of which the shortest count; number_of_counts: columns.
+void print_table(int first, int last, int repetitions, int number_of_counts) {
   std::printf("%-20s %-6s %6s %10s %8s %8s %8s %8s\n", "", "method", "steps", "x alone/us", "one", "ten", "adjoint",
               "again");
-  for (int number = 0; number < 3; ++number) {
+  for (int number = first; number < last; ++number) {
     const Problem problem = problem_of(number);
     for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
       double best[] = {1e300, 1e300, 1e300, 1e300, 1e300};
       const int counts[] = {0, 1, 10, -1, -2};
       long steps = 0;
-      for (int repetition = 0; repetition < 15; ++repetition)
-        for (int k = 0; k < 5; ++k) best[k] = std::min(best[k], run(problem, method, counts[k], steps));
-      std::printf("%-20s %-6s %6ld %10.0f %+7.0f%% %+7.0f%% %+7.0f%% %+7.0f%%\n", problem.name,
-                  method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, 1e6 * best[0],
-                  100.0 * (best[1] / best[0] - 1.0), 100.0 * (best[2] / best[0] - 1.0),
-                  100.0 * (best[3] / best[0] - 1.0), 100.0 * (best[4] / best[0] - 1.0));
+      for (int repetition = 0; repetition < repetitions; ++repetition)
+        for (int k = 0; k < number_of_counts; ++k)
+          best[k] = std::min(best[k], run(problem, method, counts[k], steps));
+      std::printf("%-20s %-6s %6ld %10.0f", problem.name.c_str(), method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps,
+                  1e6 * best[0]);
+      for (int k = 1; k < number_of_counts; ++k) std::printf(" %+7.0f%%", 100.0 * (best[k] / best[0] - 1.0));
+      std::printf("\n");
     }
   }
 }
@@ -130,7 +167,8 @@ void print_table() {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    print_table();
+    if (argc == 2 && std::string(argv[1]) == "large") print_table(3, 7, 3, 3);
+    else print_table(0, 3, 15, 5);
     return 0;
   }
   long steps = 0;
