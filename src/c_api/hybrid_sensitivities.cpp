@@ -43,15 +43,24 @@ struct Derivative {
 // Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
 // step there. The derivative is none then.
 template <class Values>
+CallResult finite_values(const Values& values, double s, Vector& to) {
+  CallResult result = values(s, to);
+  if (result.status >= 0 && !all_finite(to.data(), to.size()))
+    return {SFDAE_NOT_FINITE,
+            "near a transition, where it is differentiated, values after it, or its function, are not finite."};
+  return result;
+}
+
+template <class Values>
 CallResult find_kink(const Values& values, const Vector& sizes, Derivative& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
   const std::size_t n = sizes.size();
   Vector here(n), above(n), below(n);
-  CallResult result = values(0.0, here);
+  CallResult result = finite_values(values, 0.0, here);
   double before = 0.0;
   for (double step : {derivative.step, much_smaller * derivative.step}) {
-    if (result.status >= 0) result = values(step, above);
-    if (result.status >= 0) result = values(-step, below);
+    if (result.status >= 0) result = finite_values(values, step, above);
+    if (result.status >= 0) result = finite_values(values, -step, below);
     if (result.status < 0) return result;
     double difference = 0.0;
     for (std::size_t i = 0; i < n; ++i)
@@ -75,7 +84,7 @@ CallResult differentiate(const Values& values, const Vector& sizes, double step,
     CallResult result;
     for (int k = 0; k < 4 && result.status >= 0; ++k) {
       at[k].resize(n);
-      result = values(places[k] * step, at[k]);
+      result = finite_values(values, places[k] * step, at[k]);
     }
     const bool may_be_nearer = result.status == SFDAE_NOT_FINITE || result.status == SFDAE_NO_CONSISTENT_VALUES;
     if (result.status < 0 && !may_be_nearer) return result;

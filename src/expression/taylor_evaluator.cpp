@@ -151,7 +151,7 @@ bool TaylorEvaluator::varying_entries(double t, const double* jet, const Varying
   execute_all<true>(varying.instructions(), slots, 0);
   bool finite = true;
   for (const VaryingEntries::Row& row : varying.rows()) {
-    adjoints[index(tape_.residuals[index(row.equation)]) * index(stride_)] = 1.0;
+    adjoints[0] = 1.0;
     const Edge *const first = varying.edges() + row.first_edge, *const last = varying.edges() + row.last_edge;
     if (tape_.has_choices) follow<true>(first, last, slots, adjoints, Fixed<0>());
     else follow<false>(first, last, slots, adjoints, Fixed<0>());

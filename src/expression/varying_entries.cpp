@@ -64,7 +64,7 @@ void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<ch
   for (const Edge* edge = first; edge != last; ++edge)
     if (!hands_on_numbers(*edge)) varying.push_back(edge->to);
   std::sort(varying.begin(), varying.end());
-  Row row{equation, edges_.size(), edges_.size(), targets_.size(), targets_.size()};
+  Row row{edges_.size(), edges_.size(), targets_.size(), targets_.size()};
   for (std::size_t e = tape.first_target[index(equation)]; e < tape.first_target[index(equation + 1)]; ++e)
     if (has(varying, tape.targets[e].slot)) {
       targets_.push_back(e);

@@ -20,7 +20,6 @@ class VaryingEntries {
   const std::vector<Instruction>& instructions() const { return instructions_; }
   // Equations with such derivatives, the edges that lead to these, and their numbers among the targets of the tape.
   struct Row {
-    int equation;
     std::size_t first_edge, last_edge, first_target, last_target;
   };
   const std::vector<Row>& rows() const { return rows_; }

@@ -69,6 +69,7 @@ void Sensitivities::start(const Integrator& integrator) {
   largest_next_ = 0.0;
   const Vector none;
   history_.start({t, none, none, S_, Sdot_});
+  estimate_.forget();
   if (options_.error_test && integrator.method == Method::radau) estimate_.start(t, S_, Sdot_);
   step_.resize(0, size());
 }
@@ -98,10 +99,17 @@ void Sensitivities::archive_history(Archive& archive, const Integrator& integrat
     int order = 0;
     const int points = history_.archive_size(archive, {0, size()}, max_bdf_order + 1, order);
     history_.archive_points(archive, points);
-  } else if (s != 0) {
+    return;
+  }
+  if (s != 0) {
     archive.reals(before_, size());
     archive.reals(stages_, size() * index(s));
   }
+  // Where the error test is asked for only after restoring, it begins with the next step.
+  bool has_estimate = estimate_.has_started();
+  archive.small(has_estimate);
+  if (has_estimate) estimate_.archive(archive, size());
+  if (!has_estimate || !options_.error_test) estimate_.forget();
 }
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
@@ -151,8 +159,9 @@ StepOutcome Sensitivities::test_error(Integrator& integrator, const Tolerances& 
 StepOutcome Sensitivities::test_error_of_radau(Integrator& integrator) {
   if (integrator.system.differential() == 0) return StepOutcome::accepted;
   const RadauMethod& method = radau_method(step_tried_.method->s);
-  const ErrorTerms terms =
-      estimate_.estimate(*system_, {method, step_tried_.h, step_tried_.forgets_past, stages_}, weights_);
+  const SensitivityErrorEstimate::Step step{method, step_tried_.h, step_tried_.forgets_past, stages_};
+  if (!estimate_.has_started()) estimate_.start_within(step, integrator.stepper->state().t, S_);
+  const ErrorTerms terms = estimate_.estimate(*system_, step, weights_);
   return integrator.stepper->test_beside(integrator.system, terms);
 }
 

@@ -12,19 +12,47 @@
 
 namespace sfdae::core {
 
+void SensitivityErrorEstimate::reserve(std::size_t size) {
+  if (!nodes_.empty() && this->size() == size) return;
+  nodes_.clear();  // while memory may be missing
+  end_.assign_zero(0, size);
+  for (std::vector<double>* v : {&difference_, &mapped_, &largest_, &nearby_}) v->assign(size, 0.0);
+  columns_.assign(size * index(max_stages + 1), 0.0);
+  table_.resize(size, max_radau_nodes);
+  nodes_.assign(index(max_radau_nodes), end_);
+}
+
 void SensitivityErrorEstimate::start(double t, const std::vector<double>& S, const std::vector<double>& Sdot) {
-  if (nodes_.empty() || size() != S.size()) {
-    nodes_.clear();  // while memory may be missing
-    end_.assign_zero(0, S.size());
-    for (std::vector<double>* v : {&difference_, &mapped_, &largest_, &nearby_}) v->assign(S.size(), 0.0);
-    columns_.assign(S.size() * index(max_stages + 1), 0.0);
-    table_.resize(S.size(), max_radau_nodes);
-    nodes_.assign(index(max_radau_nodes), end_);
-  }
+  reserve(S.size());
   nodes_[0].t = t;
   nodes_[0].w = S;
   nodes_[0].wdot = Sdot;
   count_ = 1;
+}
+
+void SensitivityErrorEstimate::start_within(const Step& step, double t, const std::vector<double>& S) {
+  reserve(S.size());
+  nodes_[0].t = t;
+  nodes_[0].w = S;
+  const RadauMethod& method = step.method;
+  slope_of_stages({method.s(), method.slope_at_start.data(), 1, step.h}, S, step.stages, nodes_[0].wdot.data());
+  count_ = 1;
+}
+
+void SensitivityErrorEstimate::archive(Archive& archive, std::size_t size) {
+  int count = count_;
+  archive.small(count);
+  if (archive.is_reading()) {
+    if (count < 1 || count > max_radau_nodes) throw DamagedArchive();
+    count_ = 0;
+    reserve(size);
+  }
+  for (int i = 0; i < count; ++i) {
+    archive.real(nodes_[index(i)].t);
+    archive.reals(nodes_[index(i)].w, size);
+    archive.reals(nodes_[index(i)].wdot, size);
+  }
+  count_ = count;
 }
 
 // As StepScales has them for x.

@@ -5,6 +5,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "integrate/error_weights.h"
@@ -12,6 +13,7 @@
 #include "integrate/radau_control.h"
 #include "integrate/radau_method.h"
 #include "integrate/radau_node.h"
+#include "linalg/archive.h"
 #include "system/sensitivity_system.h"
 
 namespace sfdae::core {
@@ -20,6 +22,11 @@ class SensitivityErrorEstimate {
  public:
   // At a point from which steps start; S, Sdot: n x count.
   void start(double t, const std::vector<double>& S, const std::vector<double>& Sdot);
+  bool has_started() const { return count_ > 0; }
+  // Reading: as it was; of S with `size` numbers. Throws DamagedArchive.
+  void archive(Archive& archive, std::size_t size);
+  // Until start() or start_within().
+  void forget() { count_ = 0; }
   // S at the stages of a step h from the last point, where the system has solved for them.
   struct Step {
     const RadauMethod& method;
@@ -27,6 +34,8 @@ class SensitivityErrorEstimate {
     bool forgets_past;  // earlier points do not say how smooth S is
     const std::vector<double>& stages;
   };
+  // At the start t of a step that has been solved, where nothing is known of those before: the slope is that of the step.
+  void start_within(const Step& step, double t, const std::vector<double>& S);
   // weights: those of each column, which are updated.
   ErrorTerms estimate(SensitivitySystem& system, const Step& step, std::vector<ErrorWeights>& weights);
   // The step estimated last has been taken.
@@ -40,6 +49,7 @@ class SensitivityErrorEstimate {
                             ErrorTerms& terms);
   void add_decay(SensitivitySystem& system, const Step& step, const std::vector<ErrorWeights>& weights,
                  ErrorTerms& terms);
+  void reserve(std::size_t size);
   std::size_t size() const { return end_.w.size(); }
 
   std::vector<RadauNode> nodes_;  // the newest first; w is S

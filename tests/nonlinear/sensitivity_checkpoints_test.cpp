@@ -255,8 +255,10 @@ sfdae::NonlinearProblem van_der_pol() {
 TEST(ErrorTestOfSensitivities, ContinuesInEveryBit) {
   sfdae::Sensitivities wanted = by({"p"}, true);
   wanted.scales = {0.1};
-  const sfdae::Options options = options_with(1e-5, SFDAE_METHOD_BDF);
-  compare(course_of(van_der_pol(), options, wanted, {2.0, 0.0, 0.0}, 0.0, 40.0), 60);
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC}) {
+    SCOPED_TRACE(method);
+    compare(course_of(van_der_pol(), options_with(1e-5, method), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0), 60);
+  }
 }
 
 // ---- What is refused ---------------------------------------------------------------------------------------------
