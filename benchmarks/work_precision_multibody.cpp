@@ -113,8 +113,7 @@ void run_test_set(const TestProblem& problem, Results& results) {
 // The raw equations of a five-bar, 10 unknowns, beside its multibody form; the reference is that of the latter at 1e-13.
 void run_five_bar(Results& results) {
   const sfdae_test::FiveBar system;
-  TestProblem problem{
-      .name = "five_bar", .m = 10, .n = 10, .t0 = 0.0, .tf = 2.0, .x0 = sfdae_test::five_bar_start()};
+  TestProblem problem{.name = "five_bar", .m = 10, .n = 10, .t0 = 0.0, .tf = 2.0, .x0 = sfdae_test::five_bar_start()};
   problem.counted = sfdae_test::first_components(8);
   const SolverRun reference = solve(system, problem, MultibodyForm::recorded, Method::radau, 1e-13);
   problem.references = {{problem.tf, reference.x}};
