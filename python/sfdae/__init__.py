@@ -47,7 +47,7 @@ from ._inspection import (
     StrangenessFreeSystem,
     Structure,
 )
-from ._hybrid import Hybrid, Passage, Transition
+from ._hybrid import Hybrid
 from ._linearization import Descriptor, Spectrum
 from ._branches import SingularPoint
 from ._modes import Jump
@@ -71,6 +71,7 @@ from ._status import (
 )
 from ._structs import Struct
 from ._switch import Switch
+from ._transition import Passage, Transition
 
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
 
