@@ -150,11 +150,19 @@ bool choose(const Lanes* a, const Lanes* b, const Lanes* c, Lanes* v, Order K) {
   return true;
 }
 
-// The derivatives that gradients need: of order 0 alone, or all coefficients.
-enum class Slopes { none, plain, series };
+// v = c / b
+template <class Order>
+void reciprocal(double c, const Lanes* b, Lanes* v, Order K) {
+  v[0] = c / b[0];
+  for (int k = 1; k <= K; ++k) {
+    Lanes sum{};
+    for (int j = 1; j <= k; ++j) sum -= b[j] * v[k - j];
+    v[k] = sum / b[0];
+  }
+}
 
 // The same operations in the same order as execute(); false where lanes have to be looked at one by one.
-template <Slopes slopes, class Order>
+template <bool with_slopes, class Order>
 bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
   const Lanes* const a = slots + instruction.a;
   const Lanes* const b = slots + instruction.b;
@@ -178,22 +186,20 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
       for (int k = 0; k <= K; ++k) v[k] = b[0] * a[k];
       return true;
     case Code::divide:
-      if constexpr (slopes == Slopes::series) return false;
       if (!divide(a, b, v, K)) return false;
-      if constexpr (slopes == Slopes::plain) {
-        p[0] = 1.0 / b[0];
-        slots[instruction.q] = v[0] * p[0];
+      if constexpr (with_slopes) {
+        reciprocal(1.0, b, p, K);
+        multiply(v, p, slots + instruction.q, K);
       }
       return true;
     case Code::divide_by_number:
       if (any(b[0] == 0.0)) return false;
       for (int k = 0; k <= K; ++k) v[k] = a[k] / b[0];
-      if constexpr (slopes != Slopes::none) p[0] = 1.0 / b[0];
+      if constexpr (with_slopes) p[0] = 1.0 / b[0];
       return true;
     case Code::sqrt:
-      if constexpr (slopes == Slopes::series) return false;
       if (!sqrt(a, v, K)) return false;
-      if constexpr (slopes == Slopes::plain) p[0] = 0.5 / v[0];
+      if constexpr (with_slopes) reciprocal(0.5, v, p, K);
       return true;
     case Code::exp: return exp(a, v, K);
     case Code::choose: return choose(a, b, slots + instruction.c, v, K);
@@ -202,35 +208,13 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
   }
 }
 
-template <Slopes slopes, class Order>
+template <bool with_slopes, class Order>
 void execute_all(const std::vector<Instruction>& instructions, Lanes* slots, Order K) {
   for (const Instruction& instruction : instructions)
-    if (!execute_together<slopes>(instruction, slots, K))
-      execute_singly<slopes != Slopes::none>(instruction, slots, K);
+    if (!execute_together<with_slopes>(instruction, slots, K)) execute_singly<with_slopes>(instruction, slots, K);
 }
 
-// Adjoints of order 0. with_choices: as in edges.h.
-template <bool with_choices>
-void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints) {
-  for (const Edge* edge = first; edge != last; ++edge) {
-    const Lanes from = adjoints[edge->from], factor = slots[edge->factor];
-    Lanes handed = from;
-    switch (edge->code) {
-      case EdgeCode::pass: break;
-      case EdgeCode::negate: handed = -from; break;
-      case EdgeCode::multiply:
-      case EdgeCode::scale: handed = from * factor; break;
-      case EdgeCode::multiply_negated: handed = -(from * factor); break;
-      case EdgeCode::pass_if_positive: handed = factor > 0.0 ? from : Lanes{}; break;
-      case EdgeCode::pass_otherwise: handed = factor > 0.0 ? Lanes{} : from; break;
-    }
-    if constexpr (with_choices) handed = from == 0.0 ? Lanes{} : handed;
-    if (edge->is_first) adjoints[edge->to] = handed;
-    else adjoints[edge->to] += handed;
-  }
-}
-
-// As follow() of edges.h.
+// What an edge hands on, as in edges.h.
 template <class Order>
 void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* handed, Order K) {
   std::copy_n(from, K + 1, handed);
@@ -259,13 +243,13 @@ void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* ha
   }
 }
 
-// Adjoints with coefficients, `stride` for each slot.
+// Adjoints have K + 1 coefficients each. with_choices: as in edges.h.
 template <bool with_choices, class Order>
-void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints, int stride, Order K) {
-  Lanes handed[LaneEvaluator::highest_order + 1];
+void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints, Order K) {
   for (const Edge* edge = first; edge != last; ++edge) {
-    const Lanes* const from = adjoints + edge->from * stride;
-    Lanes* const to = adjoints + edge->to * stride;
+    const Lanes* const from = adjoints + edge->from * (K + 1);
+    Lanes* const to = adjoints + edge->to * (K + 1);
+    Lanes handed[LaneEvaluator::highest_order + 1];
     hand_on(*edge, from, slots + edge->factor, handed, K);
     if constexpr (with_choices) {
       LaneMask vanishes = from[0] == 0.0;
@@ -285,36 +269,37 @@ struct Pass {
   const std::vector<Edge>& edges;
   const LaneEvaluator::Points& points;
   int stride, order;
-  Slopes slopes;
-  const int* limits;  // of series
+  bool with_gradients;
+  const int* limits;  // of the orders of gradients; null: 0
   Lanes *slots, *adjoints, *gradients;
   bool is_finite;
 };
 
-// Coefficients of the gradient of equation i.
+// The gradient of equation i, `length` places for each of its derivatives.
 template <class Order>
-void sweep_back(Pass& pass, std::size_t i, LaneMask& bad, Order K) {
+void sweep_back(const Pass& pass, std::size_t i, int length, LaneMask& bad, Order K) {
   const Tape& tape = pass.tape;
   pass.adjoints[0] = Lanes{} + 1.0;
   for (int k = 1; k <= K; ++k) pass.adjoints[k] = Lanes{};
   const Edge* const first = pass.edges.data() + tape.first_edge[i];
   const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
-  if (tape.has_choices) follow<true>(first, last, pass.slots, pass.adjoints, pass.stride, K);
-  else follow<false>(first, last, pass.slots, pass.adjoints, pass.stride, K);
+  if (tape.has_choices) follow<true>(first, last, pass.slots, pass.adjoints, K);
+  else follow<false>(first, last, pass.slots, pass.adjoints, K);
   for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
     for (int k = 0; k <= K; ++k) {
-      const Lanes entry = pass.adjoints[tape.targets[e].slot * pass.stride + k];
+      const Lanes entry = pass.adjoints[tape.targets[e].slot * (K + 1) + k];
       note_not_finite(entry, bad);
-      pass.gradients[e * index(pass.order + 1) + index(k)] = entry;
+      pass.gradients[e * index(length) + index(k)] = entry;
     }
 }
 
-void sweep_back_all(Pass& pass, LaneMask& bad) {
+void sweep_back_all(const Pass& pass, LaneMask& bad) {
+  const int length = pass.limits == nullptr ? 1 : pass.order + 1;
   for (std::size_t i = 0; i < pass.tape.residuals.size(); ++i) {
-    switch (std::min(pass.order, pass.limits[i])) {
-      case 0: sweep_back(pass, i, bad, Fixed<0>()); break;
-      case 1: sweep_back(pass, i, bad, Fixed<1>()); break;
-      default: sweep_back(pass, i, bad, Fixed<2>());
+    switch (pass.limits == nullptr ? 0 : std::min(pass.order, pass.limits[i])) {
+      case 0: sweep_back(pass, i, length, bad, Fixed<0>()); break;
+      case 1: sweep_back(pass, i, length, bad, Fixed<1>()); break;
+      default: sweep_back(pass, i, length, bad, Fixed<2>());
     }
   }
 }
@@ -324,7 +309,7 @@ void run(Pass& pass, Order K) {
   const Tape& tape = pass.tape;
   Lanes* const slots = pass.slots;
   LaneMask bad{};
-  if (pass.of_parameters != nullptr) execute_all<Slopes::none>(*pass.of_parameters, slots, Fixed<0>());
+  if (pass.of_parameters != nullptr) execute_all<false>(*pass.of_parameters, slots, Fixed<0>());
   if (pass.of_time != nullptr) {
     const Lanes& t = lanes(*pass.points.t);
     note_not_finite(t, bad);
@@ -332,7 +317,7 @@ void run(Pass& pass, Order K) {
       slots[tape.time * pass.stride] = t;
       if (K > 0) slots[tape.time * pass.stride + 1] = Lanes{} + 1.0;
     }
-    execute_all<Slopes::none>(*pass.of_time, slots, K);
+    execute_all<false>(*pass.of_time, slots, K);
   }
   for (const Tape::Leaf& leaf : tape.leaves)
     for (int k = 0; k <= K; ++k) {
@@ -345,28 +330,11 @@ void run(Pass& pass, Order K) {
     pass.is_finite = false;
     return;
   }
-  switch (pass.slopes) {
-    case Slopes::none: execute_all<Slopes::none>(pass.of_state, slots, K); break;
-    case Slopes::plain: execute_all<Slopes::plain>(pass.of_state, slots, K); break;
-    case Slopes::series: execute_all<Slopes::series>(pass.of_state, slots, K);
-  }
+  if (pass.with_gradients) execute_all<true>(pass.of_state, slots, K);
+  else execute_all<false>(pass.of_state, slots, K);
   for (const int slot : tape.residuals)
     for (int k = 0; k <= K; ++k) note_not_finite(slots[slot * pass.stride + k], bad);
-  if (pass.slopes == Slopes::series) sweep_back_all(pass, bad);
-  if (pass.slopes == Slopes::plain) {
-    for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
-      pass.adjoints[0] = Lanes{} + 1.0;
-      const Edge* const first = pass.edges.data() + tape.first_edge[i];
-      const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
-      if (tape.has_choices) follow<true>(first, last, slots, pass.adjoints);
-      else follow<false>(first, last, slots, pass.adjoints);
-      for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e) {
-        const Lanes entry = pass.adjoints[tape.targets[e].slot];
-        note_not_finite(entry, bad);
-        pass.gradients[e] = entry;
-      }
-    }
-  }
+  if (pass.with_gradients) sweep_back_all(pass, bad);
   pass.is_finite = !any(bad);
 }
 
@@ -391,15 +359,15 @@ Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data
 }  // namespace
 
 bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {
-  return evaluate_all(source, points, order, with_gradients ? Gradients::plain : Gradients::none, nullptr);
+  return evaluate_all(source, points, order, with_gradients, nullptr);
 }
 
 bool LaneEvaluator::evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                                      const std::vector<int>& limits) {
-  return evaluate_all(source, points, order, Gradients::series, limits.data());
+  return evaluate_all(source, points, order, true, limits.data());
 }
 
-bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& points, int order, Gradients gradients,
+bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients,
                                  const int* limits) {
   assert(order >= 0 && order <= highest_order);
   const QuietArithmetic quiet;
@@ -414,9 +382,7 @@ bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& po
             points,
             stride_,
             order,
-            gradients == Gradients::none    ? Slopes::none
-            : gradients == Gradients::plain ? Slopes::plain
-                                            : Slopes::series,
+            with_gradients,
             limits,
             to_lanes(slots_),
             to_lanes(adjoints_),

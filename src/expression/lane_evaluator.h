@@ -6,9 +6,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
+#include "linalg/index.h"
 #include "linalg/lanes.h"
 
 namespace sfdae::core {
@@ -22,16 +24,21 @@ class LaneEvaluator {
     const LaneBlock* t;
     std::array<const LaneBlock*, highest_order + 2> x;
   };
+  // Jets of order + 1 of n unknowns, coefficient after coefficient.
+  static Points points_of(const LaneBlock* t, const LaneBlock* jets, int order, int n) {
+    Points points{t, {}};
+    for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n;
+    return points;
+  }
 
   // Coefficients of F up to the order, and F_x if asked for. False where anything is not finite, at any of the points,
   // whatever the reason; the TaylorEvaluator can tell which. F_x is for equations without x' alone.
   bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
 
-  // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: entries(), those of target e of the tape from
-  // e (order + 1) on; what lies beyond limits has no meaning. False: as above.
+  // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: gradients(), those of target e of the tape
+  // from e (order + 1) on; what lies beyond limits has no meaning. False: as above.
   bool evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                         const std::vector<int>& limits);
-  const LaneBlock* entries() const { return gradients_.data(); }
 
   // Of equation i, coefficient after coefficient.
   const LaneBlock* value(int i) const { return slots_.data() + values_[index(i)]; }
@@ -39,8 +46,7 @@ class LaneEvaluator {
   const LaneBlock* gradients() const { return gradients_.data(); }
 
  private:
-  enum class Gradients { none, plain, series };
-  bool evaluate_all(const TaylorEvaluator& source, const Points& points, int order, Gradients gradients,
+  bool evaluate_all(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients,
                     const int* limits);
   void reserve(const TaylorEvaluator& source, int order);
   bool parameters_are_new(const TaylorEvaluator& source);

@@ -173,21 +173,15 @@ CallbackError RecordedProblem::gradient_entries(double t, const double* jet, Var
   return gradients_for(t, [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, varying, values); });
 }
 
-LaneEvaluator::Points RecordedProblem::points_of_lanes(const LaneBlock* t, const LaneBlock* jets, int order) const {
-  LaneEvaluator::Points points{t, {}};
-  for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
-  return points;
-}
-
 const LaneBlock* RecordedProblem::gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets,
                                                                 int order, const std::vector<int>& limits) {
   if (!has_lanes(order) || stop_is_requested()) return nullptr;
-  if (!lanes_.evaluate_entries(evaluator_, points_of_lanes(t, jets, order), order, limits)) {
+  if (!lanes_.evaluate_entries(evaluator_, LaneEvaluator::points_of(t, jets, order, n()), order, limits)) {
     ++failed_evaluations_;
     return nullptr;
   }
   linearizations_ += count;
-  return lanes_.entries();
+  return lanes_.gradients();
 }
 
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
@@ -196,7 +190,7 @@ CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int 
 
 bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) {
   if (source_) return false;
-  if (!lanes_.evaluate(evaluator_, points_of_lanes(t, jets, order), order, false)) {
+  if (!lanes_.evaluate(evaluator_, LaneEvaluator::points_of(t, jets, order, n()), order, false)) {
     ++failed_evaluations_;
     return false;
   }

@@ -140,7 +140,7 @@ class RecordedProblem final : public NonlinearProblem {
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
                                                  const std::vector<int>& limits);
   // Those found last.
-  const LaneBlock* last_entries_side_by_side() const { return lanes_.entries(); }
+  const LaneBlock* last_entries_side_by_side() const { return lanes_.gradients(); }
   // evaluate: calls that function of the evaluator, whose answer it gives.
   template <class Evaluate>
   CallbackError gradients_for(double t, Evaluate evaluate) {
@@ -159,7 +159,6 @@ class RecordedProblem final : public NonlinearProblem {
 
  private:
   CallbackError failure(double t) const;
-  LaneEvaluator::Points points_of_lanes(const LaneBlock* t, const LaneBlock* jets, int order) const;
   TaylorEvaluator evaluator_;
   std::shared_ptr<SuppliedEquations> source_;
   LaneEvaluator lanes_;

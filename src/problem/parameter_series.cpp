@@ -82,9 +82,8 @@ CallbackError ParameterSeries::values(double t, const double* jet, int order, Vi
 const LaneBlock* ParameterSeries::values_side_by_side(const LaneBlock* t, const LaneBlock* jets, int order) {
   lanes_of_F_p_.resize(places_.size() * index(order + 1) + 1);
   if (places_.empty()) return lanes_of_F_p_.data();
-  LaneEvaluator::Points points{t, {}};
-  for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * problem_.n();
-  if (!lanes_.evaluate(evaluator_, points, order, false)) return nullptr;
+  if (!lanes_.evaluate(evaluator_, LaneEvaluator::points_of(t, jets, order, problem_.n()), order, false))
+    return nullptr;
   for (std::size_t e = 0; e < places_.size(); ++e)
     for (int k = 0; k <= order; ++k)
       lanes_of_F_p_[e * index(order + 1) + index(k)] = lanes_.value(static_cast<int>(e))[k];

@@ -88,7 +88,7 @@ void expect_equal_entries(const TaylorEvaluator& source, LaneEvaluator& lanes, c
       for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
         for (int k = 0; k <= limits[i]; ++k) {
           const std::size_t place = e * size(order + 1) + size(k);
-          EXPECT_EQ(lanes.entries()[place].lane[l], entries[place]) << "equation " << i << ", coefficient " << k;
+          EXPECT_EQ(lanes.gradients()[place].lane[l], entries[place]) << "equation " << i << ", coefficient " << k;
         }
   }
 }

@@ -74,6 +74,9 @@ TEST(VaryingEntries, LeaveOutWhatIsConstant) {
   varying.set(source.tape(), 1);
   ASSERT_EQ(varying.rows().size(), 1u);
   const VaryingEntries::Row& row = varying.rows()[0];
+  // Of equation 1.
+  EXPECT_GE(varying.target(row.first_target), source.tape().first_target[1]);
+  EXPECT_LT(varying.target(row.last_target - 1), source.tape().first_target[2]);
   // By x_0 and x_1, not by x_2; factors are unknowns, so that nothing is computed.
   EXPECT_EQ(row.last_target - row.first_target, 2u);
   EXPECT_TRUE(varying.instructions().empty());
