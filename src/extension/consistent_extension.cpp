@@ -9,6 +9,7 @@
 #include "extension/least_change_search.h"
 #include "extension/stage_search.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 #include "structure/time_unit.h"
 
@@ -58,6 +59,8 @@ double ConsistentExtension::weight(const MinimalExtension::Column& column) const
 }
 
 Jet ConsistentExtension::find(const PointOfInterest& point) {
+  // Nearly singular matrices make numbers that are not finite, which searches look at.
+  const QuietArithmetic quiet;
   Jet guess;
   guess.t = point.t;
   guess.n = extension_.n();

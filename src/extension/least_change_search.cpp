@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "linalg/index.h"
-#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -58,7 +57,6 @@ bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
 }
 
 JetChange LeastChangeSearch::apply(const std::vector<double>& dx, double part, Jet& jet) const {
-  const QuietArithmetic quiet;
   JetChange change;
   for (std::size_t k = 0; k < dx.size(); ++k) {
     const auto [unknown, order] = extension_.columns()[k];

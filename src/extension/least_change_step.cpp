@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "linalg/index.h"
-#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -54,8 +53,6 @@ bool LeastChangeStep::factor(const Equations& equations, const std::vector<doubl
 
 void LeastChangeStep::solve(const Equations& equations, const std::vector<char>& is_held, double* dx,
                             const double* r) {
-  // Nearly singular matrices make numbers that are not finite, which those who ask look at.
-  const QuietArithmetic quiet;
   const std::size_t n = index(equations.unknowns);
   b_.resize(index(pattern_.size));
   for (std::size_t j = 0; j < n; ++j) b_[j] = is_held[j] != 0 ? 0.0 : dx[j];

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "linalg/index.h"
-#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -67,7 +66,6 @@ const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_fir
 
 // Whether it was a whole one. change_ becomes that of the jet.
 bool StageSearch::step(const Jet& guess, Jet& jet) {
-  const QuietArithmetic quiet;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto [unknown, order] = columns_[k];
     dx_[k] = W_[k] * (guess.column(order)[unknown] - jet.column(order)[unknown]) / unit_[k];
