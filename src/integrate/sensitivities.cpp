@@ -144,12 +144,21 @@ StepOutcome Sensitivities::solve_tried() {
   return all_finite(tried_.data(), tried_.size()) ? StepOutcome::accepted : StepOutcome::not_finite;
 }
 
-StepOutcome Sensitivities::test_error(Integrator& integrator, const Tolerances& tolerances) {
+// Those of the last step, as a rule.
+void Sensitivities::set_weights(const Tolerances& tolerances, Tightening tightening) {
+  if (tolerances == tolerances_ && tightening == tightening_) return;
+  tolerances_ = {};  // while memory may be missing
   for (std::size_t j = 0; j < weights_.size(); ++j) {
     Tolerances scaled = tolerances;
     for (double& atol : scaled.atol) atol /= options_.scales[j];
-    weights_[j].set(scaled, integrator.stepper->tightening());
+    weights_[j].set(scaled, tightening);
   }
+  tightening_ = tightening;
+  tolerances_ = tolerances;
+}
+
+StepOutcome Sensitivities::test_error(Integrator& integrator, const Tolerances& tolerances) {
+  set_weights(tolerances, integrator.stepper->tightening());
   const StepOutcome outcome = step_tried_.method != nullptr ? test_error_of_radau(integrator) : test_error_of_bdf();
   if (outcome != StepOutcome::accepted) ++work_.error_failures;
   return outcome;

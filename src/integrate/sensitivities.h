@@ -11,8 +11,10 @@
 #include "integrate/bdf_history.h"
 #include "integrate/bdf_step.h"
 #include "integrate/companion.h"
+#include "integrate/error_weights.h"
 #include "integrate/sensitivity_error_estimate.h"
 #include "system/sensitivity_system.h"
+#include "system/tolerances.h"
 
 namespace sfdae::core {
 
@@ -58,6 +60,7 @@ class Sensitivities final : public Companion {
  private:
   void demand(PointStatus status, double t) const;
   StepOutcome solve_tried();
+  void set_weights(const Tolerances& tolerances, Tightening tightening);
   StepOutcome test_error(Integrator& integrator, const Tolerances& tolerances);
   StepOutcome test_error_of_bdf();
   StepOutcome test_error_of_radau(Integrator& integrator);
@@ -81,6 +84,8 @@ class Sensitivities final : public Companion {
   std::vector<double> xdot_;
   SensitivityErrorEstimate estimate_;  // of Radau
   std::vector<ErrorWeights> weights_;
+  Tolerances tolerances_;  // that these were made of
+  Tightening tightening_ = Tightening::none;
   double largest_next_ = 0.0;  // step that the error test of S allows; 0: any
   double smaller_step_ = 0.0;  // to be tried after a step that it has refused
 };
