@@ -40,8 +40,7 @@ struct Derivative {
   bool is_there() const { return error <= useless; }
 };
 
-// Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
-// step there. The derivative is none then.
+// As values, where they are numbers: others are no derivatives.
 template <class Values>
 CallResult finite_values(const Values& values, double s, Vector& to) {
   CallResult result = values(s, to);
@@ -51,6 +50,8 @@ CallResult finite_values(const Values& values, double s, Vector& to) {
   return result;
 }
 
+// Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
+// step there. The derivative is none then.
 template <class Values>
 CallResult find_kink(const Values& values, const Vector& sizes, Derivative& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
@@ -242,8 +243,7 @@ CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const sfdae_transition& gi
   if (has_slopes)
     return illegal_argument(
         format("the function of the transition at t = %.15g depends on x'; with sensitivities it has to be one of t "
-               "and x. Make x' "
-               "an unknown.",
+               "and x. Make x' an unknown.",
                run.t));
   double rate = 0.0;
   result = function.along(1.0, run.xdot.data(), rate);
@@ -253,8 +253,7 @@ CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const sfdae_transition& gi
     run.shifts[j] = -change / rate;
     if (result.status >= 0 && !std::isfinite(run.shifts[j]))
       return {SFDAE_SINGULAR, format("the function of the transition at t = %.15g does not pass through zero with t: "
-                                     "the time of the transition "
-                                     "has no derivative by parameters.",
+                                     "the time of the transition has no derivative by parameters.",
                                      run.t)};
   }
   return result;
