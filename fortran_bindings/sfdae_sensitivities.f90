@@ -36,12 +36,14 @@ module sfdae_sensitivities
 contains
 
   !> Asks the C solver at `handle`, or the hybrid system.
-  subroutine set_sensitivities_in_c(handle, is_hybrid, n, wanted, status, complaint)
+  subroutine set_sensitivities_in_c(handle, is_hybrid, n, wanted, number, status, complaint)
     type(c_ptr), intent(in) :: handle
     logical, intent(in) :: is_hybrid
     !> Unknowns.
     integer(c_int), intent(in) :: n
     type(dae_sensitivities), target, intent(in) :: wanted
+    !> How many there are from now on; as before where they are refused.
+    integer(c_int), intent(inout) :: number
     integer(c_int), intent(out) :: status
     !> What is wrong with the arrays; empty if nothing is.
     character(len=:), allocatable, intent(inout) :: complaint
@@ -78,6 +80,7 @@ contains
     else
       status = c_set_sensitivities(handle, count, addresses, directions, options)
     end if
+    if (status >= 0) number = count
   end subroutine set_sensitivities_in_c
 
   subroutine check_arrays(wanted, n, count, complaint)

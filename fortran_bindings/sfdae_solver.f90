@@ -873,11 +873,7 @@ contains
     call check_call(self, status)
     if (status /= sfdae_ok) return
     call set_sensitivities_in_c(self%handle, .false., self%holder%problem%num_unknowns, wanted, &
-      status, self%complaint)
-    if (status < 0) return
-    self%num_sensitivities = 0
-    if (allocated(wanted%parameter_names)) &
-      self%num_sensitivities = size(wanted%parameter_names, kind=c_int)
+      self%num_sensitivities, status, self%complaint)
   end subroutine solver_set_sensitivities
 
   !> S = dx/dp at t, where the last call has returned or within the last step.

@@ -155,6 +155,28 @@ program hybrid_test
 
 contains
 
+  !> A mode that bounces off the ground.
+  subroutine make_bouncing(problem, ground, solver, hybrid)
+    type(flight_dae), target, intent(inout) :: problem
+    type(bounce), target, intent(inout) :: ground
+    type(dae_solver), intent(inout) :: solver
+    type(dae_hybrid), intent(inout) :: hybrid
+    integer(c_int) :: status
+
+    problem%num_equations = 2
+    problem%num_unknowns = 2
+    call solver%create(problem, status)
+    call hybrid%create(status)
+    call hybrid%add_mode(solver, status)
+    ground%from = 1
+    ground%to = 1
+    ground%kind = sfdae_transition_zero
+    ground%direction = -1
+    ground%has_jump = .true.
+    call hybrid%add_transition(ground, status)
+    call check_status(status, sfdae_ok, "a ball that bounces")
+  end subroutine make_bouncing
+
   !> From height h: the first bounce at sqrt(2 h / g).
   subroutine bounces_with_sensitivities()
     real(dp), parameter :: g = 9.81_dp, h = 2.0_dp, e = 0.7_dp
@@ -166,19 +188,9 @@ contains
     integer(c_int) :: status
     real(dp) :: t, x(2), s(2, 1), sdot(2, 1), dt(1), wrong(2, 2), first, slope
 
-    problem%num_equations = 2
-    problem%num_unknowns = 2
-    call solver%create(problem, status)
     call hybrid%set_sensitivities(wanted, status)
     call check_status(status, sfdae_illegal_argument, "before create")
-    call hybrid%create(status)
-    call hybrid%add_mode(solver, status)
-    ground%from = 1
-    ground%to = 1
-    ground%kind = sfdae_transition_zero
-    ground%direction = -1
-    ground%has_jump = .true.
-    call hybrid%add_transition(ground, status)
+    call make_bouncing(problem, ground, solver, hybrid)
     wanted%parameter_names = [""]
     allocate (wanted%directions(2, 1))
     wanted%directions(:, 1) = [1.0_dp, 0.0_dp]
@@ -353,17 +365,7 @@ contains
     integer(c_int) :: status
     real(dp) :: t, x(2), limit
 
-    problem%num_equations = 2
-    problem%num_unknowns = 2
-    call solver%create(problem, status)
-    call hybrid%create(status)
-    call hybrid%add_mode(solver, status)
-    ground%from = 1
-    ground%to = 1
-    ground%kind = sfdae_transition_zero
-    ground%direction = -1
-    ground%has_jump = .true.
-    call hybrid%add_transition(ground, status)
+    call make_bouncing(problem, ground, solver, hybrid)
     x = [0.0_dp, 5.0_dp]
     call hybrid%start(1, 0.0_dp, 10.0_dp, x, status)
     call hybrid%advance(10.0_dp, t, x, status)
