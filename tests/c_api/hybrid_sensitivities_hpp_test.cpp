@@ -12,20 +12,15 @@
 
 #include "linalg/random.h"
 #include "sfdae/hybrid.hpp"
+#include "solver_options.h"
 
 namespace {
 
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::solver_options;
 using Vector = std::vector<double>;
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
 
 sfdae::Sensitivities by(std::vector<std::string> parameters, const Matrix& directions = {}) {
   sfdae::Sensitivities wanted;
@@ -101,7 +96,7 @@ std::array<double, 3> flight(double t, double g, double h, double e) {
 }
 
 TEST_P(HybridSensitivities, AreThoseOfABouncingBall) {
-  System system = ball(options_with(1e-10, GetParam()));
+  System system = ball(solver_options(1e-10, GetParam()));
   constexpr double g = 9.81, h = 2.0, e = 0.8, step = 1e-5;
   system.hybrid.set_sensitivities(by({"g", "", ""}, unit_directions(3, 3, 1, {0, 2})));
   Point point{0.0, {h, 0.0, e}, {}};
@@ -141,7 +136,7 @@ TEST_P(HybridSensitivities, KeepTheChargeOfCapacitors) {
     return problem;
   };
   System system;
-  for (bool is_closed : {false, true}) system.add(circuit(is_closed), options_with(1e-10, GetParam()));
+  for (bool is_closed : {false, true}) system.add(circuit(is_closed), solver_options(1e-10, GetParam()));
   sfdae::Transition close;
   close.to = 1;
   close.kind = SFDAE_TRANSITION_TIME;
@@ -201,7 +196,7 @@ System rope(const sfdae::Options& options) {
 }
 
 Vector end_of_rope(double g, const Vector& start, double end) {
-  System system = rope(options_with(1e-12, SFDAE_METHOD_RADAU));
+  System system = rope(solver_options(1e-12, SFDAE_METHOD_RADAU));
   system.set_parameter("g", g);
   Point point{0.0, start, {}};
   system.hybrid.start(0, point, end);
@@ -211,7 +206,7 @@ Vector end_of_rope(double g, const Vector& start, double end) {
 }
 
 TEST_P(HybridSensitivities, FulfilHiddenConstraintsAfterARopeIsTight) {
-  System system = rope(options_with(1e-9, GetParam()));
+  System system = rope(solver_options(1e-9, GetParam()));
   const Vector start = {0.3, 0.2, 0.5, 0.1, 0.0, 1.0};
   constexpr double g = 9.81, end = 1.2, step = 1e-5;
   system.hybrid.set_sensitivities(by({"g", "", ""}, unit_directions(6, 3, 1, {2, 5})));
@@ -296,7 +291,7 @@ struct RandomModes {
 };
 
 Vector end_of_random(const RandomModes& modes, double p, const Vector& start, double end) {
-  System system = modes.system(options_with(1e-12, SFDAE_METHOD_RADAU));
+  System system = modes.system(solver_options(1e-12, SFDAE_METHOD_RADAU));
   system.set_parameter("p", p);
   Point point{0.0, start, {}};
   system.hybrid.start(0, point, end);
@@ -310,7 +305,7 @@ TEST_P(HybridSensitivities, AgreeWithDifferencesOfRandomSystems) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const RandomModes modes(seed);
-    System system = modes.system(options_with(1e-9, GetParam()));
+    System system = modes.system(solver_options(1e-9, GetParam()));
     system.hybrid.set_sensitivities(by({"p", ""}, unit_directions(4, 2, 1, {1})));
     Point point{0.0, start, {}};
     system.hybrid.start(0, point, end);
@@ -343,7 +338,7 @@ TEST_P(HybridSensitivities, GoThroughModesThatAreLeftAtOnce) {
     F[1] = xdot[1];
   };
   System system;
-  for (int k = 0; k < 3; ++k) system.add(problem, options_with(1e-10, GetParam()));
+  for (int k = 0; k < 3; ++k) system.add(problem, solver_options(1e-10, GetParam()));
   sfdae::Transition first, second;
   first.to = second.from = 1;
   second.to = 2;
@@ -377,7 +372,7 @@ TEST_P(HybridSensitivities, GoThroughModesThatAreLeftAtOnce) {
 
 TEST_P(HybridSensitivities, GoOnFromCheckpointsInEveryBit) {
   const auto make = [&] {
-    System system = rope(options_with(1e-7, GetParam()));
+    System system = rope(solver_options(1e-7, GetParam()));
     system.hybrid.set_sensitivities(by({"g", ""}, unit_directions(6, 2, 1, {5})));
     return system;
   };
@@ -403,14 +398,14 @@ TEST_P(HybridSensitivities, GoOnFromCheckpointsInEveryBit) {
   }
   EXPECT_EQ(plain.hybrid.num_passages(), 1);
   const Vector checkpoint = broken->hybrid.save_checkpoint();
-  System without = rope(options_with(1e-7, GetParam()));
+  System without = rope(solver_options(1e-7, GetParam()));
   try {
     without.hybrid.restore_checkpoint(checkpoint);
     FAIL();
   } catch (const sfdae::Error& error) {
     EXPECT_NE(std::string(error.what()).find("sfdae_set_hybrid_sensitivities"), std::string::npos) << error.what();
   }
-  System other = rope(options_with(1e-7, GetParam()));
+  System other = rope(solver_options(1e-7, GetParam()));
   other.hybrid.set_sensitivities(by({"", "g"}));
   EXPECT_THROW(other.hybrid.restore_checkpoint(checkpoint), sfdae::Error);
 }
@@ -437,7 +432,7 @@ sfdae::NonlinearProblem growth() {
 
 System with_function(sfdae::TransitionFunction function, sfdae::JumpFunction jump = {}) {
   System system;
-  for (int k = 0; k < 2; ++k) system.add(growth(), options_with(1e-8, SFDAE_METHOD_BDF));
+  for (int k = 0; k < 2; ++k) system.add(growth(), solver_options(1e-8, SFDAE_METHOD_BDF));
   sfdae::Transition transition;
   transition.to = 1;
   transition.kind = SFDAE_TRANSITION_ZERO;

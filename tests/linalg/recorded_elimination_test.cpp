@@ -115,34 +115,38 @@ TEST(RecordedElimination, RefusesPivotsThatHaveBecomeSmall) {
   EXPECT_EQ(elimination.choose(full.pattern, not_a_number.data()), Choice::singular);
 }
 
+// By a list of operations and by LAPACK.
+struct BothFactors {
+  explicit BothFactors(const SparseMatrix& matrix) {
+    EXPECT_EQ(elimination.choose(matrix.pattern, matrix.values.data()), Choice::made);
+    factors.resize(elimination.fill());
+    EXPECT_TRUE(elimination.factor(matrix.values.data(), factors.data()));
+    lu.analyze(matrix.pattern, SparseMethod::dense);
+    EXPECT_TRUE(lu.factor(matrix.values.data()));
+  }
+  RecordedElimination elimination;
+  std::vector<double> factors;
+  SparseLu<double> lu;
+};
+
 // Against 1 / (|S| |S^-1|) of the scaled matrix, column by column of its inverse; the estimate is a lower bound of |S^-1|.
 TEST(RecordedElimination, EstimatesTheConditionOfTheScaledMatrix) {
   for (const SparseMatrix& matrix : {sfdae_test::random_sparse(40, 2, 6), sfdae_test::flow(4)}) {
     const int n = matrix.pattern.size;
-    RecordedElimination elimination;
-    ASSERT_EQ(elimination.choose(matrix.pattern, matrix.values.data()), Choice::made);
-    std::vector<double> factors(elimination.fill());
-    ASSERT_TRUE(elimination.factor(matrix.values.data(), factors.data()));
-    SparseLu<double> lu;
-    lu.analyze(matrix.pattern, SparseMethod::dense);
-    ASSERT_TRUE(lu.factor(matrix.values.data()));
-    const double estimate = elimination.reciprocal_condition(matrix.values.data(), factors.data());
+    BothFactors both(matrix);
+    if (HasFailure()) return;
+    const double estimate = both.elimination.reciprocal_condition(matrix.values.data(), both.factors.data());
     // Both scale in the same way.
-    EXPECT_NEAR(estimate / lu.reciprocal_condition(), 1.0, 1e-6) << n;
+    EXPECT_NEAR(estimate / both.lu.reciprocal_condition(), 1.0, 1e-6) << n;
   }
 }
 
 TEST(RecordedElimination, HasTheDeterminant) {
   for (const SparseMatrix& matrix : {sfdae_test::random_sparse(40, 2, 6), sfdae_test::random_sparse(41, 2, 7),
                                      sfdae_test::random_sparse(42, 2, 8), sfdae_test::flow(4)}) {
-    RecordedElimination elimination;
-    ASSERT_EQ(elimination.choose(matrix.pattern, matrix.values.data()), Choice::made);
-    std::vector<double> factors(elimination.fill());
-    ASSERT_TRUE(elimination.factor(matrix.values.data(), factors.data()));
-    SparseLu<double> lu;
-    lu.analyze(matrix.pattern, SparseMethod::dense);
-    ASSERT_TRUE(lu.factor(matrix.values.data()));
-    const Determinant<double> own = elimination.determinant(factors.data()), other = lu.determinant();
+    BothFactors both(matrix);
+    if (HasFailure()) return;
+    const Determinant<double> own = both.elimination.determinant(both.factors.data()), other = both.lu.determinant();
     EXPECT_EQ(own.direction, other.direction) << matrix.pattern.size;
     EXPECT_NEAR(own.log2, other.log2, 1e-9) << matrix.pattern.size;
   }

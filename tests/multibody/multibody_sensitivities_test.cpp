@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 
 namespace {
 
@@ -15,15 +16,9 @@ using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::MultibodyProblem;
 using sfdae::Point;
+using sfdae_test::solver_options;
 
 constexpr double gravity = 9.81, mass = 2.0;
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
 
 // A rod of length L, its constraint given once or more often.
 MultibodyProblem pendulum(int copies = 1) {
@@ -47,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, MultibodySensitivities, testing::Values(SFDAE_
 // With time in units of 1 / sqrt(g): dq/dg = t q'/(2 g), dv/dg = (v + t v')/(2 g), dl/dg = l/g + t l'/(2 g).
 TEST_P(MultibodySensitivities, ObeyTheScalingLawAndHiddenConstraints) {
   constexpr double tol = 1e-9;
-  sfdae::Solver solver(pendulum(), options_with(tol, GetParam()));
+  sfdae::Solver solver(pendulum(), solver_options(tol, GetParam()));
   sfdae::Sensitivities wanted;
   wanted.parameters = {"g", "m", "L"};
   wanted.directions = Matrix(5, 3);
@@ -102,7 +97,7 @@ TEST_P(MultibodySensitivities, AgreeWithDifferencesOfSolutions) {
   const double values[] = {1.5, 0.8, 0.3, 0.0};
   constexpr double h = 1e-4, end = 2.0;
   constexpr int n = 9, freedom = 3;
-  sfdae::Solver solver(skate(), options_with(1e-9, GetParam()));
+  sfdae::Solver solver(skate(), solver_options(1e-9, GetParam()));
   sfdae::Sensitivities wanted;
   for (const char* name : names) wanted.parameters.emplace_back(name);
   wanted.directions = Matrix(n, 4);
@@ -120,7 +115,7 @@ TEST_P(MultibodySensitivities, AgreeWithDifferencesOfSolutions) {
     for (int side = 0; side < 2; ++side) {
       const double change = side == 0 ? -h : h;
       // With local coordinates, as without sensitivities.
-      sfdae::Solver other(skate(), options_with(1e-11, SFDAE_METHOD_RADAU));
+      sfdae::Solver other(skate(), solver_options(1e-11, SFDAE_METHOD_RADAU));
       if (*names[j] != '\0') other.set_parameter(names[j], values[j] + change);
       Point moved = start;
       for (int i = 0; i < n; ++i) moved.x[std::size_t(i)] += change * S0(i, j);
@@ -135,7 +130,7 @@ TEST_P(MultibodySensitivities, AgreeWithDifferencesOfSolutions) {
 
 // x and what is said of the system are those without sensitivities, before and after.
 TEST_P(MultibodySensitivities, ChangeNothingElse) {
-  sfdae::Solver solver(skate(), options_with(1e-8, GetParam())), alone(skate(), options_with(1e-8, GetParam()));
+  sfdae::Solver solver(skate(), solver_options(1e-8, GetParam())), alone(skate(), solver_options(1e-8, GetParam()));
   Point point{0.0, skating, {}}, reference = point;
   alone.start(reference, 1);
   alone.advance(1, reference);

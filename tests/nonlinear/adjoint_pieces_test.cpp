@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 #include "transformed_system.h"
 
 namespace {
@@ -16,17 +18,12 @@ namespace {
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
+using sfdae_test::van_der_pol;
 
 using Times = std::vector<double>;
 constexpr long kept[] = {2, 40, 100, 100000};
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
 
 struct Wanted {
   std::vector<std::string> parameters;
@@ -113,7 +110,7 @@ TEST_P(Pieces, GiveTheSameGradientsForAnyIndex) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()) + ", tolerance " +
                    std::to_string(tolerance));
       expect_same([&](long max_kept_steps) {
-        sfdae::Solver solver(system.problem(), options_with(tolerance, GetParam()));
+        sfdae::Solver solver(system.problem(), solver_options(tolerance, GetParam()));
         ask(solver, {{"p", "q"}, {}}, max_kept_steps);
         Outcome outcome;
         Point point;
@@ -133,23 +130,11 @@ TEST_P(Pieces, GiveTheSameGradientsForAnyIndex) {
   }
 }
 
-// x' is stiff where it turns, and steps fail there.
-sfdae::NonlinearProblem van_der_pol() {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression mu = sfdae::parameter(t, "mu", 20.0);
-    F[0] = xdot[0] - x[1];
-    F[1] = xdot[1] - mu * (1.0 - x[0] * x[0]) * x[1] + x[0];
-    F[2] = x[2] - x[0] * x[1];
-  };
-  return problem;
-}
-
 TEST_P(Pieces, RepeatStepsThatFail) {
   long failures = 0;
   expect_same([&](long max_kept_steps) {
-    sfdae::Solver solver(van_der_pol(), options_with(1e-5, GetParam()));
-    ask(solver, {{"mu"}, {}}, max_kept_steps);
+    sfdae::Solver solver(van_der_pol(), solver_options(1e-5, GetParam()));
+    ask(solver, {{"p"}, {}}, max_kept_steps);
     Outcome outcome;
     Point point{0.0, {2.0, 0.0, 0.0}, {}};
     solver.start(point, 60.0);
@@ -165,11 +150,11 @@ TEST_P(Pieces, RepeatStepsThatFail) {
 // Events, many outputs, points within steps, single steps, options that change on the way, a monitor that stops.
 TEST_P(Pieces, DoNotDependOnWhatElseIsAsked) {
   expect_same([&](long max_kept_steps) {
-    sfdae::Options options = options_with(1e-6, GetParam());
+    sfdae::Options options = solver_options(1e-6, GetParam());
     long calls = 0;
     options.monitor = [&calls](const sfdae_progress&) { return ++calls % 7 == 0; };
     sfdae::Solver solver(van_der_pol(), options);
-    ask(solver, {{"mu", ""}, weights_for(3, 2, 2)}, max_kept_steps);
+    ask(solver, {{"p", ""}, weights_for(3, 2, 2)}, max_kept_steps);
     long events = 0, evaluations = 0;
     solver.set_events(1, [&](double, auto x, auto, auto g) {
       ++evaluations;
@@ -220,7 +205,7 @@ TEST_P(Pieces, KeepToTheirSideOfKinks) {
     F[2] = x[1] + q * sin(x[0]) - input;
   };
   expect_same([&](long max_kept_steps) {
-    sfdae::Solver solver(problem, options_with(1e-7, GetParam()));
+    sfdae::Solver solver(problem, solver_options(1e-7, GetParam()));
     ask(solver, {{"p", "q"}, {}}, max_kept_steps);
     Outcome outcome;
     Point point{0.0, {0.5, 0.2, 0.0}, {}};
@@ -242,7 +227,7 @@ TEST_P(Pieces, AreThoseOfMechanicalSystemsBackwardInTime) {
     to.g[0] = q[0] * q[0] + q[1] * q[1] - length * length;
   };
   expect_same([&](long max_kept_steps) {
-    sfdae::Solver solver(system, options_with(1e-6, GetParam()));
+    sfdae::Solver solver(system, solver_options(1e-6, GetParam()));
     ask(solver, {{"m", "friction", "length"}, {}}, max_kept_steps);
     Outcome outcome;
     Point point{1.0, {0.7, 0.0, 0.0, 0.0, 0.0}, {}};
@@ -392,7 +377,7 @@ TEST_P(Pieces, BoundWhatIsKept) {
   };
   double bytes[2];
   for (long max_kept_steps : {0L, 60L}) {
-    sfdae::Solver solver(problem, options_with(1e-7, GetParam()));
+    sfdae::Solver solver(problem, solver_options(1e-7, GetParam()));
     ask(solver, {{"width"}, {}}, max_kept_steps);
     Point point{0.0, std::vector<double>(n, 0.3), {}};
     solver.start(point, 40.0);

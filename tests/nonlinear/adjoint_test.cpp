@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 #include "transformed_system.h"
 
 namespace {
@@ -15,14 +16,8 @@ using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
 using sfdae_test::largest_error;
+using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
 
 using Times = std::vector<double>;
 
@@ -98,7 +93,7 @@ TEST_P(RandomGradients, AreExactForAnyIndex) {
     for (std::size_t k = 0; k < 4; ++k) system.exact(journey.times[k], k == 0 ? journey.point.x : x, S[k]);
     journey.wanted.directions = S[0];
     const Matrix weights = weights_for(system.n(), journey.times, seed);
-    const Matrix gradient = adjoint_gradient(system.problem(), options_with(1e-9, GetParam()), journey, weights);
+    const Matrix gradient = adjoint_gradient(system.problem(), solver_options(1e-9, GetParam()), journey, weights);
     EXPECT_LE(largest_error(gradient, gradient_of(S, weights)), 1e-6);
     ++solved[std::min(system.mu(), 3)];
   }
@@ -111,7 +106,7 @@ TEST_P(RandomGradients, GoThroughPieces) {
     const TransformedSystem system(seed);
     SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
     const int n = system.n();
-    const sfdae::Options options = options_with(1e-9, GetParam());
+    const sfdae::Options options = solver_options(1e-9, GetParam());
     Journey first{{}, {}, {0.0, 1.0}}, second{{}, {}, {1.0, 2.0}};
     first.wanted.parameters = second.wanted.parameters = {"p", "q"};
     Matrix S_start, S_middle, S_end;
@@ -152,7 +147,7 @@ TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
       for (std::size_t i = 0; i < journey.point.x.size(); ++i)
         journey.point.x[i] += 0.1 * std::sin(3.0 * double(i) + seed);
       const Matrix weights = weights_for(system.n(), journey.times, seed);
-      const sfdae::Options options = options_with(tolerance, GetParam());
+      const sfdae::Options options = solver_options(tolerance, GetParam());
       const Matrix gradient = adjoint_gradient(system.problem(), options, journey, weights);
       EXPECT_LE(largest_error(gradient, forward_gradient(system.problem(), options, journey, weights)), 1e-11);
     }
@@ -197,7 +192,7 @@ TEST_P(Gradients, HaveManyParameters) {
   Journey journey{{}, {0.0, std::vector<double>(n, 0.3), {}}, {0.0, 1.5}};
   journey.wanted.parameters = {"width"};
   for (int i = 0; i < n; ++i) journey.wanted.parameters.push_back("rate" + std::to_string(i));
-  expect_forward_gradient(reaction(n), options_with(1e-6, GetParam()), journey);
+  expect_forward_gradient(reaction(n), solver_options(1e-6, GetParam()), journey);
 }
 
 // Tables are evaluated on the side of a kink that the step was on.
@@ -214,7 +209,7 @@ TEST_P(Gradients, KeepToTheirSideOfKinks) {
   journey.wanted.parameters = {"p", "q", ""};
   journey.wanted.directions = Matrix(3, 3);
   journey.wanted.directions(0, 2) = 1.0;
-  expect_forward_gradient(problem, options_with(1e-7, GetParam()), journey, agreement(1e-7));
+  expect_forward_gradient(problem, solver_options(1e-7, GetParam()), journey, agreement(1e-7));
 }
 
 // Two pendulums one below the other that turn over, with a mass that depends on the position: coordinates take turns in
@@ -242,7 +237,7 @@ TEST_P(Gradients, AreThoseOfPendulumsThatTurnOver) {
   journey.wanted.parameters = {"g", "m", "added", "L0", "L1", ""};
   journey.wanted.directions = Matrix(10, 6);
   journey.wanted.directions(3, 5) = 1.0;
-  expect_forward_gradient(problem, options_with(1e-7, GetParam()), journey,
+  expect_forward_gradient(problem, solver_options(1e-7, GetParam()), journey,
                           GetParam() == SFDAE_METHOD_BDF ? 1e-4 : 1e-9);
 }
 
@@ -261,7 +256,7 @@ TEST_P(Gradients, AreThoseOfMechanicalSystems) {
   };
   Journey journey{{}, {0.0, {0.7, 0, 0, 0, 0, 0, 0, 0}, {}}, {0.0, 1.0}};
   journey.wanted.parameters = {"m", "J", "friction", "length"};
-  expect_forward_gradient(system, options_with(1e-6, GetParam()), journey, agreement(1e-6));
+  expect_forward_gradient(system, solver_options(1e-6, GetParam()), journey, agreement(1e-6));
 }
 
 // The method changes on the way, and S starts anew from what it was.
@@ -275,7 +270,7 @@ TEST(AutomaticGradients, GoOnWhereTheMethodChanges) {
   };
   Journey journey{{}, {0.0, {2.0, 0.0, 0.0}, {}}, {0.0, 30.0}};
   journey.wanted.parameters = {"mu"};
-  expect_forward_gradient(problem, options_with(1e-6, SFDAE_METHOD_AUTOMATIC), journey, 1e-8);
+  expect_forward_gradient(problem, solver_options(1e-6, SFDAE_METHOD_AUTOMATIC), journey, 1e-8);
 }
 
 // Backward in time, in units far from 1: a diode circuit with microfarads and nanoseconds.
@@ -292,7 +287,7 @@ TEST_P(Gradients, AreThoseInAnyUnitsAndDirection) {
     journey.wanted.parameters = {"C", "R", ""};
     journey.wanted.directions = Matrix(3, 3);
     journey.wanted.directions(0, 2) = 1.0;
-    sfdae::Options options = options_with(1e-6, GetParam());
+    sfdae::Options options = solver_options(1e-6, GetParam());
     const Matrix weights = weights_for(3, journey.times, 1);
     const Matrix gradient = adjoint_gradient(problem, options, journey, weights),
                  forward = forward_gradient(problem, options, journey, weights);
@@ -321,14 +316,14 @@ TEST_P(Gradients, AreThoseOfIntegrals) {
   journey.wanted.directions(1, 1) = -0.8;
   Matrix weights(6, 4);
   weights(5, 1) = 1.0;
-  const Matrix gradient = adjoint_gradient(problem, options_with(1e-9, GetParam()), journey, weights);
+  const Matrix gradient = adjoint_gradient(problem, solver_options(1e-9, GetParam()), journey, weights);
   EXPECT_EQ(gradient(0, 1), 0.0);
   const double h = 1e-4;
   for (int j = 0; j < 2; ++j) {
     double ends[2];
     for (int side = 0; side < 2; ++side) {
       const double change = side == 0 ? -h : h;
-      sfdae::Solver solver(problem, options_with(1e-12, SFDAE_METHOD_RADAU));
+      sfdae::Solver solver(problem, solver_options(1e-12, SFDAE_METHOD_RADAU));
       solver.set_parameter(j == 0 ? "g" : "L", (j == 0 ? 9.81 : 1.0) + change);
       Point point = journey.point;
       if (j == 1) point.x[0] *= 1.0 + change, point.x[1] *= 1.0 + change;
@@ -342,7 +337,7 @@ TEST_P(Gradients, AreThoseOfIntegrals) {
 
 // Gradients may be asked for again, with other weights, and the integration goes on.
 TEST_P(Gradients, CanBeRepeated) {
-  sfdae::Solver solver(reaction(12), options_with(1e-6, GetParam()));
+  sfdae::Solver solver(reaction(12), solver_options(1e-6, GetParam()));
   sfdae::Sensitivities wanted;
   wanted.parameters = {"width", "rate3"};
   wanted.adjoint = true;

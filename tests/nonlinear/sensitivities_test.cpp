@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 #include "transformed_system.h"
 
 namespace {
@@ -16,14 +17,8 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae::SensitivityValues;
 using sfdae_test::largest_error;
+using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
 
 // ---- A pendulum in SI units, index raw -------------------------------------------------------------------------
 
@@ -75,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Motions, PendulumSensitivities,
 
 TEST_P(PendulumSensitivities, ObeyTheScalingLawAndHiddenConstraints) {
   const double tol = 1e-9, speed = GetParam().speed;
-  sfdae::Solver solver = pendulum(options_with(tol, GetParam().method));
+  sfdae::Solver solver = pendulum(solver_options(tol, GetParam().method));
   sfdae::Sensitivities wanted;
   wanted.parameters = {"g", "m", "L"};
   wanted.directions = Matrix(5, 3);
@@ -108,8 +103,8 @@ TEST_P(PendulumSensitivities, ObeyTheScalingLawAndHiddenConstraints) {
 // S between the ends of steps is as good as there, and does not disturb the integration.
 TEST_P(PendulumSensitivities, HoldWithinSteps) {
   const double tol = 1e-8;
-  sfdae::Solver solver = pendulum(options_with(tol, GetParam().method)),
-                alone = pendulum(options_with(tol, GetParam().method));
+  sfdae::Solver solver = pendulum(solver_options(tol, GetParam().method)),
+                alone = pendulum(solver_options(tol, GetParam().method));
   sfdae::Sensitivities wanted;
   wanted.parameters = {"g"};
   solver.set_sensitivities(wanted);
@@ -145,7 +140,7 @@ TEST_P(RandomSensitivities, AreExactForAnyIndex) {
   int solved[4] = {0, 0, 0, 0};
   for (unsigned seed = 1; seed <= 60; ++seed) {
     const TransformedSystem system(seed);
-    sfdae::Solver solver(system.problem(), options_with(1e-9, GetParam()));
+    sfdae::Solver solver(system.problem(), solver_options(1e-9, GetParam()));
     Point point;
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "q"};
@@ -177,7 +172,7 @@ TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
     Matrix unused;
     system.exact(0.0, x0, unused);
     for (std::size_t i = 0; i < n; ++i) x0[i] += 0.1 * std::sin(3.0 * double(i) + seed);
-    sfdae::Solver solver(system.problem(), options_with(1e-9, GetParam()));
+    sfdae::Solver solver(system.problem(), solver_options(1e-9, GetParam()));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"", "q"};
     wanted.directions = Matrix(system.n(), 2);
@@ -195,7 +190,7 @@ TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
       std::vector<double> ends[2];
       for (int side = 0; side < 2; ++side) {
         const double change = side == 0 ? -h : h;
-        sfdae::Solver other(system.problem(), options_with(1e-11, SFDAE_METHOD_RADAU));
+        sfdae::Solver other(system.problem(), solver_options(1e-11, SFDAE_METHOD_RADAU));
         if (j == 1) other.set_parameter("q", TransformedSystem::q + change);
         Point moved = start;
         for (std::size_t i = 0; i < n; ++i) moved.x[i] += change * S0(int(i), j);
@@ -221,7 +216,7 @@ TEST(StiffSensitivities, FollowTheSlowSolution) {
       F[0] = xdot[0] + k * (x[0] - cos(p * t)) + p * sin(p * t);
       F[1] = x[1] - x[0] * x[0];
     };
-    sfdae::Solver solver(problem, options_with(1e-8, method));
+    sfdae::Solver solver(problem, solver_options(1e-8, method));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "k"};
     solver.set_sensitivities(wanted);
@@ -249,7 +244,7 @@ TEST(LinearSensitivities, AreThoseOfTheFormula) {
       F[1] = xdot[1] + p * x[0];
       F[2] = x[2] - c * x[0];
     };
-    sfdae::Solver solver(problem, options_with(1e-9, method));
+    sfdae::Solver solver(problem, solver_options(1e-9, method));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "c", ""};
     wanted.directions = Matrix(3, 3);
@@ -295,7 +290,7 @@ TEST(EventSensitivities, GiveTheTimeOfAFallAndGoOnAfterAJump) {
     F[1] = xdot[1] + sfdae::parameter(t, "g", gravity) + 0.0 * x[0] * x[1];
   };
   constexpr double height = 2.0, restitution = 0.8;
-  sfdae::Solver solver(problem, options_with(1e-10, SFDAE_METHOD_BDF));
+  sfdae::Solver solver(problem, solver_options(1e-10, SFDAE_METHOD_BDF));
   sfdae::Sensitivities wanted;
   wanted.parameters = {"g", ""};
   wanted.directions = Matrix(2, 2);
@@ -339,7 +334,7 @@ TEST(RedundantEquations, AreNamedWhereTheyContradictEachOtherForOtherParameters)
       F[1] = x[0] * x[0] - p;
       F[2] = 2.0 * x[0] * x[0] - 2.0 * (contradict ? p * p : p);
     };
-    sfdae::Solver solver(problem, options_with(1e-8, SFDAE_METHOD_BDF));
+    sfdae::Solver solver(problem, solver_options(1e-8, SFDAE_METHOD_BDF));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p"};
     solver.set_sensitivities(wanted);
@@ -375,7 +370,7 @@ TEST_P(ErrorTestWithMethods, ChoosesStepsForThem) {
       F[0] = xdot[0] - p * cos(10.0 * t) * (1.0 + x[1]);
       F[1] = x[1] - x[0] * x[0];
     };
-    sfdae::Solver solver(problem, options_with(1e-5, GetParam()));
+    sfdae::Solver solver(problem, solver_options(1e-5, GetParam()));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p"};
     wanted.error_test = test;
@@ -409,7 +404,7 @@ TEST(ErrorTestOfSensitivities, HoldsForHiddenConstraints) {
       F[3] = xdot[3] + x[1] * x[4] + 9.0;
       F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
     };
-    sfdae::Solver solver(problem, options_with(tolerance, SFDAE_METHOD_RADAU));
+    sfdae::Solver solver(problem, solver_options(tolerance, SFDAE_METHOD_RADAU));
     sfdae::Sensitivities wanted;
     wanted.parameters = {""};
     wanted.directions = sfdae::Matrix(5, 1);
@@ -437,7 +432,7 @@ TEST(ErrorTestOfSensitivities, CountsInUnitsOfTheParameters) {
     problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
       F[0] = xdot[0] - sfdae::parameter(t, "p", 0.0) * cos(10.0 * t) * (1.0 + x[0]);
     };
-    sfdae::Options options = options_with(1e-8, SFDAE_METHOD_RADAU);
+    sfdae::Options options = solver_options(1e-8, SFDAE_METHOD_RADAU);
     options.rtol = 1e-3;
     sfdae::Solver solver(problem, options);
     sfdae::Sensitivities wanted;

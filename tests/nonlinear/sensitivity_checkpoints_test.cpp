@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 #include "transformed_system.h"
 
 namespace {
@@ -19,14 +21,11 @@ namespace {
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::chain_of_rods;
+using sfdae_test::diffusion;
+using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
-}
+using sfdae_test::van_der_pol;
 
 // A solver that knows what is wanted, and where it starts.
 struct Course {
@@ -128,32 +127,11 @@ TEST_P(SensitivityCheckpoints, ContinueInEveryBitForAnyIndex) {
     sfdae::Sensitivities wanted = by({"p", "q", ""});
     wanted.directions = Matrix(system.n(), 3);
     wanted.directions(0, 2) = 1.0;
-    compare(course_of(system.problem(), options_with(1e-6, GetParam()), wanted, x, 0.0, 2.0));
+    compare(course_of(system.problem(), solver_options(1e-6, GetParam()), wanted, x, 0.0, 2.0));
   }
 }
 
-// Mass points on massless rods, mu = 2: steps by the minimal extension, with states that change.
-sfdae::NonlinearProblem chain(int links) {
-  sfdae::NonlinearProblem problem(5 * links, 5 * links);
-  problem.equations = [links](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression g = sfdae::parameter(t, "p", 9.81), mass = sfdae::parameter(t, "q", 1.5);
-    const auto at = [&](int i, int k) { return i < 0 ? 0.0 * t : x[5 * i + k]; };
-    for (int i = 0; i < links; ++i) {
-      F[5 * i] = xdot[5 * i] - x[5 * i + 2];
-      F[5 * i + 1] = xdot[5 * i + 1] - x[5 * i + 3];
-      for (int k = 0; k < 2; ++k) {
-        Expression force = (at(i, k) - at(i - 1, k)) * x[5 * i + 4];
-        if (i + 1 < links) force = force - (at(i + 1, k) - at(i, k)) * x[5 * i + 9];
-        const Expression m = i == 1 ? mass : 0.0 * t + 1.0;
-        F[5 * i + 2 + k] = m * xdot[5 * i + 2 + k] + force + (k == 1 ? m * g : 0.0 * t);
-      }
-      const Expression dx = at(i, 0) - at(i - 1, 0), dy = at(i, 1) - at(i - 1, 1);
-      F[5 * i + 4] = dx * dx + dy * dy - 1.0;
-    }
-  };
-  return problem;
-}
-
+// Chains are solved by the minimal extension, with states that change.
 std::vector<double> start_of_chain(int links) {
   std::vector<double> x(std::size_t(5 * links), 0.0);
   for (int i = 0; i < links; ++i) {
@@ -165,26 +143,14 @@ std::vector<double> start_of_chain(int links) {
 
 TEST_P(SensitivityCheckpoints, ContinueWithStatesOfTheExtension) {
   for (int links : {3, 12})
-    compare(course_of(chain(links), options_with(1e-6, GetParam()), by({"p", "q"}), start_of_chain(links), 0.0, 2.0));
+    compare(course_of(chain_of_rods(links), solver_options(1e-6, GetParam()), by({"p", "q"}), start_of_chain(links),
+                      0.0, 2.0));
 }
 
-// Diffusion with fluxes as unknowns, mu = 0: sparse matrices, with as many cells as lists of operations and factors are for.
-sfdae::NonlinearProblem diffusion(int cells) {
-  sfdae::NonlinearProblem problem(2 * cells, 2 * cells);
-  problem.equations = [cells](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression p = sfdae::parameter(t, "p", 0.7), q = sfdae::parameter(t, "q", 50.0);
-    for (int i = 0; i < cells; ++i) {
-      const Expression out = i + 1 < cells ? x[2 * i + 3] : 0.0 * t;
-      F[2 * i] = xdot[2 * i] - (x[2 * i + 1] - out) + p * x[2 * i] * x[2 * i];
-      F[2 * i + 1] = x[2 * i + 1] - q * ((i > 0 ? x[2 * i - 2] : sin(t)) - x[2 * i]);
-    }
-  };
-  return problem;
-}
-
+// As many cells as lists of operations and factors are for.
 TEST_P(SensitivityCheckpoints, ContinueWithPivotsOfSparseMatrices) {
   for (int cells : {4, 15, 60})
-    compare(course_of(diffusion(cells), options_with(1e-5, GetParam()), by({"p", "q"}),
+    compare(course_of(diffusion(cells), solver_options(1e-5, GetParam()), by({"p", "q"}),
                       std::vector<double>(std::size_t(2 * cells), 0.0), 0.0, 3.0));
 }
 
@@ -200,7 +166,7 @@ TEST_P(SensitivityCheckpoints, ContinueWithFactorsThatAreKept) {
   };
   std::vector<double> x;
   for (int i = 0; i < n; ++i) x.push_back(1.0 / (1.0 + i));
-  compare(course_of(problem, options_with(1e-7, GetParam()), by({"p"}), x, 0.0, 6.0), 40);
+  compare(course_of(problem, solver_options(1e-7, GetParam()), by({"p"}), x, 0.0, 6.0), 40);
 }
 
 TEST_P(SensitivityCheckpoints, ContinueLinearEquations) {
@@ -211,7 +177,7 @@ TEST_P(SensitivityCheckpoints, ContinueLinearEquations) {
     F[1] = xdot[1] + p * x[0];
     F[2] = x[2] - c * x[0];
   };
-  compare(course_of(problem, options_with(1e-8, GetParam()), by({"p", "c"}), {2.0, 0.0, 0.0}, 4.0, 0.0));
+  compare(course_of(problem, solver_options(1e-8, GetParam()), by({"p", "c"}), {2.0, 0.0, 0.0}, 4.0, 0.0));
 }
 
 TEST_P(SensitivityCheckpoints, ContinueMechanicalSystemsBackwardInTime) {
@@ -223,7 +189,7 @@ TEST_P(SensitivityCheckpoints, ContinueMechanicalSystemsBackwardInTime) {
     to.f[1] = -9.81 * m;
     to.g[0] = q[0] * q[0] + q[1] * q[1] - length * length;
   };
-  compare(course_of(system, options_with(1e-6, GetParam()), by({"m", "friction", "length"}),
+  compare(course_of(system, solver_options(1e-6, GetParam()), by({"m", "friction", "length"}),
                     {0.7, 0.0, 0.0, 0.0, 0.0}, 1.0, -2.0));
 }
 
@@ -237,19 +203,7 @@ TEST_P(SensitivityCheckpoints, KeepToTheirSideOfKinks) {
     F[1] = xdot[1] + x[2];
     F[2] = x[1] + q * sin(x[0]) - input;
   };
-  compare(course_of(problem, options_with(1e-7, GetParam()), by({"p", "q"}), {0.5, 0.2, 0.0}, 0.0, 2.0), 32);
-}
-
-// x' is stiff where it turns, and steps fail there, for S too.
-sfdae::NonlinearProblem van_der_pol() {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression p = sfdae::parameter(t, "p", 20.0);
-    F[0] = xdot[0] - x[1];
-    F[1] = xdot[1] - p * (1.0 - x[0] * x[0]) * x[1] + x[0];
-    F[2] = x[2] - x[0] * x[1];
-  };
-  return problem;
+  compare(course_of(problem, solver_options(1e-7, GetParam()), by({"p", "q"}), {0.5, 0.2, 0.0}, 0.0, 2.0), 32);
 }
 
 TEST(ErrorTestOfSensitivities, ContinuesInEveryBit) {
@@ -257,7 +211,7 @@ TEST(ErrorTestOfSensitivities, ContinuesInEveryBit) {
   wanted.scales = {0.1};
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC}) {
     SCOPED_TRACE(method);
-    compare(course_of(van_der_pol(), options_with(1e-5, method), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0), 60);
+    compare(course_of(van_der_pol(), solver_options(1e-5, method), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0), 60);
   }
 }
 
@@ -274,7 +228,7 @@ std::string refusal(sfdae::Solver& solver, const std::vector<double>& checkpoint
 }
 
 Course of_van_der_pol(int method, const sfdae::Sensitivities& wanted) {
-  return course_of(van_der_pol(), options_with(1e-5, method), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0);
+  return course_of(van_der_pol(), solver_options(1e-5, method), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0);
 }
 
 std::vector<double> checkpoint_of(const Course& course) {
@@ -292,7 +246,7 @@ TEST_P(SensitivityCheckpoints, AreThoseOfTheSameSensitivities) {
     F[1] = x[1] - sfdae::parameter(t, "q", 2.0) * x[0] - sfdae::parameter(t, "r", 0.0);
   };
   const auto with = [&](const sfdae::Sensitivities& wanted) {
-    return course_of(problem, options_with(1e-6, GetParam()), wanted, {1.0, 2.0}, 0.0, 5.0);
+    return course_of(problem, solver_options(1e-6, GetParam()), wanted, {1.0, 2.0}, 0.0, 5.0);
   };
   const std::vector<double> of_both = checkpoint_of(with(by({"p", "q"}))), of_none = checkpoint_of(with(by({})));
   EXPECT_EQ(of_none.size() < of_both.size(), true);
@@ -348,9 +302,9 @@ TEST_P(SensitivityCheckpoints, AreReadWithCare) {
   constexpr std::size_t checksum = 2, first_parameter = 3;
   const auto courses = [](const sfdae::Sensitivities& wanted) {
     return std::vector<Course>{
-        course_of(van_der_pol(), options_with(1e-5, GetParam()), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0),
-        course_of(chain(3), options_with(1e-4, GetParam()), wanted, start_of_chain(3), 0.0, 1.0),
-        course_of(diffusion(6), options_with(1e-4, GetParam()), wanted, std::vector<double>(12, 0.0), 0.0, 3.0)};
+        course_of(van_der_pol(), solver_options(1e-5, GetParam()), wanted, {2.0, 0.0, 0.0}, 0.0, 40.0),
+        course_of(chain_of_rods(3), solver_options(1e-4, GetParam()), wanted, start_of_chain(3), 0.0, 1.0),
+        course_of(diffusion(6), solver_options(1e-4, GetParam()), wanted, std::vector<double>(12, 0.0), 0.0, 3.0)};
   };
   const std::vector<Course> with = courses(by({"p"})), without = courses(by({}));
   for (std::size_t c = 0; c < with.size(); ++c) {

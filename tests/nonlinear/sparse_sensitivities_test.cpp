@@ -8,13 +8,18 @@
 #include <utility>
 #include <vector>
 
+#include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
+#include "solver_options.h"
 
 namespace {
 
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::chain_of_rods;
+using sfdae_test::diffusion;
+using sfdae_test::solver_options;
 
 struct Problem {
   sfdae::NonlinearProblem equations;
@@ -22,60 +27,25 @@ struct Problem {
   double end;
 };
 
-// Mass points on massless rods in the plane, index raw, mu = 2: positions, velocities and a force for each.
 Problem chain() {
   constexpr int links = 3;
-  sfdae::NonlinearProblem problem(5 * links, 5 * links);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression g = sfdae::parameter(t, "p", 9.81), mass = sfdae::parameter(t, "q", 1.5);
-    const auto at = [&](int i, int k) { return i < 0 ? 0.0 * t : x[5 * i + k]; };
-    for (int i = 0; i < links; ++i) {
-      F[5 * i] = xdot[5 * i] - x[5 * i + 2];
-      F[5 * i + 1] = xdot[5 * i + 1] - x[5 * i + 3];
-      for (int k = 0; k < 2; ++k) {
-        Expression force = (at(i, k) - at(i - 1, k)) * x[5 * i + 4];
-        if (i + 1 < links) force = force - (at(i + 1, k) - at(i, k)) * x[5 * i + 9];
-        const Expression m = i == 1 ? mass : 0.0 * t + 1.0;
-        F[5 * i + 2 + k] = m * xdot[5 * i + 2 + k] + force + (k == 1 ? m * g : 0.0 * t);
-      }
-      const Expression dx = at(i, 0) - at(i - 1, 0), dy = at(i, 1) - at(i - 1, 1);
-      F[5 * i + 4] = dx * dx + dy * dy - 1.0;
-    }
-  };
   std::vector<double> x(5 * links, 0.0);
   // The first hangs down, and its horizontal position alone can be a state; others stand off.
   for (int i = 0; i < links; ++i) {
     x[std::size_t(5 * i)] = 0.8 * i;
     x[std::size_t(5 * i + 1)] = -1.0 - 0.6 * i;
   }
-  return {std::move(problem), std::move(x), 2.0};
+  return {chain_of_rods(links), std::move(x), 2.0};
 }
 
-// Diffusion with fluxes as unknowns, mu = 0: u_i' = (phi_i - phi_{i+1}) - p u_i^2, 0 = phi_i - q (u_{i-1} - u_i).
-Problem diffusion() {
+Problem diffusion_of_a_wave() {
   constexpr int cells = 15;
-  sfdae::NonlinearProblem problem(2 * cells, 2 * cells);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression p = sfdae::parameter(t, "p", 0.7), q = sfdae::parameter(t, "q", 50.0);
-    for (int i = 0; i < cells; ++i) {
-      const Expression out = i + 1 < cells ? x[2 * i + 3] : 0.0 * t;
-      F[2 * i] = xdot[2 * i] - (x[2 * i + 1] - out) + p * x[2 * i] * x[2 * i];
-      F[2 * i + 1] = x[2 * i + 1] - q * ((i > 0 ? x[2 * i - 2] : sin(t)) - x[2 * i]);
-    }
-  };
-  return {std::move(problem), std::vector<double>(2 * cells, 0.0), 3.0};
-}
-
-sfdae::Options options_with(double tolerance, int method) {
-  sfdae::Options options;
-  options.rtol = options.atol = tolerance;
-  options.method = method;
-  return options;
+  return {diffusion(cells), std::vector<double>(2 * cells, 0.0), 3.0};
 }
 
 // Where the problem stands at its end with this value of a parameter.
 std::vector<double> end_with(const Problem& problem, const std::string& parameter, double value) {
-  sfdae::Solver solver(problem.equations, options_with(1e-12, SFDAE_METHOD_RADAU));
+  sfdae::Solver solver(problem.equations, solver_options(1e-12, SFDAE_METHOD_RADAU));
   solver.set_parameter(parameter, value);
   Point point{0.0, problem.x, {}};
   solver.start(point, problem.end);
@@ -85,9 +55,9 @@ std::vector<double> end_with(const Problem& problem, const std::string& paramete
 
 class SparseSensitivities : public testing::TestWithParam<int> {
  protected:
-  static Problem problem() { return GetParam() == 0 ? chain() : diffusion(); }
+  static Problem problem() { return GetParam() == 0 ? chain() : diffusion_of_a_wave(); }
   static sfdae::Solver started(const Problem& problem, Point& point, bool error_test, int method = SFDAE_METHOD_BDF) {
-    sfdae::Solver solver(problem.equations, options_with(1e-9, method));
+    sfdae::Solver solver(problem.equations, solver_options(1e-9, method));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "q"};
     wanted.error_test = error_test;
@@ -159,7 +129,7 @@ TEST_P(SparseSensitivities, AreTheSameWithoutSlopes) {
 TEST(SparseSensitivities, LinearizeStagesOfRadauSideBySide) {
   const Problem problem = chain();
   const auto linearizations = [&](bool with_sensitivities, long& steps) {
-    sfdae::Solver solver(problem.equations, options_with(1e-9, SFDAE_METHOD_RADAU));
+    sfdae::Solver solver(problem.equations, solver_options(1e-9, SFDAE_METHOD_RADAU));
     sfdae::Sensitivities wanted;
     if (with_sensitivities) wanted.parameters = {"p", "q"};
     solver.set_sensitivities(wanted);
