@@ -18,6 +18,8 @@ namespace {
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::driven_by_a_table;
+using sfdae_test::pendulum_with_friction;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 using sfdae_test::van_der_pol;
@@ -196,14 +198,7 @@ TEST_P(Pieces, DoNotDependOnWhatElseIsAsked) {
 
 // At each kink integrations start anew.
 TEST_P(Pieces, KeepToTheirSideOfKinks) {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
-                     p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
-    F[0] = xdot[0] + p * x[0] * x[0] - x[1];
-    F[1] = xdot[1] + x[2];
-    F[2] = x[1] + q * sin(x[0]) - input;
-  };
+  const sfdae::NonlinearProblem problem = driven_by_a_table();
   expect_same([&](long max_kept_steps) {
     sfdae::Solver solver(problem, solver_options(1e-7, GetParam()));
     ask(solver, {{"p", "q"}, {}}, max_kept_steps);
@@ -218,14 +213,7 @@ TEST_P(Pieces, KeepToTheirSideOfKinks) {
 }
 
 TEST_P(Pieces, AreThoseOfMechanicalSystemsBackwardInTime) {
-  sfdae::MultibodyProblem system(2, 1);
-  system.equations = [](const Expression& t, auto q, auto v, const auto& to) {
-    const Expression m = sfdae::parameter(t, "m", 2.0), length = sfdae::parameter(t, "length", 0.7);
-    to.M(0, 0) = to.M(1, 1) = m;
-    to.f[0] = -sfdae::parameter(t, "friction", 0.02) * v[0];
-    to.f[1] = -9.81 * m;
-    to.g[0] = q[0] * q[0] + q[1] * q[1] - length * length;
-  };
+  const sfdae::MultibodyProblem system = pendulum_with_friction();
   expect_same([&](long max_kept_steps) {
     sfdae::Solver solver(system, solver_options(1e-6, GetParam()));
     ask(solver, {{"m", "friction", "length"}, {}}, max_kept_steps);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
 #include "solver_options.h"
 #include "transformed_system.h"
@@ -15,6 +16,7 @@ namespace {
 using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
+using sfdae_test::driven_by_a_table;
 using sfdae_test::largest_error;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
@@ -197,14 +199,7 @@ TEST_P(Gradients, HaveManyParameters) {
 
 // Tables are evaluated on the side of a kink that the step was on.
 TEST_P(Gradients, KeepToTheirSideOfKinks) {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
-                     p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
-    F[0] = xdot[0] + p * x[0] * x[0] - x[1];
-    F[1] = xdot[1] + x[2];
-    F[2] = x[1] + q * sin(x[0]) - input;
-  };
+  const sfdae::NonlinearProblem problem = driven_by_a_table();
   Journey journey{{}, {0.0, {0.5, 0.2, 0.0}, {}}, {0.0, 2.0}};
   journey.wanted.parameters = {"p", "q", ""};
   journey.wanted.directions = Matrix(3, 3);

@@ -2,6 +2,7 @@
 // Checkpoints of nonlinear integrations.
 #include <gtest/gtest.h>
 
+#include "checkpoint_of.h"
 #include "nonlinear_run.h"
 #include "test_set/pendulum.h"
 
@@ -22,11 +23,8 @@ TEST(NonlinearCheckpoints, ContinueWithinTheTolerance) {
           continued(equations, options_with(tolerance, method));
       ASSERT_EQ(whole.start(p.t0, p.tf, p.x0), SFDAE_OK);
       ASSERT_EQ(whole.advance(saved_at), SFDAE_OK);
-      std::size_t length = 0;
-      ASSERT_EQ(sfdae_get_checkpoint_length(whole.solver(), &length), SFDAE_OK);
-      std::vector<double> checkpoint(length);
-      ASSERT_EQ(sfdae_save_checkpoint(whole.solver(), checkpoint.data(), length), SFDAE_OK);
-      ASSERT_EQ(sfdae_restore_checkpoint(continued.solver(), checkpoint.data(), length), SFDAE_OK)
+      const std::vector<double> checkpoint = checkpoint_of(whole.solver());
+      ASSERT_EQ(sfdae_restore_checkpoint(continued.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
           << continued.message();
       continued.x.resize(5);
       for (const double t : {6.5, 8.0, 10.0}) {

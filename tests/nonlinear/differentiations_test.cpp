@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "checkpoint_of.h"
 #include "nonlinear_run.h"
 #include "test_set/andrews.h"
 #include "test_set/car_axis.h"
@@ -213,11 +214,9 @@ TEST(MinimalExtension, SurvivesACheckpoint) {
   const NonlinearEquations equations = limited(c.equations, c.enough);
   NonlinearRun run(equations, options_with(1e-6)), other(equations, options_with(1e-6));
   ASSERT_EQ(run.integrate(0.0, 1.0, c.data.x0), SFDAE_OK);
-  std::size_t length = 0;
-  ASSERT_EQ(sfdae_get_checkpoint_length(run.solver(), &length), SFDAE_OK);
-  std::vector<double> checkpoint(length);
-  ASSERT_EQ(sfdae_save_checkpoint(run.solver(), checkpoint.data(), length), SFDAE_OK);
-  ASSERT_EQ(sfdae_restore_checkpoint(other.solver(), checkpoint.data(), length), SFDAE_OK) << other.message();
+  const std::vector<double> checkpoint = checkpoint_of(run.solver());
+  ASSERT_EQ(sfdae_restore_checkpoint(other.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+      << other.message();
   other.x.resize(5);
   ASSERT_EQ(run.advance(2.0), SFDAE_OK);
   ASSERT_EQ(other.advance(2.0), SFDAE_OK);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "checkpoint_of.h"
 #include "sparse_run.h"
 
 namespace sfdae_test {
@@ -60,14 +61,11 @@ TEST(ExtensionObjects, CheckpointsThatAreRefusedChangeNothing) {
       NonlinearRun from({5, 5, pendulum_equations}, options_of(other)),
           run({5, 5, pendulum_equations}, options_of(own)), alone({5, 5, pendulum_equations}, options_of(own));
       ASSERT_GE(from.integrate(0.0, 0.5, start), 0);
-      std::size_t length = 0;
-      ASSERT_EQ(sfdae_get_checkpoint_length(from.solver(), &length), SFDAE_OK);
-      std::vector<double> checkpoint(length);
-      ASSERT_EQ(sfdae_save_checkpoint(from.solver(), checkpoint.data(), length), SFDAE_OK);
-      checkpoint[length / 2] += 1.0;
+      std::vector<double> checkpoint = checkpoint_of(from.solver());
+      checkpoint[checkpoint.size() / 2] += 1.0;
       ASSERT_GE(run.integrate(0.0, 0.3, start), 0);
       ASSERT_GE(alone.integrate(0.0, 0.3, start), 0);
-      EXPECT_EQ(sfdae_restore_checkpoint(run.solver(), checkpoint.data(), length), SFDAE_ILLEGAL_ARGUMENT);
+      EXPECT_EQ(sfdae_restore_checkpoint(run.solver(), checkpoint.data(), checkpoint.size()), SFDAE_ILLEGAL_ARGUMENT);
       std::vector<char> text(10000);
       EXPECT_EQ(sfdae_report(run.solver(), text.data(), text.size(), nullptr), SFDAE_OK);
       ASSERT_EQ(run.advance(1.0), SFDAE_OK) << run.message();
@@ -103,11 +101,8 @@ TEST(ExtensionObjects, CheckpointsKnowPointsWithinTheLastStep) {
       const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0};
       NonlinearRun run({5, 5, pendulum_equations}, options), restored({5, 5, pendulum_equations}, options);
       ASSERT_GE(run.integrate(0.0, 0.5, start), 0);
-      std::size_t length = 0;
-      ASSERT_EQ(sfdae_get_checkpoint_length(run.solver(), &length), SFDAE_OK);
-      std::vector<double> checkpoint(length);
-      ASSERT_EQ(sfdae_save_checkpoint(run.solver(), checkpoint.data(), length), SFDAE_OK);
-      ASSERT_EQ(sfdae_restore_checkpoint(restored.solver(), checkpoint.data(), length), SFDAE_OK);
+      const std::vector<double> checkpoint = checkpoint_of(run.solver());
+      ASSERT_EQ(sfdae_restore_checkpoint(restored.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK);
       const sfdae_statistics statistics = run.statistics();
       const double t = statistics.t_internal - 0.4 * statistics.last_step;
       std::vector<double> x(5), xdot(5), again(5), slope(5);

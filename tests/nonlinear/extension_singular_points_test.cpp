@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "checkpoint_of.h"
 #include "nonlinear_run.h"
 #include "singular_system.h"
 
@@ -160,11 +161,9 @@ TEST(ExtensionSingularPoints, AreNamedInTheSameBitsAfterCheckpoints) {
       NonlinearRun first(factor_of_constraint(2), required(method, 1e-6)),
           second(factor_of_constraint(2), required(method, 1e-6));
       ASSERT_EQ(first.integrate(0.0, t, {0.0, 0.0}), SFDAE_OK);
-      std::size_t length = 0;
-      ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
-      std::vector<double> checkpoint(length);
-      ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
-      ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+      const std::vector<double> checkpoint = checkpoint_of(first.solver());
+      ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+          << second.message();
       second.x.resize(2);
       EXPECT_EQ(first.advance(1.0), SFDAE_CHARACTERISTICS_CHANGED) << t;
       EXPECT_EQ(second.advance(1.0), SFDAE_CHARACTERISTICS_CHANGED) << t;

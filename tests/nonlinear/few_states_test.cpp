@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "checkpoint_of.h"
 #include "family_run.h"
 #include "nonlinear_run.h"
 #include "sparse_run.h"
@@ -196,17 +197,16 @@ TEST(FewStates, GoesOnFromCheckpointsInEveryBit) {
     for (const double t : {0.004, 0.0065, 0.011, 0.0145, 0.018, 0.021, 0.024}) {
       SCOPED_TRACE(testing::Message() << "method " << method << ", t = " << t);
       ASSERT_GE(first.advance(t), 0) << first.message();
-      std::size_t length = 0;
-      ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
-      std::vector<double> checkpoint(length);
-      ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
-      ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+      const std::vector<double> checkpoint = checkpoint_of(first.solver());
+      ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+          << second.message();
       second.x.resize(27);
       ASSERT_GE(first.advance(t + 0.005), 0) << first.message();
       ASSERT_GE(second.advance(t + 0.005), 0) << second.message();
       EXPECT_EQ(std::memcmp(first.x.data(), second.x.data(), 27 * sizeof(double)), 0);
       EXPECT_EQ(first.statistics().steps, second.statistics().steps);
-      ASSERT_EQ(sfdae_restore_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK) << first.message();
+      ASSERT_EQ(sfdae_restore_checkpoint(first.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+          << first.message();
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "checkpoint_of.h"
 #include "sparse_run.h"
 #include "system/kept_matrix.h"
 
@@ -75,15 +76,14 @@ TEST(KeptStepMatrices, GoOnFromCheckpointsInEveryBit) {
   second.x.resize(n);
   for (const double t : {0.3, 1.0, 2.1, 3.4, 5.0}) {
     ASSERT_GE(first.advance(t), 0) << first.message();
-    std::size_t length = 0;
-    ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
-    std::vector<double> checkpoint(length);
-    ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
-    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+    const std::vector<double> checkpoint = checkpoint_of(first.solver());
+    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+        << second.message();
     ASSERT_GE(first.advance(t + 5.0), 0);
     ASSERT_GE(second.advance(t + 5.0), 0) << second.message();
     EXPECT_EQ(std::memcmp(first.x.data(), second.x.data(), n * sizeof(double)), 0) << t;
-    ASSERT_EQ(sfdae_restore_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK) << first.message();
+    ASSERT_EQ(sfdae_restore_checkpoint(first.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+        << first.message();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "checkpoint_of.h"
 #include "family_run.h"
 #include "nonlinear_examples.h"
 #include "nonlinear_run.h"
@@ -84,11 +85,9 @@ TEST(Extension, GoesOnFromCheckpointsInEveryBit) {
     NonlinearRun first({5, 5, pendulum_equations}, required(method)),
         second({5, 5, pendulum_equations}, required(method));
     ASSERT_GE(first.integrate(0.0, 0.5, {0.6, -0.8, 0.0, 0.0, 0.0}), 0);
-    std::size_t length = 0;
-    ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
-    std::vector<double> checkpoint(length);
-    ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
-    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+    const std::vector<double> checkpoint = checkpoint_of(first.solver());
+    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+        << second.message();
     second.x.resize(5);
     ASSERT_GE(first.advance(3.0), 0);
     ASSERT_GE(second.advance(3.0), 0) << second.message();

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "checkpoint_of.h"
 #include "family_run.h"
 #include "nonlinear_run.h"
 #include "sparse_run.h"
@@ -213,20 +214,18 @@ TEST(ReplacedEquations, GoOnFromCheckpoints) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
     NonlinearRun first(equations, required(method)), second(equations, required(method));
     ASSERT_TRUE(is_known(first.integrate(0.0, 0.005, std::vector<double>(9, 0.0)))) << first.message();
-    std::size_t length = 0;
-    ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
-    std::vector<double> checkpoint(length);
-    ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
-    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+    const std::vector<double> checkpoint = checkpoint_of(first.solver());
+    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
+        << second.message();
     second.x.resize(9);
     ASSERT_TRUE(is_known(first.advance(0.02)));
     ASSERT_TRUE(is_known(second.advance(0.02))) << second.message();
     EXPECT_EQ(std::memcmp(first.x.data(), second.x.data(), 9 * sizeof(double)), 0);
-    for (std::size_t k = 0; k < length; k += 7) {
+    for (std::size_t k = 0; k < checkpoint.size(); k += 7) {
       std::vector<double> damaged(checkpoint);
       damaged[k] = damaged[k] == 0.0 ? 3.0 : -damaged[k];
       NonlinearRun third(equations, required(method));
-      EXPECT_LT(sfdae_restore_checkpoint(third.solver(), damaged.data(), length), 0) << k;
+      EXPECT_LT(sfdae_restore_checkpoint(third.solver(), damaged.data(), damaged.size()), 0) << k;
     }
   }
 }

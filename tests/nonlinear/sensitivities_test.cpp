@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
 #include "solver_options.h"
 #include "transformed_system.h"
@@ -17,6 +18,7 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae::SensitivityValues;
 using sfdae_test::largest_error;
+using sfdae_test::rotation;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 
@@ -237,13 +239,7 @@ TEST(StiffSensitivities, FollowTheSlowSolution) {
 // x1 = x10 cos p t.
 TEST(LinearSensitivities, AreThoseOfTheFormula) {
   for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-    sfdae::NonlinearProblem problem(3, 3);
-    problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-      const Expression p = sfdae::parameter(t, "p", 1.5), c = sfdae::parameter(t, "c", 3.0);
-      F[0] = xdot[0] - p * x[1];
-      F[1] = xdot[1] + p * x[0];
-      F[2] = x[2] - c * x[0];
-    };
+    const sfdae::NonlinearProblem problem = rotation();
     sfdae::Solver solver(problem, solver_options(1e-9, method));
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "c", ""};

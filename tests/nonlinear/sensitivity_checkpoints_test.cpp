@@ -23,6 +23,9 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae_test::chain_of_rods;
 using sfdae_test::diffusion;
+using sfdae_test::driven_by_a_table;
+using sfdae_test::pendulum_with_friction;
+using sfdae_test::rotation;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 using sfdae_test::van_der_pol;
@@ -170,39 +173,19 @@ TEST_P(SensitivityCheckpoints, ContinueWithFactorsThatAreKept) {
 }
 
 TEST_P(SensitivityCheckpoints, ContinueLinearEquations) {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression p = sfdae::parameter(t, "p", 1.5), c = sfdae::parameter(t, "c", 3.0);
-    F[0] = xdot[0] - p * x[1];
-    F[1] = xdot[1] + p * x[0];
-    F[2] = x[2] - c * x[0];
-  };
+  const sfdae::NonlinearProblem problem = rotation();
   compare(course_of(problem, solver_options(1e-8, GetParam()), by({"p", "c"}), {2.0, 0.0, 0.0}, 4.0, 0.0));
 }
 
 TEST_P(SensitivityCheckpoints, ContinueMechanicalSystemsBackwardInTime) {
-  sfdae::MultibodyProblem system(2, 1);
-  system.equations = [](const Expression& t, auto q, auto v, const auto& to) {
-    const Expression m = sfdae::parameter(t, "m", 2.0), length = sfdae::parameter(t, "length", 0.7);
-    to.M(0, 0) = to.M(1, 1) = m;
-    to.f[0] = -sfdae::parameter(t, "friction", 0.02) * v[0];
-    to.f[1] = -9.81 * m;
-    to.g[0] = q[0] * q[0] + q[1] * q[1] - length * length;
-  };
+  const sfdae::MultibodyProblem system = pendulum_with_friction();
   compare(course_of(system, solver_options(1e-6, GetParam()), by({"m", "friction", "length"}),
                     {0.7, 0.0, 0.0, 0.0, 0.0}, 1.0, -2.0));
 }
 
 // At each kink integrations start anew.
 TEST_P(SensitivityCheckpoints, KeepToTheirSideOfKinks) {
-  sfdae::NonlinearProblem problem(3, 3);
-  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
-                     p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
-    F[0] = xdot[0] + p * x[0] * x[0] - x[1];
-    F[1] = xdot[1] + x[2];
-    F[2] = x[1] + q * sin(x[0]) - input;
-  };
+  const sfdae::NonlinearProblem problem = driven_by_a_table();
   compare(course_of(problem, solver_options(1e-7, GetParam()), by({"p", "q"}), {0.5, 0.2, 0.0}, 0.0, 2.0), 32);
 }
 

@@ -58,6 +58,44 @@ inline sfdae::NonlinearProblem van_der_pol() {
   return problem;
 }
 
+// Linear: x = (a cos p t, -a sin p t, c x_0) from x = (a, 0, c a) at t = 0.
+inline sfdae::NonlinearProblem rotation() {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const sfdae::Expression& t, auto x, auto xdot, auto F) {
+    const sfdae::Expression p = sfdae::parameter(t, "p", 1.5), c = sfdae::parameter(t, "c", 3.0);
+    F[0] = xdot[0] - p * x[1];
+    F[1] = xdot[1] + p * x[0];
+    F[2] = x[2] - c * x[0];
+  };
+  return problem;
+}
+
+// mu = 1, with an input that has kinks at t = 0.5 and 1.25. From x = (0.5, 0.2, 0), to t = 2.
+inline sfdae::NonlinearProblem driven_by_a_table() {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const sfdae::Expression& t, auto x, auto xdot, auto F) {
+    const sfdae::Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
+                            p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
+    F[0] = xdot[0] + p * x[0] * x[0] - x[1];
+    F[1] = xdot[1] + x[2];
+    F[2] = x[1] + q * sin(x[0]) - input;
+  };
+  return problem;
+}
+
+// A pendulum on a rod as a mechanical system, in SI units, with friction.
+inline sfdae::MultibodyProblem pendulum_with_friction() {
+  sfdae::MultibodyProblem system(2, 1);
+  system.equations = [](const sfdae::Expression& t, auto q, auto v, const auto& to) {
+    const sfdae::Expression m = sfdae::parameter(t, "m", 2.0), length = sfdae::parameter(t, "length", 0.7);
+    to.M(0, 0) = to.M(1, 1) = m;
+    to.f[0] = -sfdae::parameter(t, "friction", 0.02) * v[0];
+    to.f[1] = -9.81 * m;
+    to.g[0] = q[0] * q[0] + q[1] * q[1] - length * length;
+  };
+  return system;
+}
+
 }  // namespace sfdae_test
 
 #endif
