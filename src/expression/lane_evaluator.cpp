@@ -354,8 +354,6 @@ std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int s
   return instructions;
 }
 
-Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
-
 }  // namespace
 
 bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {

@@ -26,6 +26,10 @@ typedef std::int64_t LaneMask __attribute__((vector_size(64), may_alias));
 
 inline Lanes& lanes(LaneBlock& block) { return reinterpret_cast<Lanes&>(block); }
 inline const Lanes& lanes(const LaneBlock& block) { return reinterpret_cast<const Lanes&>(block); }
+inline Lanes* to_lanes(LaneBlock* blocks) { return reinterpret_cast<Lanes*>(blocks); }
+inline const Lanes* to_lanes(const LaneBlock* blocks) { return reinterpret_cast<const Lanes*>(blocks); }
+inline Lanes* to_lanes(LaneArray& blocks) { return to_lanes(blocks.data()); }
+inline const Lanes* to_lanes(const LaneArray& blocks) { return to_lanes(blocks.data()); }
 
 inline bool any(const LaneMask& mask) {
   std::int64_t found = 0;

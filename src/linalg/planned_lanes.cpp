@@ -187,8 +187,6 @@ void eliminate(Work& work) {
 }
 SFDAE_LANE_KERNEL(eliminate, Work)
 
-Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
-
 }  // namespace
 
 bool PlannedLanes::solve(const EliminationList& list, const LaneBlock* values, const LaneBlock* b, int count,
@@ -200,8 +198,8 @@ bool PlannedLanes::solve(const EliminationList& list, const LaneBlock* values, c
   inverse_.resize(list.size());
   for (LaneArray* array : {&b_, &y_, &r_, &sums_}) array->resize(list.size() * width);
   Work work{list,
-            reinterpret_cast<const Lanes*>(values),
-            reinterpret_cast<const Lanes*>(b),
+            to_lanes(values),
+            to_lanes(b),
             count,
             to_lanes(scaled_),
             to_lanes(values_),
@@ -210,7 +208,7 @@ bool PlannedLanes::solve(const EliminationList& list, const LaneBlock* values, c
             to_lanes(y_),
             to_lanes(r_),
             to_lanes(sums_),
-            reinterpret_cast<Lanes*>(x),
+            to_lanes(x),
             false};
   run_eliminate(work);
   return work.is_solved;

@@ -16,7 +16,7 @@ namespace {
 
 using Work = MultibodyLaneWork;
 
-const Lanes* entries(const LaneMatrix& matrix) { return reinterpret_cast<const Lanes*>(matrix.entries.data()); }
+const Lanes* entries(const LaneMatrix& matrix) { return to_lanes(matrix.entries); }
 
 void clear(Lanes* values, int count) {
   for (int k = 0; k < count; ++k) values[k] = Lanes{};

@@ -11,8 +11,6 @@ namespace sfdae::core {
 
 namespace {
 
-Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
-
 // K is not formed for larger systems.
 constexpr int largest_whole = 48;
 

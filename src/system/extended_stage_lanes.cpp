@@ -16,10 +16,6 @@ namespace {
 
 using lane_algebra::set_abs;
 
-const Lanes* in(const LaneBlock* blocks) { return reinterpret_cast<const Lanes*>(blocks); }
-const Lanes* in(const LaneArray& blocks) { return in(blocks.data()); }
-Lanes* out(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
-
 // What a column loses to those before it by so much may be nothing but rounding errors.
 constexpr double least_part = 1e-8;
 // As NonlinearProblem::drop_rounding_errors: E so much smaller than A may be rounding errors.
@@ -258,8 +254,8 @@ bool ExtendedStageLanes::find_tangents() {
   const LaneBlock* const coefficients =
       problem_.gradient_entries_side_by_side(s_, t_.data(), jets_.data(), equations.order, equations.limits);
   if (F_p == nullptr || coefficients == nullptr) return false;
-  Assembly assembly{equations, parameters_.places(), in(coefficients),         in(F_p),
-                    count,     out(matrix_),         extension_.num_entries(), out(right_)};
+  Assembly assembly{equations, parameters_.places(), to_lanes(coefficients),   to_lanes(F_p),
+                    count,     to_lanes(matrix_),    extension_.num_entries(), to_lanes(right_)};
   run_assemble(assembly);
   if (!planned_.solve(*extension_.list(), matrix_.data(), right_.data(), count + d, tangents_.data())) return false;
   std::vector<double>& sizes = extension_.sizes();
@@ -304,12 +300,13 @@ bool ExtendedStageLanes::linearize(const AnalyzedEquations& equations, Sensitivi
   const LaneBlock* coefficients = problem_.last_entries_side_by_side();
   int length = extension.order + 1;
   const double tau = power_of_two_near(analysis.time_scale);
-  RowSizes rows{entries_, in(coefficients), length, equations.units(), unit_of_A(analysis.rows, tau),
-                m,        out(row_sizes_),  false};
+  RowSizes rows{entries_, to_lanes(coefficients), length, equations.units(), unit_of_A(analysis.rows, tau),
+                m,        to_lanes(row_sizes_),   false};
   run_measure_rows(rows);
   if (rows.is_E_small || !find_row_factors(equations)) return false;
-  const Lanes* const T2 = in(tangents_) + count * extension.num_columns();
-  Basis basis{entries_, in(coefficients), length, m, d, extension, T2, in(row_factors_), out(Z1_), false};
+  const Lanes* const T2 = to_lanes(tangents_) + count * extension.num_columns();
+  Basis basis{entries_, to_lanes(coefficients), length,        m,    d, extension,
+              T2,       to_lanes(row_factors_), to_lanes(Z1_), false};
   run_find_basis(basis);
   if (!basis.is_found) return false;
   const LaneBlock* F_p = nullptr;
@@ -323,8 +320,8 @@ bool ExtendedStageLanes::linearize(const AnalyzedEquations& equations, Sensitivi
   if (F_p == nullptr || coefficients == nullptr) return false;
   Projection projection{entries_,
                         parameters_.places(),
-                        in(coefficients),
-                        in(F_p),
+                        to_lanes(coefficients),
+                        to_lanes(F_p),
                         length,
                         n_,
                         d,
@@ -332,13 +329,13 @@ bool ExtendedStageLanes::linearize(const AnalyzedEquations& equations, Sensitivi
                         tau,
                         equations.units(),
                         extension,
-                        in(tangents_),
-                        in(row_factors_),
-                        in(Z1_),
-                        out(ZE_),
-                        out(ZA_),
-                        out(B_),
-                        out(Zf_)};
+                        to_lanes(tangents_),
+                        to_lanes(row_factors_),
+                        to_lanes(Z1_),
+                        to_lanes(ZE_),
+                        to_lanes(ZA_),
+                        to_lanes(B_),
+                        to_lanes(Zf_)};
   run_project(projection);
   write(equations, stages);
   return true;

@@ -11,8 +11,6 @@ namespace sfdae::core {
 
 namespace {
 
-Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
-
 // Of a step with s stages, lanes beyond repeating the last one.
 int stage_of(int lane, int s) { return std::min(lane, s - 1); }
 
