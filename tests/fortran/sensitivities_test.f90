@@ -115,6 +115,7 @@ program sensitivities_test
   call check(status == sfdae_ok .and. all(abs(s_other - s) <= 0), &
     "S from a checkpoint")
   call other%destroy()
+  deallocate (checkpoint)
 
   ! cos(p t) = 0 at t = pi / (2 p).
   events%num_events = 1
