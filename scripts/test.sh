@@ -154,10 +154,15 @@ else
 fi
 
 heading "release: build"
-# Benchmarks are compiled, not run.
-cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON \
-  -DSFDAE_BENCHMARK_OPTIONS=-O0
-build release
+# All sources of a folder at once, as the demonstration and the program are built, too: a third of the time. One by one, and without
+# precompiled headers, they are compiled by install.subdirectory. Benchmarks are compiled, not run.
+options=(-DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON -DSFDAE_BENCHMARK_OPTIONS=-O0)
+cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON
+if ! build release; then
+  cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=OFF
+  build release
+  complain "local names of sources clash, see above: src/CMakeLists.txt lists those to be compiled alone"
+fi
 
 heading "release: all tests, OpenBLAS, $scale of random problems"
 check_loaded release "$openblas"
@@ -190,24 +195,18 @@ else
 fi
 
 heading "asan: build"
-# Clang needs half the time for that. Its warnings are shown only: they are others than GCC's. All sources of a folder at once, as
-# the demonstration and the program are built, too.
-by_clang=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF)
+# Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
+cmake_asan() { cmake --preset asan -DSFDAE_UNITY_BUILD=ON "$@"; }
 if ! command -v clang > /dev/null || ! command -v clang++ > /dev/null; then
-  cmake --preset asan
+  cmake_asan
   build asan
 else
-  cmake --preset asan "${by_clang[@]}" -DSFDAE_UNITY_BUILD=ON
+  cmake_asan -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF
   if ! build asan; then
-    cmake --preset asan "${by_clang[@]}" -DSFDAE_UNITY_BUILD=OFF
-    if build asan; then
-      complain "local names of sources clash, see above: src/CMakeLists.txt lists those to be compiled alone"
-    else
-      echo "Clang could not build this, see above: once more with the default compiler"
-      rm -rf build/asan
-      cmake --preset asan
-      build asan
-    fi
+    echo "Clang could not build this, see above: once more with the default compiler"
+    rm -rf build/asan
+    cmake_asan
+    build asan
   fi
 fi
 

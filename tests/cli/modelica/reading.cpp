@@ -17,7 +17,7 @@ FlatModel read(const std::string& definitions, const std::string& model) {
   return read_model(package(definitions, model), "test.bmo");
 }
 
-FlatModel read_file(const std::string& name) { return read_model_file(std::string(SFDAE_TEST_MODELS) + "/" + name); }
+FlatModel read_file(const std::string& name) { return read_model_file(SFDAE_TEST_MODELS "/" + name); }
 
 int index_of(const FlatModel& model, std::string_view name) {
   for (size_t k = 0; k < model.variables.size(); ++k)

@@ -17,7 +17,7 @@ namespace {
 constexpr int all = 0, none = 1'000'000;
 
 Result solved(const std::string& name, int reduce_above = 12) {
-  const FlatModel model = read_model_file(std::string(SFDAE_TEST_MODELS) + "/" + name + ".bmo");
+  const FlatModel model = read_model_file(SFDAE_TEST_MODELS "/" + name + ".bmo");
   EXPECT_TRUE(model.warnings.empty());
   Settings settings;
   settings.reduce_above = reduce_above;
