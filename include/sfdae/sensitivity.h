@@ -65,8 +65,9 @@ SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* st
  *  - The equations of S have the strangeness index, the matrices and the strangeness-free form of the linearized
  *    equations; they are discretized as x is (BDF and Radau) after each step, with exact derivatives F_x', F_x and F_p.
  *    Their errors are about those of x, relative, without a test of their own unless the options ask for one.
- *  - Matrices are dense, of at most 5000 unknowns: structure = SFDAE_STRUCTURE_REQUIRED, which asks for sparse ones, is
- *    refused by the analysis. Linear recorded equations are solved as nonlinear ones, mechanical systems
+ *  - Matrices are sparse where they would be for x alone, as the option structure says, but for the adjoint, mechanical systems and
+ *    equations that are replaced where structure misleads: these have dense ones, of at most 5000 unknowns, and SFDAE_STRUCTURE_REQUIRED
+ *    is refused by the analysis. Linear recorded equations are solved as nonlinear ones, mechanical systems
  *    (sfdae_multibody_problem) by their first-order equations: x takes more time then. S(t0) of these is nearest with
  *    the weights of the options, not in kinetic energy; directions that fulfil the linearized constraints stay.
  *  - Where an event only ends a call, S goes on. Where x, its equations or parameters change there, start anew with the

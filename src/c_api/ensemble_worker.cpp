@@ -18,7 +18,7 @@ SolverOptions options_of_instances(const sfdae_solver& prototype) {
   SolverOptions options = prototype.options;
   options.integration.monitor = nullptr;
   options.integration.events = nullptr;
-  options.model.for_sensitivities = false;
+  options.model.for_sensitivities = options.model.for_adjoint = false;
   return options;
 }
 

@@ -68,9 +68,12 @@ CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* 
 
 void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request) {
   const bool wanted = request.has_value();
-  if (wanted != solver.options.model.for_sensitivities) solver.forget_analysis();
+  const bool by_adjoint = wanted && request->by_adjoint;
+  ModelOptions& options = solver.options.model;
+  if (wanted != options.for_sensitivities || by_adjoint != options.for_adjoint) solver.forget_analysis();
   solver.integration.reset();
-  solver.options.model.for_sensitivities = wanted;
+  options.for_sensitivities = wanted;
+  options.for_adjoint = by_adjoint;
   solver.sensitivities = std::move(request);
 }
 

@@ -279,6 +279,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     SolverOptions fresh(copy, solver->model.n());
     demand_structure(solver->model, fresh.model.structure);
     fresh.model.for_sensitivities = solver->options.model.for_sensitivities;
+    fresh.model.for_adjoint = solver->options.model.for_adjoint;
     fresh.integration.events = solver->events.get();
     solver->use_breakpoints(fresh.integration);
     solver->use_continuation(fresh.integration);

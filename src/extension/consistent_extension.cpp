@@ -48,7 +48,6 @@ bool ConsistentExtension::is_held(const MinimalExtension::Column& column) const 
   return column.order == 0 && request_.kind == InitialValues::fixed && request_.fixed[index(column.unknown)] != 0;
 }
 
-// Of the square of a change.
 double ConsistentExtension::weight(const MinimalExtension::Column& column) const {
   const std::size_t j = index(column.unknown);
   if (column.order > 0) return 0.0;

@@ -34,12 +34,14 @@ class ConsistentExtension {
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
 
+  // Of the square of a change, as the request wants it; whether a value is fixed.
+  double weight(const MinimalExtension::Column& column) const;
+  bool is_held(const MinimalExtension::Column& column) const;
+
  private:
   void solve_stage(int stage, const Jet& guess, Jet& jet);
   void solve_together(const Jet& guess, Jet& jet);
   bool has_to_move(const Jet& guess, const Jet& jet) const;
-  double weight(const MinimalExtension::Column& column) const;
-  bool is_held(const MinimalExtension::Column& column) const;
   [[noreturn]] void fail(const Jet& jet, const char* why) const;
 
   MinimalExtension& extension_;

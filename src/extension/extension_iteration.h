@@ -36,6 +36,8 @@ class ExtensionIteration {
                          Jet& jet);
   // x' of all unknowns at such a jet, n values, also where the extension has no x_j'.
   PointStatus derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot);
+  // The jet that it has found last, of one order more, with x_j^(d_j + 1) if not all x_j' are in the extension.
+  const Jet& longer_jet() const { return longer_; }
 
   ChordIteration& chord() { return chord_; }
   CallbackError& callback_error() { return callback_error_; }

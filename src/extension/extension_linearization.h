@@ -82,19 +82,18 @@ class ExtensionLinearization {
 
   // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the states x_j
   // in place of x_j'; with the states held.
-  void solve_step(double* r) {
-    step_.solve(r);
-    choice_.to_states(step_.epsilon(), r);
-  }
-  void solve_pair(std::size_t k, std::complex<double>* r) {
-    pairs_[k].solve(r);
-    choice_.to_states(pairs_[k].epsilon(), r);
-  }
+  void solve_step(double* r, int count = 1) { solve(step_, r, count); }
+  void solve_pair(std::size_t k, std::complex<double>* r, int count = 1) { solve(pairs_[k], r, count); }
   void solve_held(double* r, int count = 1) { held_.solve(r, count); }
   // r -= (derivatives by the states) changes; changes: n values.
   void subtract_states(const double* changes, double* r) const;
 
  private:
+  template <class Number>
+  void solve(StateMatrix<Number>& matrix, Number* r, int count) {
+    matrix.solve(r, count);
+    for (int k = 0; k < count; ++k, r += choice_.size()) choice_.to_states(matrix.epsilon(), r);
+  }
   PointStatus linearize(const Jet& jet, CallbackError& error);
   bool choose_states();
   std::optional<std::vector<int>> states_by_stages(const std::vector<double>& values) const;

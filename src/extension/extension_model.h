@@ -29,6 +29,10 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   // The blocks of the system Jacobian have been judged: how far they are from singular ones.
   double certify() override { return system_->smallest_kept(); }
 
+  // Null where equations are replaced.
+  std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
+  bool has_sensitivities() const;
+
   std::optional<Extension> extension() override;
   std::unique_ptr<ChangeWatch> change_watch() override;
 

@@ -39,6 +39,7 @@ class ExtensionStages {
   // At the end of the step, of the stages linearized one by one: see LocalStages.
   ConstView end_tangents() const { return local_.end_tangents(); }
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
+  const Jet& jet(int i) const { return jets_[index(i)]; }
   const Jet& last() const { return jets_[index(s_ - 1)]; }
   // x: n x s.
   void copy_to(double* x) const;

@@ -277,6 +277,7 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
     PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
     if (status == PointStatus::ok) {
       failures_in_row_ = 0;
+      are_stages_local_ = true;
       take_stages(x, w);
       return review_local();
     }
@@ -294,8 +295,14 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   }
   if (status != PointStatus::ok) return status;
   failures_in_row_ = 0;
+  are_stages_local_ = false;
   take_stages(x, w);
   return review();
+}
+
+ExtensionLinearization* ExtensionSystem::factors_of_stages(const StageMethod& method, double h) {
+  const bool are_there = !are_stages_local_ && linearization_.is_usable() && linearization_.factor_stages(method, h);
+  return are_there ? &linearization_ : nullptr;
 }
 
 void ExtensionSystem::take_stages(double* x, double* w) {
@@ -385,6 +392,14 @@ bool ExtensionSystem::exact_derivative(const double* x, double* xdot) {
   const PointStatus status = solve_held(jet, xdot);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   return status == PointStatus::ok;
+}
+
+bool ExtensionSystem::find_longer_jet(Jet& longer) {
+  Jet jet = jet_;
+  std::vector<double> xdot(index(unknowns()));
+  if (solve_held(jet, xdot.data()) != PointStatus::ok) return false;
+  longer = iteration_.longer_jet();
+  return true;
 }
 
 bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdot) {

@@ -40,6 +40,13 @@ class ExtensionSystem final : public DaeSystem {
   // A consistent point becomes the current and accepted one.
   PointStatus set_point(const Jet& jet);
   const Jet& jet() const { return jet_; }
+  // Of the step whose stages were solved last.
+  const Jet& jet_of_stage(int i) const { return stages_.jet(i); }
+  // The matrices that these were solved with, made anew where they are not there any more; null where each stage had its own, or
+  // there are none. Valid until the next step.
+  ExtensionLinearization* factors_of_stages(const StageMethod& method, double h);
+  // The jet with what is known of derivatives one order above those of the extension; false: it was not found.
+  bool find_longer_jet(Jet& longer);
   const Jet* point_of_equations() const override { return &history_.accepted(); }
   const Jet& accepted_jet() const { return history_.accepted(); }
   const AnalysisSettings& settings() const { return settings_; }
@@ -125,6 +132,7 @@ class ExtensionSystem final : public DaeSystem {
   int failures_in_row_ = 0;  // of stages linearized one by one, which did not converge
   // The stages that have been solved were linearized one by one, and the last one is the current point.
   bool has_end_tangents_ = false;
+  bool are_stages_local_ = false;  // these were linearized one by one
 };
 
 }  // namespace sfdae::core

@@ -54,7 +54,7 @@ double StructuredModel::array_size() const {
 }
 
 bool StructuredModel::may_extend(const ModelOptions& options) {
-  return options.structure == StructureUse::automatic && !options.for_sensitivities && !options.analysis.by_svd &&
+  return options.structure == StructureUse::automatic && !options.for_adjoint && !options.analysis.by_svd &&
          options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
          problem_.structure() != nullptr && orders_are_possible() && array_size() >= least_array;
 }
@@ -76,6 +76,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     try {
       problem_.allow_differences_in_time(options.differences.allowed);
       extended_.analyze(point, options, decisions);
+      if (options.for_sensitivities) demand_sensitivities();
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
@@ -86,6 +87,16 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
   demand_dense(n());
   if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
   else classical_->analyze(point, options, decisions);
+}
+
+// Equations that are replaced have them by the whole array alone.
+void StructuredModel::demand_sensitivities() {
+  if (extended_.has_sensitivities()) return;
+  extended_.forget_system();
+  throw Failure(
+      SFDAE_ILLEGAL_ARGUMENT,
+      "structure = SFDAE_STRUCTURE_REQUIRED and sensitivities exclude each other where structure misleads and "
+      "equations are replaced: these are computed with the whole derivative array.");
 }
 
 // Where it has to be used.
@@ -99,7 +110,7 @@ void StructuredModel::demand_structure(const ModelOptions& options) const {
     throw Failure(SFDAE_RANK_UNCLEAR,
                   "the option structure, or Jacobians by differences, require what these equations do not have: some "
                   "contain too few unknowns, as sfdae_get_structure tells.");
-  demand_array_for_sensitivities(options);
+  if (options.for_adjoint) demand_array_for_sensitivities(options);
   if (!orders_are_possible())
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
@@ -142,12 +153,12 @@ void StructuredModel::forget_system() {
 
 bool StructuredModel::expect(SystemForm form, bool for_sensitivities) {
   const bool is_extension = form == SystemForm::extension;
-  if (is_extension && (for_sensitivities || problem_.structure() == nullptr)) return false;
-  if (for_sensitivities && owned_) make_nonlinear();
+  if (is_extension && problem_.structure() == nullptr) return false;
+  if (for_sensitivities && owned_ && !is_extension) make_nonlinear();
   was_extended_ = is_extended_;
   served_nonlinear_ = serves_nonlinear_;
   is_extended_ = is_extension;
-  serves_nonlinear_ = for_sensitivities && owned_ != nullptr;
+  serves_nonlinear_ = for_sensitivities && owned_ != nullptr && !is_extension;
   return true;
 }
 

@@ -80,6 +80,7 @@ class StructuredModel final : public Model {
   bool orders_are_possible() const;
   // Jacobians by differences have nothing else to be solved by.
   bool has_differences() const { return problem_.source() != nullptr && problem_.source()->has_differences(); }
+  void demand_sensitivities();
   void demand_structure(const ModelOptions& options) const;
   Model& whole();
   Model& same_whole();

@@ -9,10 +9,10 @@ namespace sfdae::core {
 
 void demand_array_for_sensitivities(const ModelOptions& options) {
   if (options.for_sensitivities && options.structure == StructureUse::required)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        "structure = SFDAE_STRUCTURE_REQUIRED and sensitivities exclude each other: they are computed with the "
-        "whole derivative array.");
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("structure = SFDAE_STRUCTURE_REQUIRED and %s exclude each other: they are computed with the "
+                         "whole derivative array.",
+                         options.for_adjoint ? "the adjoint" : "sensitivities of mechanical systems"));
 }
 
 void demand_dense(int n) {

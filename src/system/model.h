@@ -38,7 +38,8 @@ struct ModelOptions : Acceptance {
   ConsistencyRequest consistency;
   Precedent precedent;  // of analyses to come
   StructureUse structure = StructureUse::off;
-  bool for_sensitivities = false;  // the system has to be one that sensitivities can be asked of
+  bool for_sensitivities = false;  // the system has to be one that sensitivities can be asked of,
+  bool for_adjoint = false;        // or their adjoint
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {

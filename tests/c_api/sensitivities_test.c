@@ -294,6 +294,7 @@ static void problems_without_sensitivities_are_named(void) {
   const char* const name = "k";
   const int component = 1;
   double x[N] = {1, 0, 0};
+  sfdae_sensitivity_options adjoint;
   REFUSED(sfdae_set_sensitivities(solver, 1, NULL, NULL, NULL));
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 
@@ -318,7 +319,12 @@ static void problems_without_sensitivities_are_named(void) {
   options.structure = SFDAE_STRUCTURE_REQUIRED;
   solver = solver_of(oscillator, N, N, &options);
   CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+  sfdae_sensitivity_options_init(&adjoint, sizeof adjoint);
+  adjoint.adjoint = 1;
+  CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, NULL, &adjoint), SFDAE_OK);
   REFUSED(sfdae_start(solver, 0, 1, x, NULL));
+  CHECK(strstr(sfdae_message(solver), "adjoint") != NULL);
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 

@@ -1,0 +1,39 @@
+// Sensitivities at a start: the derivatives of consistent values by parameters, nearest to directions as a request measures changes
+// of x. At a consistent point, which is its own nearest one, that is the linear problem of least change (docs/decisions/50-sensitivities.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "extension/least_change_step.h"
+#include "extension/minimal_extension.h"
+#include "system/consistent_values.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class ConsistentDirections {
+ public:
+  // values: derivatives of the rows at the jet, which is consistent. request: with tolerances. Throws Failure where there are none.
+  ConsistentDirections(MinimalExtension& extension, const ConsistencyRequest& request, const Jet& jet,
+                       const std::vector<double>& values);
+
+  // right: by rows; directions and S: of all x_j. Throws Failure SFDAE_FIXED_VALUES where fixed directions cannot be had.
+  void find(const double* right, const double* directions, double* S);
+  // Whether S, which fulfils the equations, leaves all directions that are to stay as they are.
+  bool stay(const double* directions, const double* S) const;
+
+ private:
+  [[noreturn]] void fail() const;
+  template <class Value>
+  bool is_fulfilled(const double* right, Value value) const;
+
+  MinimalExtension& extension_;
+  const ConsistencyRequest& request_;
+  std::vector<double> W_, unit_, values_, factors_, dx_, r_;
+  std::vector<char> held_, stays_;  // by columns, by unknowns
+  LeastChangeStep::Equations equations_;
+  LeastChangeStep step_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,74 @@
+// The stages of an implicit Runge-Kutta step for sensitivities along the minimal extension: the linear equations of all stages, each
+// with its own derivatives, and for the states j
+//
+//     S_j' = sum_k D_ik (S_j,k - S_j) / h        at stage i.
+//
+// First by iterations with the factors of x, which hold for one linearization and decouple the stages: what they leave is measured
+// with the derivatives of each stage, and taken away until it is rounding errors. Where they contract slowly, or x has none, as one sparse
+// system for all stages.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "extension/extension_linearization.h"
+#include "extension/sensitivity_equations.h"
+#include "linalg/archive.h"
+#include "linalg/repeated_systems.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class ExtensionSensitivityStages {
+ public:
+  struct Task {
+    const StageMethod& method;
+    double h;
+    const std::vector<SensitivityRows>& rows;  // at the stages
+    const double* S_start;                     // n x count
+    const std::vector<double>& scales;         // of the unknowns: changes that do not matter, or zero
+  };
+
+  explicit ExtensionSensitivityStages(SensitivityEquations& equations) : equations_(equations) {}
+  // Other states from now on. choice: lives until the next call, as the slots do.
+  void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
+  // S: n x count for each stage. by: with the factors of x, or null. False: singular.
+  bool solve(const Task& task, ExtensionLinearization* by, double* S);
+  long factorizations() const { return factorizations_; }
+  // Reading: after set_choice(). Throws DamagedArchive.
+  void archive(Archive& archive);
+
+ private:
+  bool iterate(const Task& task, ExtensionLinearization& by);
+  void set_residuals(const Task& task);
+  void subtract_rows(const Task& task, int i);
+  void take_away(const Task& task, ExtensionLinearization& by);
+  double add_changes(const Task& task);
+  bool solve_together(const Task& task);
+  void make_pattern(int s);
+  void set_values(const Task& task);
+  void set_right_hand_sides(const Task& task);
+  int count() const { return equations_.count(); }
+  int num_rows() const { return equations_.extension().num_rows(); }
+  // Of stage i and parameter q.
+  double* block(std::vector<double>& of_all, int i, int q) const {
+    return of_all.data() + (index(i) * index(count()) + index(q)) * index(num_rows());
+  }
+
+  SensitivityEquations& equations_;
+  const StateChoice* choice_ = nullptr;
+  const SensitivitySlots* slots_ = nullptr;
+  // By slots, and by rows: a block for each stage, a column for each parameter.
+  std::vector<double> unknowns_, r_, transformed_;
+  std::vector<std::complex<double>> pair_;
+  std::vector<double> slopes_;  // of the states, by unknowns
+  // Of all stages together: 0 where there is no such system yet.
+  int s_ = 0;
+  RepeatedSystems together_;
+  std::vector<std::size_t> positions_;
+  std::vector<double> values_, right_, solution_;
+  long factorizations_ = 0;
+};
+
+}  // namespace sfdae::core

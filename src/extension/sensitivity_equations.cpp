@@ -1,0 +1,134 @@
+// The equations of the minimal extension differentiated by parameters.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/sensitivity_equations.h"
+
+#include <algorithm>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+SensitivityEquations::SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters)
+    : extension_(extension), parameters_(parameters) {
+  std::size_t next = 0;
+  for (int c : extension_.offsets().c) {
+    first_row_.push_back(next);
+    next += index(c + 1);
+    slope_limits_.push_back(c + 1);
+  }
+  row_.assign(next, -1);
+  for (int row = 0; row < extension_.num_rows(); ++row) {
+    const auto [equation, order] = extension_.rows()[index(row)];
+    row_[first_row_[index(equation)] + index(order)] = row;
+  }
+}
+
+// From F_p_.
+void SensitivityEquations::take_parameter_rows(SensitivityRows& rows) const {
+  const std::size_t num_rows = index(extension_.num_rows()), n = index(extension_.n());
+  const std::size_t length = n * index(extension_.highest_level() + 1);
+  rows.right.resize(num_rows * index(count()) + 1);
+  for (std::size_t q = 0; q < index(count()); ++q)
+    for (std::size_t row = 0; row < num_rows; ++row) {
+      const auto [equation, order] = extension_.rows()[row];
+      rows.right[q * num_rows + row] = -F_p_[q * length + index(order) * n + index(equation)];
+    }
+}
+
+CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& rows) {
+  CallbackError error = extension_.linearize(jet);
+  if (error.status != SFDAE_OK) return error;
+  rows.values = extension_.values();
+  const int length = extension_.n() * (extension_.highest_level() + 1);
+  F_p_.resize(index(length) * index(count()) + 1);
+  error = parameters_.values(jet.t, jet.x.data(), extension_.highest_level(),
+                             View{F_p_.data(), length, count(), std::max(length, 1)});
+  if (error.status == SFDAE_OK) take_parameter_rows(rows);
+  return error;
+}
+
+CallbackError SensitivityEquations::linearize(const std::vector<Jet>& jets, int count,
+                                              std::vector<SensitivityRows>& rows) {
+  // Eight points for one would be too many.
+  constexpr int fewest_side_by_side = 3;
+  if (rows.size() < index(count)) rows.resize(index(count));
+  if (count >= fewest_side_by_side && linearize_side_by_side(jets, count, rows)) return {};
+  for (int i = 0; i < count; ++i) {
+    CallbackError error = linearize(jets[index(i)], rows[index(i)]);
+    if (error.status != SFDAE_OK) return error;
+  }
+  return {};
+}
+
+bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, int count,
+                                                  std::vector<SensitivityRows>& rows) {
+  if (!extension_.linearize_side_by_side(jets, count, lanes_of_values_)) return false;
+  const std::size_t size = index(extension_.n()) * index(extension_.jet_order() + 1);
+  lanes_of_t_.resize(1);
+  lanes_of_jets_.resize(size);
+  for (int l = 0; l < lane_count; ++l) {
+    const Jet& jet = jets[index(std::min(l, count - 1))];
+    lanes_of_t_[0].lane[l] = jet.t;
+    for (std::size_t k = 0; k < size; ++k) lanes_of_jets_[k].lane[l] = jet.x[k];
+  }
+  const int level = extension_.highest_level();
+  const LaneBlock* const F_p = parameters_.values_side_by_side(lanes_of_t_.data(), lanes_of_jets_.data(), level);
+  if (F_p == nullptr) return false;
+  const std::size_t num_rows = index(extension_.num_rows());
+  for (int i = 0; i < count; ++i) {
+    SensitivityRows& at = rows[index(i)];
+    at.values.resize(lanes_of_values_.size());
+    for (std::size_t e = 0; e < at.values.size(); ++e) at.values[e] = lanes_of_values_[e].lane[i];
+    at.right.assign(num_rows * index(this->count()) + 1, 0.0);
+    const LaneBlock* next = F_p;
+    for (const ParameterGradient::Place& place : parameters_.places()) {
+      for (int k = 0; k <= extension_.offsets().c[index(place.equation)]; ++k)
+        at.right[index(place.column) * num_rows + index(row_of(place.equation, k))] = -next[k].lane[i];
+      next += level + 1;
+    }
+  }
+  return true;
+}
+
+// With x'_k = (k + 1) x_(k+1): coefficient k of (df/dx') S' + (df/dx) S + df/dp, times k, is that of the derivative of row k - 1.
+CallbackError SensitivityEquations::slopes(const Jet& jet, const double* S, double* r) {
+  RecordedProblem& problem = extension_.problem();
+  const Tape& tape = problem.evaluator().tape();
+  const int n = extension_.n(), order = extension_.highest_level() + 1, length = n * (order + 1);
+  entries_.assign(tape.targets.size() * index(order + 1), 0.0);
+  F_p_.resize(index(length) * index(count()) + 1);
+  CallbackError error = problem.gradient_entries(jet.t, jet.x.data(), order, slope_limits_, entries_.data());
+  if (error.status == SFDAE_OK)
+    error = parameters_.values(jet.t, jet.x.data(), order, View{F_p_.data(), length, count(), std::max(length, 1)});
+  if (error.status != SFDAE_OK) return error;
+  for (std::ptrdiff_t q = 0; q < count(); ++q, S += index(n) * index(order + 2))
+    for (int row = 0; row < extension_.num_rows(); ++row) {
+      const int equation = extension_.rows()[index(row)].equation, k = extension_.rows()[index(row)].order + 1;
+      double sum = F_p_[index(static_cast<int>(q)) * index(length) + index(k) * index(n) + index(equation)];
+      for (std::size_t e = tape.first_target[index(equation)]; e < tape.first_target[index(equation + 1)]; ++e) {
+        const double* const coefficients = entries_.data() + e * index(order + 1);
+        const double* const of_unknown = S + tape.targets[e].unknown;
+        const int shift = tape.targets[e].derivative ? 1 : 0;
+        for (int l = 0; l <= k; ++l)
+          sum += coefficients[k - l] * (shift == 1 ? l + 1.0 : 1.0) * of_unknown[std::ptrdiff_t(l + shift) * n];
+      }
+      *r++ = k * sum;
+    }
+  return error;
+}
+
+void SensitivitySlots::set(const MinimalExtension& extension, const StateChoice& choice) {
+  held_.clear();
+  slopes_.clear();
+  of_x_.clear();
+  const std::vector<int>& first = extension.first();
+  for (int row = 0; row < extension.num_rows(); ++row)
+    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+      const int column = extension.column()[index(e)], unknown = extension.columns()[index(column)].unknown;
+      if (choice.is_held(column)) held_.push_back({row, unknown, index(e)});
+      if (choice.is_slope(column)) slopes_.push_back({row, unknown, index(e)});
+    }
+  for (int j = 0; j < extension.n(); ++j) of_x_.push_back(choice.slot(extension.column_of(j, 0)));
+}
+
+}  // namespace sfdae::core
