@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/symbolic_gradient.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -82,15 +83,44 @@ int adjoint_of_exponent(Recorder& recorder, const Node& f, int v, int y) {
   return recorder.apply(Operation::multiply, recorder.apply(Operation::multiply, y, v), logarithm);
 }
 
-// Whether nodes up to the last one depend on the leaves.
-std::vector<char> dependents(const Recorder& recorder, int last, const std::vector<int>& leaves) {
-  std::vector<char> depends(index(last + 1), 0);
+// A node and all that it is made of, ascending: of large recordings that is little.
+class NodesBelow {
+ public:
+  NodesBelow(const Recorder& recorder, int node) {
+    std::vector<int> next{node};  // a heap
+    while (!next.empty()) {
+      std::pop_heap(next.begin(), next.end());
+      const int i = next.back();
+      next.pop_back();
+      if (!nodes_.empty() && nodes_.back() == i) continue;
+      nodes_.push_back(i);
+      const Operands operands = recorder.operands(i);
+      for (int k = 0; k < operands.size(); ++k) {
+        next.push_back(operands[k]);
+        std::push_heap(next.begin(), next.end());
+      }
+    }
+    std::reverse(nodes_.begin(), nodes_.end());
+  }
+  const std::vector<int>& nodes() const { return nodes_; }
+  bool contain(int node) const { return std::binary_search(nodes_.begin(), nodes_.end(), node); }
+  std::size_t place_of(int node) const {
+    return static_cast<std::size_t>(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
+  }
+
+ private:
+  std::vector<int> nodes_;
+};
+
+// Whether these depend on the leaves.
+std::vector<char> dependents(const Recorder& recorder, const NodesBelow& below, const std::vector<int>& leaves) {
+  std::vector<char> depends(below.nodes().size(), 0);
   for (int leaf : leaves)
-    if (leaf <= last) depends[index(leaf)] = 1;
-  for (int i = 0; i <= last; ++i) {
-    const Operands operands = recorder.operands(i);
+    if (below.contain(leaf)) depends[below.place_of(leaf)] = 1;
+  for (std::size_t place = 0; place < depends.size(); ++place) {
+    const Operands operands = recorder.operands(below.nodes()[place]);
     for (int k = 0; k < operands.size(); ++k)
-      if (depends[index(operands[k])] != 0) depends[index(i)] = 1;
+      if (depends[below.place_of(operands[k])] != 0) depends[place] = 1;
   }
   return depends;
 }
@@ -102,33 +132,35 @@ void add(Recorder& recorder, int& sum, int change) { sum = recorder.apply(Operat
 
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves) {
   const int zero = recorder.constant(0.0);
-  const std::vector<char> depends = dependents(recorder, node, leaves);
-  std::vector<int> adjoint(index(node + 1), zero), gradient;
-  adjoint[index(node)] = recorder.constant(1.0);
-  for (int i = node; i >= 0; --i) {
-    const int y = adjoint[index(i)];
-    if (depends[index(i)] == 0 || y == zero) continue;
+  const NodesBelow below(recorder, node);
+  const std::vector<char> depend = dependents(recorder, below, leaves);
+  const auto depends = [&](int i) { return depend[below.place_of(i)] != 0; };
+  std::vector<int> adjoint_at(depend.size(), zero), gradient;
+  const auto adjoint = [&](int i) -> int& { return adjoint_at[below.place_of(i)]; };
+  adjoint(node) = recorder.constant(1.0);
+  for (std::size_t place = depend.size(); place-- > 0;) {
+    const int i = below.nodes()[place], y = adjoint_at[place];
+    if (depend[place] == 0 || y == zero) continue;
     const Node f = recorder.node(i);  // recording moves nodes
     if (f.operation == Operation::function) {
       FunctionCall call = recorder.called(i);
       call.by.push_back(0);
       for (std::size_t k = 0; k < call.arguments.size(); ++k) {
-        if (depends[index(call.arguments[k])] == 0) continue;
+        if (!depends(call.arguments[k])) continue;
         call.by.back() = static_cast<int>(k);
         const int partial = recorder.call(call);
-        add(recorder, adjoint[index(call.arguments[k])], recorder.apply(Operation::multiply, y, partial));
+        add(recorder, adjoint(call.arguments[k]), recorder.apply(Operation::multiply, y, partial));
       }
       continue;
     }
-    const bool by_exponent = f.operation == Operation::power && depends[index(f.b)] != 0;
+    const bool by_exponent = f.operation == Operation::power && depends(f.b);
     const Adjoints change = adjoints_of_operands(recorder, f, i, y);
     const Operands operands(f, {});
     for (int k = 0; k < operands.size(); ++k)
-      if (change[index(k)] >= 0 && depends[index(operands[k])] != 0)
-        add(recorder, adjoint[index(operands[k])], change[index(k)]);
-    if (by_exponent) add(recorder, adjoint[index(f.b)], adjoint_of_exponent(recorder, f, i, y));
+      if (change[index(k)] >= 0 && depends(operands[k])) add(recorder, adjoint(operands[k]), change[index(k)]);
+    if (by_exponent) add(recorder, adjoint(f.b), adjoint_of_exponent(recorder, f, i, y));
   }
-  for (int leaf : leaves) gradient.push_back(leaf <= node ? adjoint[index(leaf)] : zero);
+  for (int leaf : leaves) gradient.push_back(below.contain(leaf) ? adjoint(leaf) : zero);
   return gradient;
 }
 

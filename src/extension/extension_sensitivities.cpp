@@ -13,12 +13,20 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// Of equations none of which is differentiated: rounding errors are not amplified from step to step, as they may be where constraints
+// are hidden (see rounding_of_residuals).
+constexpr double harmless_residuals = 1e-14;
+
+}  // namespace
+
 ExtensionSensitivities::ExtensionSensitivities(ExtensionSystem& system, std::vector<int> parameters)
     : system_(system),
       extension_(system.extension()),
       numbers_(std::move(parameters)),
       parameters_(extension_.problem(), numbers_),
-      equations_(extension_, parameters_),
+      equations_(extension_, parameters_, numbers_),
       stages_(equations_) {}
 
 // The states of x; lists of operations are of one choice.
@@ -27,7 +35,8 @@ void ExtensionSensitivities::take_choice() {
   const StateChoice& choice = system_.linearization().choice();
   choice_number_ = -1;  // while memory may be missing
   slots_.set(extension_, choice);
-  step_.analyze(choice.layout(false).pattern);
+  step_.analyze(choice.layout(false).pattern,
+                extension_.highest_level() > 0 ? rounding_of_residuals : harmless_residuals);
   held_.analyze(choice.layout(true).pattern);
   stages_.set_choice(choice, slots_);
   right_.assign(index(extension_.num_rows()) * index(count()) + 1, 0.0);
@@ -94,7 +103,7 @@ PointStatus ExtensionSensitivities::solve_kept_stages(const StageMethod& method,
   callback_error_ = equations_.linearize(jets_, method.s, at_stages_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   ExtensionLinearization* const by = are_of_step_ ? system_.factors_of_stages(method, h) : nullptr;
-  const bool is_solved = stages_.solve({method, h, at_stages_, S_start, system_.scales()}, by, S);
+  const bool is_solved = stages_.solve({method, h, jets_, at_stages_, S_start, system_.scales()}, by, S);
   return is_solved ? PointStatus::ok : PointStatus::singular;
 }
 
@@ -192,7 +201,7 @@ bool ExtensionSensitivities::states_are_differentiated() const {
 }
 
 void ExtensionSensitivities::start(const ConsistencyRequest& request, const double* directions, double* S) {
-  parameters_.take_parameters();
+  equations_.take_parameters();
   const PointStatus status = linearize(system_.jet());
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (system_.differential() == unknowns()) {

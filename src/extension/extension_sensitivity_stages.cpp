@@ -17,7 +17,7 @@ namespace {
 
 // Changes of S, relative to its largest entries in units of x, that are let be; and where they stop becoming smaller, those that may
 // be rounding errors.
-constexpr double negligible = 1e-12, rounding = 1e-10;
+constexpr double negligible = 1e-11, rounding = 1e-10;
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations = 12;
 constexpr double slowest = 0.2;
@@ -28,6 +28,14 @@ void ExtensionSensitivityStages::set_choice(const StateChoice& choice, const Sen
   choice_ = &choice;
   slots_ = &slots;
   s_ = 0;
+  times_before_.clear();
+  source_.clear();
+  std::vector<int> number(index(equations_.extension().n()), 0);
+  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
+  for (int column : equations_.extension().column())
+    source_.push_back(choice.is_slope(column)
+                          ? num_rows() + number[index(equations_.extension().columns()[index(column)].unknown)]
+                          : choice.slot(column));
 }
 
 bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization* by, double* S) {
@@ -46,64 +54,113 @@ bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization*
 // ---- Iterations ------------------------------------------------------------------------------------------------
 
 bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearization& by) {
-  const int n = equations_.extension().n();
-  std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
-  for (int i = 0; i < task.method.s; ++i)
-    for (int q = 0; q < count(); ++q)
-      for (int j = 0; j < n; ++j) block(unknowns_, i, q)[slots_->of_x(j)] = task.S_start[std::ptrdiff_t(q) * n + j];
+  predict(task);
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     set_residuals(task);
     take_away(task, by);
     const double change = add_changes(task);
     if (!(change <= std::numeric_limits<double>::max())) return false;
-    // The first change takes S from where it was at the start of the step.
-    const double rate = iteration > 1 ? change / before : iteration == 1 ? std::min(change, slowest) : 1.0;
-    if (change * std::min(rate, 1.0) <= negligible) return true;
-    if (iteration > 1 && rate > slowest) return change <= rounding;
+    // The first change takes away what the prediction is off by; nothing is known of the next one.
+    const double rate = iteration > 0 ? change / before : 1.0;
+    const bool is_there = change * std::min(rate, 1.0) <= negligible || (rate > slowest && change <= rounding);
+    if (is_there) note_step(task);
+    if (is_there || (iteration > 1 && rate > slowest)) return is_there;
     before = change;
   }
   return false;
 }
 
-// r_: right-hand sides less what the unknowns make of the rows.
-void ExtensionSensitivityStages::set_residuals(const Task& task) {
-  const int n = equations_.extension().n(), s = task.method.s;
-  slopes_.resize(index(n) * index(count()) + 1);
-  for (int i = 0; i < s; ++i) {
-    for (int q = 0; q < count(); ++q) {
-      double* const slopes = slopes_.data() + index(q) * index(n);
-      const double* const start = task.S_start + std::ptrdiff_t(q) * n;
-      for (int j : choice_->states()) slopes[j] = 0.0;
-      for (int k = 0; k < s; ++k) {
-        const double D = task.method.D_at(i, k) / task.h;
-        const double* const at = block(unknowns_, k, q);
-        for (int j : choice_->states()) slopes[j] += D * (at[slots_->of_x(j)] - start[j]);
-      }
-    }
-    subtract_rows(task, i);
-  }
+// By the polynomial of the last step, or as at the start of this one.
+void ExtensionSensitivityStages::predict(const Task& task) {
+  if (extrapolate(task)) return;
+  const int n = equations_.extension().n();
+  std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
+  for (int i = 0; i < task.method.s; ++i)
+    for (int q = 0; q < count(); ++q)
+      for (int j = 0; j < n; ++j) block(unknowns_, i, q)[slots_->of_x(j)] = task.S_start[std::ptrdiff_t(q) * n + j];
 }
 
-void ExtensionSensitivityStages::subtract_rows(const Task& task, int i) {
-  const MinimalExtension& extension = equations_.extension();
-  const std::vector<int>& first = extension.first();
-  const std::vector<int>& column = extension.column();
-  const SensitivityRows& rows = task.rows[index(i)];
-  for (int q = 0; q < count(); ++q) {
-    const double* const at = block(unknowns_, i, q);
-    const double* const slopes = slopes_.data() + index(q) * index(extension.n());
-    double* const r = block(r_, i, q);
-    for (int row = 0; row < num_rows(); ++row) {
-      double sum = rows.right[index(q) * index(num_rows()) + index(row)];
-      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
-        const int of = column[index(e)];
-        const double value =
-            choice_->is_slope(of) ? slopes[extension.columns()[index(of)].unknown] : at[choice_->slot(of)];
-        sum -= rows.values[index(e)] * value;
-      }
-      r[row] = sum;
+bool ExtensionSensitivityStages::extrapolate(const Task& task) {
+  constexpr double farthest = 3.0;  // in steps; chosen, not measured
+  const std::size_t points = times_before_.size(), size = index(num_rows()) * index(count());
+  if (points < 3) return false;
+  const double span = times_before_.back() - times_before_.front();
+  const double distance = task.jets[index(task.method.s - 1)].t - times_before_.back();
+  if (!(std::fabs(distance) <= farthest * std::fabs(span))) return false;
+  for (int i = 0; i < task.method.s; ++i) {
+    double* const to = block(unknowns_, i, 0);
+    std::fill_n(to, size, 0.0);
+    for (std::size_t k = 0; k < points; ++k) {
+      double L = 1.0;
+      for (std::size_t j = 0; j < points; ++j)
+        if (j != k) L *= (task.jets[index(i)].t - times_before_[j]) / (times_before_[k] - times_before_[j]);
+      const double* const from = before_.data() + k * size;
+      for (std::size_t r = 0; r < size; ++r) to[r] += L * from[r];
     }
+  }
+  return true;
+}
+
+void ExtensionSensitivityStages::note_step(const Task& task) {
+  const std::size_t size = index(num_rows()) * index(count()) * index(task.method.s);
+  before_.resize(std::max(before_.size(), size));
+  std::copy_n(unknowns_.begin(), size, before_.begin());
+  times_before_.clear();
+  for (int i = 0; i < task.method.s; ++i) times_before_.push_back(task.jets[index(i)].t);
+}
+
+// r_: right-hand sides less what the unknowns make of the rows.
+void ExtensionSensitivityStages::set_residuals(const Task& task) {
+  const std::vector<int>& states = choice_->states();
+  const int s = task.method.s, size = static_cast<int>(states.size()) * count();
+  changes_.resize(std::max(changes_.size(), index(size) * index(s) + 1));
+  slopes_.resize(changes_.size());
+  double* next = changes_.data();
+  for (int i = 0; i < s; ++i)
+    for (int q = 0; q < count(); ++q) {
+      const double* const at = block(unknowns_, i, q);
+      const double* const start = task.S_start + std::ptrdiff_t(q) * equations_.extension().n();
+      for (int j : states) *next++ = at[slots_->of_x(j)] - start[j];
+    }
+  const int ld = std::max(size, 1);
+  multiply(1.0 / task.h, Op::plain, ConstView{changes_.data(), size, s, ld}, Op::transposed,
+           ConstView{task.method.D.data(), s, s, s}, 0.0, View{slopes_.data(), size, s, ld});
+  for (int i = 0; i < s; ++i)
+    for (int q = 0; q < count(); q += at_once) {
+      const int width = std::min(at_once, count() - q);
+      if (width == 1) subtract_rows<1>(task.rows[index(i)], i, q, 1);
+      else subtract_rows<at_once>(task.rows[index(i)], i, q, width);
+    }
+}
+
+// The first `used` parameters from q on, of at most `width`: others repeat the last.
+template <int width>
+void ExtensionSensitivityStages::subtract_rows(const SensitivityRows& rows, int i, int q, int used) {
+  const std::size_t num_rows = index(this->num_rows()), d = choice_->states().size();
+  sources_.resize(std::max(sources_.size(), (num_rows + d) * width + 1));
+  double* const y = sources_.data();
+  const double* right[width];
+  double* r[width];
+  for (int c = 0; c < width; ++c) {
+    const int of = q + std::min(c, used - 1);
+    const double *const at = block(unknowns_, i, of), *const slopes = slopes_.data() + index(i * count() + of) * d;
+    for (std::size_t k = 0; k < num_rows; ++k) y[k * width + index(c)] = at[k];
+    for (std::size_t k = 0; k < d; ++k) y[(num_rows + k) * width + index(c)] = slopes[k];
+    right[c] = rows.right.data() + index(of) * num_rows;
+    r[c] = block(r_, i, of);
+  }
+  const int* const first = equations_.extension().first().data();
+  const int* const source = source_.data();
+  const double* const values = rows.values.data();
+  for (std::size_t row = 0; row < num_rows; ++row) {
+    double sum[width];
+    for (int c = 0; c < width; ++c) sum[c] = right[c][row];
+    for (int e = first[row]; e < first[row + 1]; ++e) {
+      const double* const from = y + index(source[e]) * width;
+      for (int c = 0; c < width; ++c) sum[c] -= values[e] * from[c];
+    }
+    for (int c = 0; c < width; ++c) r[c][row] = sum[c];
   }
 }
 
@@ -127,26 +184,27 @@ void ExtensionSensitivityStages::take_away(const Task& task, ExtensionLinearizat
   multiply(1.0, Op::plain, transformed, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, r);
 }
 
-// The largest change of S relative to the largest entry of its column, both in units of x.
+// The largest change of S relative to the largest entry of its column, both in units of x. Not finite where anything is not.
 double ExtensionSensitivityStages::add_changes(const Task& task) {
-  const int n = equations_.extension().n();
+  const std::size_t n = index(equations_.extension().n()), rows = index(num_rows());
+  per_scale_.resize(n);
+  for (std::size_t j = 0; j < n; ++j) per_scale_[j] = task.scales[j] > 0.0 ? 1.0 / task.scales[j] : 1.0;
   double largest = 0.0;
   for (int q = 0; q < count(); ++q) {
-    double size = 0.0, change = 0.0;
-    bool is_finite = true;
+    double size = 0.0, change = 0.0, sum = 0.0;
     for (int i = 0; i < task.method.s; ++i) {
-      double *const to = block(unknowns_, i, q), *const by = block(r_, i, q);
-      for (int row = 0; row < num_rows(); ++row) {
-        to[row] += by[row];
-        is_finite = is_finite && std::isfinite(to[row]);
-      }
-      for (int j = 0; j < n; ++j) {
-        const double scale = task.scales[index(j)] > 0.0 ? task.scales[index(j)] : 1.0;
-        size = std::max(size, std::fabs(to[slots_->of_x(j)]) / scale);
-        change = std::max(change, std::fabs(by[slots_->of_x(j)]) / scale);
+      double* __restrict to = block(unknowns_, i, q);
+      const double* __restrict by = block(r_, i, q);
+      for (std::size_t k = 0; k < rows; ++k) to[k] += by[k];
+      for (std::size_t j = 0; j < n; ++j) {
+        const std::size_t slot = index(slots_->of_x(static_cast<int>(j)));
+        const double of_x = std::fabs(to[slot]) * per_scale_[j], of_change = std::fabs(by[slot]) * per_scale_[j];
+        size = std::max(size, of_x);
+        change = std::max(change, of_change);
+        sum += of_change;
       }
     }
-    if (!is_finite) return std::numeric_limits<double>::infinity();
+    if (!(sum <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
     if (change > 0.0) largest = std::max(largest, size > 0.0 ? change / size : 1.0);
   }
   return largest;
@@ -244,6 +302,11 @@ void ExtensionSensitivityStages::archive(Archive& archive) {
     if (s > 0) make_pattern(s);
   }
   if (s_ > 0) together_.archive(archive);
+  int points = static_cast<int>(times_before_.size());
+  archive.small(points);
+  if (points < 0 || points > max_stages) throw DamagedArchive();
+  archive.reals(times_before_, index(points));
+  if (points > 0) archive.reals(before_, index(points) * index(num_rows()) * index(count()));
 }
 
 }  // namespace sfdae::core

@@ -25,6 +25,7 @@ class ExtensionSensitivityStages {
   struct Task {
     const StageMethod& method;
     double h;
+    const std::vector<Jet>& jets;              // of x at the stages
     const std::vector<SensitivityRows>& rows;  // at the stages
     const double* S_start;                     // n x count
     const std::vector<double>& scales;         // of the unknowns: changes that do not matter, or zero
@@ -33,7 +34,7 @@ class ExtensionSensitivityStages {
   explicit ExtensionSensitivityStages(SensitivityEquations& equations) : equations_(equations) {}
   // Other states from now on. choice: lives until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
-  // S: n x count for each stage. by: with the factors of x, or null. False: singular.
+  // S: n x count for each stage. by: with the factors of x, of the step that x has taken; or null. False: singular.
   bool solve(const Task& task, ExtensionLinearization* by, double* S);
   long factorizations() const { return factorizations_; }
   // Reading: after set_choice(). Throws DamagedArchive.
@@ -41,8 +42,13 @@ class ExtensionSensitivityStages {
 
  private:
   bool iterate(const Task& task, ExtensionLinearization& by);
+  void predict(const Task& task);
+  bool extrapolate(const Task& task);
+  void note_step(const Task& task);
   void set_residuals(const Task& task);
-  void subtract_rows(const Task& task, int i);
+  static constexpr int at_once = 4;  // parameters
+  template <int width>
+  void subtract_rows(const SensitivityRows& rows, int i, int q, int used);
   void take_away(const Task& task, ExtensionLinearization& by);
   double add_changes(const Task& task);
   bool solve_together(const Task& task);
@@ -62,7 +68,12 @@ class ExtensionSensitivityStages {
   // By slots, and by rows: a block for each stage, a column for each parameter.
   std::vector<double> unknowns_, r_, transformed_;
   std::vector<std::complex<double>> pair_;
-  std::vector<double> slopes_;  // of the states, by unknowns
+  // Of the states: S_j less that at the start, S_j', blocks as above.
+  std::vector<double> changes_, slopes_;
+  std::vector<int> source_;  // of the entries of the extension: a slot, or behind all slots a state
+  std::vector<double> sources_, per_scale_;
+  // Of the last step that was solved with the factors of x: times of its stages and unknowns there.
+  std::vector<double> times_before_, before_;
   // Of all stages together: 0 where there is no such system yet.
   int s_ = 0;
   RepeatedSystems together_;

@@ -9,6 +9,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -86,6 +87,10 @@ class MinimalExtension {
   // The same along the first `count` jets at once; values: of all entries, not those of values(). False: as
   // residuals_side_by_side().
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values);
+  // values: of the entries, from Taylor coefficients of the derivatives of recorded equations: coefficient k of the derivative by the
+  // target number e of the tape is coefficient(e, k), k <= highest_level().
+  template <class Coefficient>
+  void take_derivatives(Coefficient coefficient, double* values) const;
   // The system Jacobian, for anyone who evaluates it first.
   SystemJacobian& leading() { return leading_; }
   // Each value times 1 + size times a random number, until they are made anew.
@@ -121,5 +126,18 @@ class MinimalExtension {
   std::vector<double> F_;
   LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_;
 };
+
+template <class Coefficient>
+void MinimalExtension::take_derivatives(Coefficient coefficient, double* values) const {
+  const std::size_t length = index(highest_level_ + 1);
+  if (terms_.empty()) {
+    for (std::size_t e = 0; e < column_.size(); ++e)
+      values[e] = length == 1 ? coefficient(e, std::size_t(0)) : coefficient(e / length, e % length);
+    return;
+  }
+  std::fill_n(values, column_.size(), 0.0);
+  for (const EntryTerm& term : terms_)
+    values[index(term.entry)] += term.factor * coefficient(term.coefficient / length, term.coefficient % length);
+}
 
 }  // namespace sfdae::core

@@ -8,8 +8,9 @@
 
 namespace sfdae::core {
 
-SensitivityEquations::SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters)
-    : extension_(extension), parameters_(parameters) {
+SensitivityEquations::SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters,
+                                           const std::vector<int>& numbers)
+    : extension_(extension), parameters_(parameters), formulas_(extension.problem(), parameters, numbers) {
   std::size_t next = 0;
   for (int c : extension_.offsets().c) {
     first_row_.push_back(next);
@@ -35,7 +36,38 @@ void SensitivityEquations::take_parameter_rows(SensitivityRows& rows) const {
     }
 }
 
+void SensitivityEquations::take_parameters() {
+  parameters_.take_parameters();
+  formulas_.take_parameters();
+}
+
+// coefficient(e, k): as DerivativeFormulas numbers them.
+template <class Coefficient>
+void SensitivityEquations::take_formulas(Coefficient coefficient, SensitivityRows& rows) const {
+  rows.values.resize(extension_.column().size());
+  extension_.take_derivatives(coefficient, rows.values.data());
+  const std::size_t num_rows = index(extension_.num_rows());
+  rows.right.assign(num_rows * index(count()) + 1, 0.0);
+  std::size_t e = extension_.problem().evaluator().tape().targets.size();
+  for (const ParameterGradient::Place& place : parameters_.places()) {
+    for (int k = 0; k <= extension_.offsets().c[index(place.equation)]; ++k)
+      rows.right[index(place.column) * num_rows + index(row_of(place.equation, k))] = -coefficient(e, index(k));
+    ++e;
+  }
+}
+
+bool SensitivityEquations::linearize_by_formulas(const Jet& jet, SensitivityRows& rows) {
+  if (!formulas_.are_there()) return false;
+  const double* const values = formulas_.evaluate(jet.t, jet.x.data(), extension_.highest_level());
+  if (values == nullptr) return false;
+  const std::size_t count = formulas_.count();
+  take_formulas([=](std::size_t e, std::size_t k) { return values[e + k * count]; }, rows);
+  return true;
+}
+
+// Where formulas cannot be evaluated, others may be able to, or name what is wrong.
 CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& rows) {
+  if (linearize_by_formulas(jet, rows)) return {};
   CallbackError error = extension_.linearize(jet);
   if (error.status != SFDAE_OK) return error;
   rows.values = extension_.values();
@@ -62,7 +94,7 @@ CallbackError SensitivityEquations::linearize(const std::vector<Jet>& jets, int 
 
 bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, int count,
                                                   std::vector<SensitivityRows>& rows) {
-  if (!extension_.linearize_side_by_side(jets, count, lanes_of_values_)) return false;
+  if (!formulas_.are_there()) return false;
   const std::size_t size = index(extension_.n()) * index(extension_.jet_order() + 1);
   lanes_of_t_.resize(1);
   lanes_of_jets_.resize(size);
@@ -71,22 +103,10 @@ bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, 
     lanes_of_t_[0].lane[l] = jet.t;
     for (std::size_t k = 0; k < size; ++k) lanes_of_jets_[k].lane[l] = jet.x[k];
   }
-  const int level = extension_.highest_level();
-  const LaneBlock* const F_p = parameters_.values_side_by_side(lanes_of_t_.data(), lanes_of_jets_.data(), level);
-  if (F_p == nullptr) return false;
-  const std::size_t num_rows = index(extension_.num_rows());
-  for (int i = 0; i < count; ++i) {
-    SensitivityRows& at = rows[index(i)];
-    at.values.resize(lanes_of_values_.size());
-    for (std::size_t e = 0; e < at.values.size(); ++e) at.values[e] = lanes_of_values_[e].lane[i];
-    at.right.assign(num_rows * index(this->count()) + 1, 0.0);
-    const LaneBlock* next = F_p;
-    for (const ParameterGradient::Place& place : parameters_.places()) {
-      for (int k = 0; k <= extension_.offsets().c[index(place.equation)]; ++k)
-        at.right[index(place.column) * num_rows + index(row_of(place.equation, k))] = -next[k].lane[i];
-      next += level + 1;
-    }
-  }
+  if (!formulas_.evaluate_side_by_side(count, lanes_of_t_.data(), lanes_of_jets_.data(), extension_.highest_level()))
+    return false;
+  for (int i = 0; i < count; ++i)
+    take_formulas([&](std::size_t e, std::size_t k) { return formulas_.of_lanes(e)[k].lane[i]; }, rows[index(i)]);
   return true;
 }
 

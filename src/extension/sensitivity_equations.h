@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "extension/derivative_formulas.h"
 #include "extension/minimal_extension.h"
 #include "extension/state_matrix.h"
 #include "linalg/matrix.h"
@@ -24,8 +25,10 @@ struct SensitivityRows {
 
 class SensitivityEquations {
  public:
-  // Both live longer.
-  SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters);
+  // Both live longer; numbers: of the parameters.
+  SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters, const std::vector<int>& numbers);
+  // With the values that parameters have from now on.
+  void take_parameters();
 
   CallbackError linearize(const Jet& jet, SensitivityRows& rows);
   // The same at the first `count` jets, side by side where that is possible.
@@ -39,16 +42,20 @@ class SensitivityEquations {
 
  private:
   void take_parameter_rows(SensitivityRows& rows) const;
+  template <class Coefficient>
+  void take_formulas(Coefficient coefficient, SensitivityRows& rows) const;
+  bool linearize_by_formulas(const Jet& jet, SensitivityRows& rows);
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, std::vector<SensitivityRows>& rows);
   int row_of(int equation, int order) const { return row_[first_row_[index(equation)] + index(order)]; }
 
   MinimalExtension& extension_;
   ParameterSeries& parameters_;
+  DerivativeFormulas formulas_;
   std::vector<std::size_t> first_row_;
   std::vector<int> row_;
   std::vector<int> slope_limits_;
   std::vector<double> F_p_, entries_;
-  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_values_;
+  LaneArray lanes_of_t_, lanes_of_jets_;
 };
 
 // Where the unknowns of steps are: slots as StateChoice has them, with x_j in place of x_j' for the states.

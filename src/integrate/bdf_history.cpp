@@ -65,6 +65,27 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   points_ = count;
 }
 
+// With Lagrange's polynomials, L_i' = L_i sum of 1 / (t - t_j), j != i.
+double BdfHistory::formula_by_points(double t, int count, double* predicted, double* rest) const {
+  std::fill_n(predicted, size_w(), 0.0);
+  std::fill_n(rest, size_w(), 0.0);
+  double c = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double L = 1.0;
+    for (int j = 0; j < count; ++j)
+      if (j != i) L *= (t - time(j)) / (time(i) - time(j));
+    const double slope = -L / (t - time(i));
+    const double* __restrict w = w_[index(i)].data();
+    double* __restrict p = predicted, * __restrict r = rest;
+    for (std::size_t k = 0; k < size_w(); ++k) {
+      p[k] += L * w[k];
+      r[k] += slope * w[k];
+    }
+    c += 1.0 / (t - time(i));
+  }
+  return c;
+}
+
 void BdfHistory::compute_differences(int count, bool with_x) {
   differences_of_history(times_, w_, count, dw_);
   shares_ = std::all_of(is_same_.begin(), is_same_.begin() + count, [](bool same) { return same; });

@@ -32,6 +32,9 @@ class BdfHistory {
   bool is_at_start() const { return points_ == 2 && is_fictitious_; }
   void append(double t, const std::vector<double>& w, const std::vector<double>& x);
 
+  // The polynomial through the newest `count` points without differences, at another t: its value, and what its slope is more than c
+  // times that, c = sum of 1 / (t - t_i), which is returned. Rounding errors are of the size of those of w, also where w stays.
+  double formula_by_points(double t, int count, double* predicted, double* rest) const;
   // Divided differences of w, and of x if wanted, over the newest points; the polynomials are made of them.
   void compute_differences(int count, bool with_x);
   // w[t_0, ..., t_i].

@@ -192,8 +192,12 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
   step_.t = tried.t;
   step_.h = tried.h;
   step_.order = tried.order;
-  history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
-  step_.set_formula(history_, false, false);
+  if (options_.error_test) {
+    history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
+    step_.set_formula(history_, false, false);
+  } else {
+    step_.c = history_.formula_by_points(tried.t, tried.order, step_.predicted.data(), step_.w_rest.data());
+  }
   discretized_slope(tried, 0, xdot_);
   std::copy_n(step_.predicted.data(), size(), tried_.data());
   return system_->solve_step(step_.c, step_.w_rest.data(), xdot_.data(), tried_.data());

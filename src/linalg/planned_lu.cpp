@@ -153,7 +153,8 @@ class PlannedLu::Planning {
   int positions_ = 0, row_ = 0, column_ = 0;
 };
 
-void PlannedLu::analyze(const SparsePattern& pattern) {
+void PlannedLu::analyze(const SparsePattern& pattern, double accepted) {
+  accepted_ = accepted;
   pattern_ = pattern;
   is_suitable_ = true;
   has_plan_ = false;
@@ -361,7 +362,7 @@ bool PlannedLu::solve_columns(const double* b, int count, double* x) {
   std::copy_n(b_.begin(), size * width, y_.begin());
   substitute<width>(y_.data());
   const double error = residual<width>();
-  if (!(error <= rounding_of_residuals)) {
+  if (!(error <= accepted_)) {
     substitute<width>(r_.data());
     for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
     if (!(error <= refused_residuals) && !(residual<width>() <= refused_residuals)) return false;

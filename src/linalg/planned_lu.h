@@ -41,8 +41,8 @@ inline constexpr double rounding_of_residuals = 1e-16, refused_residuals = 1e-12
 
 class PlannedLu {
  public:
-  // Forgets the pivots.
-  void analyze(const SparsePattern& pattern);
+  // Forgets the pivots. accepted: residuals with which solutions are not refined.
+  void analyze(const SparsePattern& pattern, double accepted = rounding_of_residuals);
   // Pivots for this matrix. False: it is singular or has values that are not finite, or the elimination takes longer than that of a
   // full matrix by LAPACK does; then, or where pivots had to be chosen too often, it is unsuitable until analyze().
   bool plan(const double* values);
@@ -80,6 +80,7 @@ class PlannedLu {
   SparsePattern pattern_;
   bool is_suitable_ = true, has_plan_ = false;
   long plans_ = 0, solutions_ = 0;
+  double accepted_ = rounding_of_residuals;
   std::vector<double> planned_values_;  // of the matrix that the pivots were chosen for
   Equilibration scales_;
   EliminationList list_;

@@ -16,10 +16,10 @@ namespace sfdae::core {
 
 class RepeatedSystems {
  public:
-  // Forgets the pivots.
-  void analyze(const SparsePattern& pattern) {
+  // Forgets the pivots. accepted: as of PlannedLu.
+  void analyze(const SparsePattern& pattern, double accepted = rounding_of_residuals) {
     pattern_ = pattern;
-    planned_.analyze(pattern_);
+    planned_.analyze(pattern_, accepted);
     pivots_.forget();
     has_lu_ = false;
   }

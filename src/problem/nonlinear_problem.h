@@ -139,6 +139,8 @@ class RecordedProblem final : public NonlinearProblem {
   // whatever reason. Valid until the next evaluation.
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
                                                  const std::vector<int>& limits);
+  // Made elsewhere.
+  void count_linearizations(int count) { linearizations_ += count; }
   // Those found last.
   const LaneBlock* last_entries_side_by_side() const { return lanes_.gradients(); }
   // evaluate: calls that function of the evaluator, whose answer it gives.

@@ -1,0 +1,60 @@
+// Formulas of all derivatives of recorded equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/derivative_formulas.h"
+
+#include <memory>
+#include <utility>
+
+#include "expression/all_derivatives.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Nodes of formulas for each of the equations and for each derivative: more of them take longer than sweeps do. By judgement.
+constexpr std::size_t most_of_nodes = 6, most_of_entries = 4;
+
+}  // namespace
+
+DerivativeFormulas::DerivativeFormulas(RecordedProblem& problem, const ParameterSeries& series,
+                                       const std::vector<int>& parameters)
+    : problem_(problem) {
+  if (problem.source() != nullptr) return;
+  std::vector<int> chosen;
+  for (int number : parameters)
+    if (number >= 0) chosen.push_back(number);
+  const TaylorEvaluator& from = problem.evaluator();
+  const Tape& tape = from.tape();
+  count_ = tape.targets.size() + series.places().size();
+  const std::size_t most = most_of_nodes * index(from.record().num_nodes()) + most_of_entries * count_;
+  std::shared_ptr<const Record> formulas = all_derivatives(from.record(), tape, chosen, most);
+  if (formulas == nullptr || index(formulas->m()) != count_) return;
+  evaluator_.emplace(std::move(formulas));
+  take_parameters();
+}
+
+void DerivativeFormulas::take_parameters() {
+  const TaylorEvaluator& from = problem_.evaluator();
+  for (int i = 0; evaluator_ && i < from.num_parameters(); ++i) evaluator_->set_parameter(i, from.parameter(i));
+}
+
+const double* DerivativeFormulas::evaluate(double t, const double* jet, int order) {
+  values_.resize(count_ * index(order + 1) + 1);
+  bool is_evaluated = false;
+  const CallbackError error = problem_.gradients_for(t, [&](TaylorEvaluator&) {
+    is_evaluated = evaluator_->values(t, jet, order, values_.data());
+    return true;
+  });
+  return is_evaluated && error.status == SFDAE_OK ? values_.data() : nullptr;
+}
+
+bool DerivativeFormulas::evaluate_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order) {
+  if (!problem_.has_lanes(order) || problem_.stop_is_requested()) return false;
+  if (!lanes_.evaluate(*evaluator_, LaneEvaluator::points_of(t, jets, order, problem_.n()), order, false))
+    return false;
+  problem_.count_linearizations(count);
+  return true;
+}
+
+}  // namespace sfdae::core

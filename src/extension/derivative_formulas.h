@@ -1,0 +1,40 @@
+// Formulas of all derivatives of recorded equations, evaluated along jets at one point or at several.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "expression/lane_evaluator.h"
+#include "expression/taylor_evaluator.h"
+#include "problem/nonlinear_problem.h"
+#include "problem/parameter_series.h"
+
+namespace sfdae::core {
+
+class DerivativeFormulas {
+ public:
+  // parameters: as of `series`, which is the series of their F_p. The problem lives longer.
+  DerivativeFormulas(RecordedProblem& problem, const ParameterSeries& series, const std::vector<int>& parameters);
+  // False: they would be too long.
+  bool are_there() const { return evaluator_.has_value(); }
+  // With the values that parameters have from now on.
+  void take_parameters();
+
+  // Taylor coefficients up to the order: coefficient k of formula e at [e + k count()], entries of F_x and F_x' in the order of the tape,
+  // then those of F_p. Null: they cannot be evaluated, as what they come from may be able to be. Valid until the next call.
+  const double* evaluate(double t, const double* jet, int order);
+  // The same at several points: of_lanes(e)[k] then. False: as above.
+  bool evaluate_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order);
+  const LaneBlock* of_lanes(std::size_t e) const { return lanes_.value(static_cast<int>(e)); }
+  std::size_t count() const { return count_; }
+
+ private:
+  RecordedProblem& problem_;
+  std::optional<TaylorEvaluator> evaluator_;
+  LaneEvaluator lanes_;
+  std::size_t count_ = 0;
+  std::vector<double> values_;
+};
+
+}  // namespace sfdae::core
