@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/archived_structure.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@ void archive_parts(std::vector<Part>& parts, int most, Archive& archive, Archive
 }
 
 void archive_equation(std::vector<EquationTerm>& terms, Row& row, int n, Archive& archive) {
-  constexpr int highest_order = 64;
+  constexpr int highest_order = 64;  // far above those of equations that are replaced
   const auto check = [&](int place, int order) {
     if (place < 0 || place >= n || order < 0 || order > highest_order) throw DamagedArchive();
   };
@@ -34,6 +35,17 @@ void archive_equation(std::vector<EquationTerm>& terms, Row& row, int n, Archive
   archive_parts(row, n, archive, [&](Signature::Entry& entry) {
     archive.small(entry.unknown, entry.order);
     check(entry.unknown, entry.order);
+  });
+}
+
+// Each unknown once in the row, with a derivative that the terms may contain.
+bool is_row_of(const std::vector<EquationTerm>& terms, const Row& row, const Signature& recorded) {
+  std::vector<int> highest(index(recorded.size()), -1);
+  for (const EquationTerm& term : terms)
+    for (const Signature::Entry& entry : recorded.row(term.equation))
+      highest[index(entry.unknown)] = std::max(highest[index(entry.unknown)], entry.order + term.order);
+  return std::all_of(row.begin(), row.end(), [&](const Signature::Entry& entry) {
+    return entry.order <= std::exchange(highest[index(entry.unknown)], -1);
   });
 }
 
@@ -68,6 +80,7 @@ std::shared_ptr<const Structure> archived_structure(const Structure& recorded, A
     if (i < 0 || i >= n) throw DamagedArchive();
     std::vector<EquationTerm> terms;
     archive_equation(terms, rows[index(i)], n, archive);
+    if (equations.is_replaced(i) || !is_row_of(terms, rows[index(i)], recorded.signature)) throw DamagedArchive();
     equations.replace(i, std::move(terms));
   }
   const Signature signature(rows);

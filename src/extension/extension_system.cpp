@@ -420,6 +420,20 @@ DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx,
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
+namespace {
+
+// Different unknowns whose derivatives are in the extension.
+void demand_states(const std::vector<int>& states, const Offsets& offsets) {
+  std::vector<char> is_met(offsets.d.size(), 0);
+  for (int j : states) {
+    if (j < 0 || index(j) >= is_met.size() || offsets.d[index(j)] == 0 || is_met[index(j)] != 0)
+      throw DamagedArchive();
+    is_met[index(j)] = 1;
+  }
+}
+
+}  // namespace
+
 void ExtensionSystem::archive(Archive& archive) {
   if (!archive.is_reading()) archive_structure(extension_.structure(), archive);
   CharacteristicValues& values = analysis_.values;
@@ -446,8 +460,7 @@ void ExtensionSystem::archive(Archive& archive) {
   if (values.d != differential() || values.a != unknowns() - values.d) throw DamagedArchive();
   values.u = values.v = 0;
   analysis_.rank_E = values.d;
-  for (int j : states)
-    if (j < 0 || j >= unknowns() || extension_.offsets().d[index(j)] == 0) throw DamagedArchive();
+  demand_states(states, extension_.offsets());
   jet_ = history_.accepted();
   const int unjudged = unjudged_;
   if (certify(jet_, linearization_.noise_of_jet()) != PointStatus::ok) throw DamagedArchive();

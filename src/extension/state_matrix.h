@@ -122,6 +122,7 @@ class StateMatrix {
   bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
     bool is_factored = is_valid();
     archive.small(is_factored, is_listed_);
+    if (is_listed_ && !may_be_listed) throw DamagedArchive();
     if (!is_factored) return true;
     Number now = epsilon_.value_or(Number(0)), pivots = is_listed_ ? now : epsilon_of_pivots_;
     archive.reals(parts(pivots), sizeof(Number) / sizeof(double));

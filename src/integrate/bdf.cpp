@@ -78,6 +78,7 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   const int points = history_.archive_size(archive, sizes, max_order_ + 3, last_.order);
   if (archive.is_reading()) resize(system);
   control_.archive(archive);
+  if (archive.is_reading() && (control_.order() >= points || last_.order >= points)) throw DamagedArchive();
   for (double* value : {&next_step_, &last_.h, &last_.leading_coefficient}) archive.real(*value);
   history_.archive_points(archive, points);
   forget_interpolation();

@@ -135,7 +135,8 @@ Archive checked_content(Model& model, const SavedCheckpoint& saved, const Wanted
   header.archive(start);
   double sum = 0.0;
   start.real(sum);
-  if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
+  if (header.version != layout || header.length < static_cast<long>(start.size()) ||
+      static_cast<std::size_t>(header.length) > length)
     throw DamagedArchive();
   if (header.m != model.m() || header.n != model.n())
     throw Failure(SFDAE_ILLEGAL_ARGUMENT,

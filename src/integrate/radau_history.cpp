@@ -95,7 +95,9 @@ RadauHistory::Extent RadauHistory::extent(const StepOptions& options) const {
 }
 
 void RadauHistory::set_extent(const Extent& extent, const StrangenessFreeSystem& system, const StepOptions& options) {
-  if (extent.nodes < 1 || extent.nodes > options.max_stages + 1 || extent.order < 0 ||
+  const int stages = (extent.order + 1) / 2;
+  const bool is_order = extent.order == 0 || (extent.order == 2 * stages - 1 && stages % 2 == 1);
+  if (!is_order || extent.nodes < 1 || extent.nodes > options.max_stages + 1 || extent.order < 0 ||
       extent.order > 2 * options.max_stages - 1 || extent.inner < 0 || extent.inner > inner_capacity)
     throw DamagedArchive();
   resize(index(system.unknowns()), index(system.leading_size()), options);

@@ -326,7 +326,8 @@ void MultibodySystem::archive(Archive& archive) {
   if (archive.is_reading()) {
     const bool plausible = ranks.positions >= 0 && ranks.positions <= std::min(sizes_.positions, sizes_.holonomic) &&
                            ranks.velocities >= 0 &&
-                           ranks.velocities <= std::min(sizes_.velocities, sizes_.constraints());
+                           ranks.velocities <= std::min(sizes_.velocities, sizes_.constraints()) &&
+                           ranks.velocities <= ranks.positions + sizes_.nonholonomic;
     if (!plausible || partitions < 1) throw DamagedArchive();
     analysis_.values = characteristic_values(sizes_, ranks);
     analysis_.v_hat = sizes_.constraints() - ranks.velocities;
@@ -368,6 +369,8 @@ void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
   };
   t_ = accepted_.t;
   demand(equations_.at_velocity(accepted_));
+  const bool same_rows = accepted_.terms.S.rows() == 0 && sizes_.nonholonomic == 0;
+  if (same_rows && settings_.ranks.positions != settings_.ranks.velocities) throw DamagedArchive();
   accepted_.measure_rows();
   end_ = accepted_;
   demand(linearization_.move_to_position(origin.t, origin.q.data(), origin.v.data(), equations_));

@@ -20,6 +20,8 @@ void archive_ranks(Archive& archive, RankSequence& ranks, int count) {
   if (count < 0 || count > static_cast<int>(ranks.rank.size())) throw DamagedArchive();
   ranks.count = index(count);
   archive.small(ranks.rank.data(), ranks.count);
+  if (std::any_of(ranks.rank.begin(), ranks.rank.begin() + count, [](int rank) { return rank < 0; }))
+    throw DamagedArchive();
 }
 
 namespace {

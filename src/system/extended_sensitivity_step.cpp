@@ -54,9 +54,13 @@ void ExtendedSensitivityStep::archive(Archive& archive, const AnalyzedEquations&
   archive.real(move_of_choice_);
   archive.reals(sizes_.data(), sizes_.size());
   archive.small(equations_.states.data(), equations_.states.size());
-  for (int state : equations_.states)
-    if (state < 0 || state >= problem_.n() || problem_.structure()->offsets.d[index(state)] == 0)
+  std::vector<char> is_met(index(problem_.n()), 0);
+  for (int state : equations_.states) {
+    if (state < 0 || state >= problem_.n() || problem_.structure()->offsets.d[index(state)] == 0 ||
+        is_met[index(state)] != 0)
       throw DamagedArchive();
+    is_met[index(state)] = 1;
+  }
   if (!has_pattern) return;
   if (archive.is_reading()) {
     set_states(equations_.states);
