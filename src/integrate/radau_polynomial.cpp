@@ -6,25 +6,25 @@
 #include <array>
 
 #include "linalg/index.h"
-#include "problem/taylor_data.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// The highest Taylor coefficient that systems ask for: order mu + 1.
-constexpr int max_order = max_derivative_order;
+// Of Q; higher Taylor coefficients, which systems ask for up to the orders of their jets, are 0.
+constexpr int degree(int stages) { return stages + 1; }
+constexpr int max_degree = degree(max_stages);
 constexpr int max_columns = max_stages + 2;
 
-// Taylor coefficients k = 0..order at tau of the functions that the columns are multiplied by: Lagrange's polynomials
-// for 0, c_1, ..., c_s, and Q.
+// Taylor coefficients k = 0, ..., order at tau, as far as they are not all 0, of the functions that the columns are multiplied by:
+// Lagrange's polynomials for 0, c_1, ..., c_s, and Q.
 struct ColumnWeights {
   ColumnWeights(const RadauMethod& method, double tau, int its_order);
   void set_values(const RadauMethod& method, double tau);
   const double* of(int k) const { return weights[index(k)].data(); }
 
   int order;
-  std::array<std::array<double, max_columns>, max_order + 1> weights;
+  std::array<std::array<double, max_columns>, max_degree + 1> weights;
 };
 
 // Coefficients 0 alone, to the same bits, for outputs.
@@ -46,13 +46,14 @@ void ColumnWeights::set_values(const RadauMethod& method, double tau) {
 }
 
 // l_j = factor_j prod_{k<j} (tau - c_k) prod_{k>j} (tau - c_k), so that nothing cancels.
-ColumnWeights::ColumnWeights(const RadauMethod& method, double tau, int its_order) : order(its_order) {
+ColumnWeights::ColumnWeights(const RadauMethod& method, double tau, int its_order)
+    : order(std::min(its_order, degree(method.s()))) {
   if (order == 0) {
     set_values(method, tau);
     return;
   }
   const int s = method.s();
-  using Taylor = std::array<double, max_order + 1>;
+  using Taylor = std::array<double, max_degree + 1>;
   std::array<Taylor, max_columns> before, after;
   const auto gap = [&](int j) { return j == 0 ? tau : tau - method.stages.c[index(j - 1)]; };
   const auto times_linear = [&](const Taylor& p, double value, Taylor& product) {
@@ -149,11 +150,12 @@ void RadauPolynomial::evaluate_w(double t, double* w) const {
 void RadauPolynomial::taylor(double t, int order, double* coefficients) const {
   const ColumnWeights weights(radau_method(s_), scaled(t), order);
   double power = 1.0;
-  for (int k = 0; k <= order; ++k, power *= h_) {
+  for (int k = 0; k <= weights.order; ++k, power *= h_) {
     double* column = coefficients + size_x_ * index(k);
     combine(weights.of(k), s_ + 2, x_, size_x_, column);
     for (std::size_t r = 0; r < size_x_; ++r) column[r] /= power;
   }
+  std::fill_n(coefficients + size_x_ * index(weights.order + 1), size_x_ * index(order - weights.order), 0.0);
 }
 
 void RadauPolynomial::archive(Archive& archive, int s, bool with_w) {
