@@ -51,7 +51,10 @@ bool ConsistentExtension::is_held(const MinimalExtension::Column& column) const 
 double ConsistentExtension::weight(const MinimalExtension::Column& column) const {
   const std::size_t j = index(column.unknown);
   if (column.order > 0) return 0.0;
-  if (request_.is_weighted()) return request_.weights[j] * request_.weights[j];
+  if (request_.is_weighted()) {
+    const double ratio = least_weight_ / request_.weights[j];
+    return ratio * ratio;
+  }
   if (!request_.differentiated_stay()) return 1.0;
   const double of_size = 1.0 / (units_.sizes[j] * units_.sizes[j]);
   return differentiated_[j] != 0 ? of_size : weight_of_free * of_size;

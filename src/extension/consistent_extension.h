@@ -7,6 +7,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "extension/jet_search.h"
@@ -27,7 +28,9 @@ class ConsistentExtension {
       : extension_(extension),
         request_(request),
         units_{request.sizes()},
-        differentiated_(differentiated_unknowns(extension.problem().structure()->signature)) {}
+        differentiated_(differentiated_unknowns(extension.problem().structure()->signature)) {
+    if (!request.weights.empty()) least_weight_ = *std::min_element(request.weights.begin(), request.weights.end());
+  }
 
   // Near the x and, if it is there, x' of the point. Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
@@ -48,6 +51,7 @@ class ConsistentExtension {
   const ConsistencyRequest& request_;
   SearchUnits units_;
   std::vector<char> differentiated_;
+  double least_weight_ = 1.0;  // only ratios of weights count
 };
 
 }  // namespace sfdae::core

@@ -27,8 +27,10 @@ Vector weights_between(Random& random, double least, double most, int count) {
   return weights;
 }
 
-Vector consistent(const sfdae::NonlinearProblem& problem, const Vector& weights, const Vector& x) {
+Vector consistent(const sfdae::NonlinearProblem& problem, const Vector& weights, const Vector& x,
+                  int structure = SFDAE_STRUCTURE_AUTOMATIC) {
   sfdae::Options options;
+  options.structure = structure;
   options.initial_weights = weights;
   sfdae::Solver solver(problem, options);
   sfdae::Point point{0.0, x, {}};
@@ -86,12 +88,24 @@ TEST(WeightedStartValues, AreALocalMinimumOnBentConstraints) {
     F[3] = xdot[3] + x[1] * x[4] + 9.81;
     F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
   };
-  for (unsigned seed = 0; seed < 60; ++seed) {
+  int found_by_structure = 0;
+  for (unsigned trial = 0; trial < 120; ++trial) {
+    const unsigned seed = trial / 2;
+    const int structure = trial % 2 == 0 ? SFDAE_STRUCTURE_OFF : SFDAE_STRUCTURE_REQUIRED;
     Random random(seed);
     const auto exact = on_surface(random.real(0.0, 6.28), random.real(-1.0, 1.0));
     Sum sum{seed % 3 == 0 ? Vector{1.0, 0.01, 1.0, 0.01, 1.0} : weights_between(random, 0.01, 1.0, 5), {}};
     for (double entry : exact) sum.given.push_back(entry + 0.3 * random.real(-1.0, 1.0));
-    const Vector found = consistent(pendulum, sum.weights, sum.given);
+    Vector found;
+    try {
+      found = consistent(pendulum, sum.weights, sum.given, structure);
+    } catch (const sfdae::Error& error) {
+      // The search of the extension may not come to an end, and says so.
+      ASSERT_EQ(error.status(), SFDAE_NO_CONSISTENT_VALUES) << error.what();
+      ASSERT_EQ(structure, SFDAE_STRUCTURE_REQUIRED);
+      continue;
+    }
+    if (structure == SFDAE_STRUCTURE_REQUIRED) ++found_by_structure;
     const double a = std::atan2(found[1], found[0]), b = found[3] * std::cos(a) - found[2] * std::sin(a);
     const auto on = on_surface(a, b);
     for (std::size_t i = 0; i < 5; ++i) ASSERT_NEAR(found[i], on[i], 1e-8);
@@ -101,9 +115,10 @@ TEST(WeightedStartValues, AreALocalMinimumOnBentConstraints) {
       for (int k = 0; k < 16; ++k) {
         const double angle = k * std::acos(-1.0) / 8.0;
         EXPECT_GE(sum(a + radius * std::cos(angle), b + radius * std::sin(angle)), least * (1.0 - 1e-4))
-            << "seed " << seed << ", radius " << radius;
+            << "seed " << seed << ", structure " << structure << ", radius " << radius;
       }
   }
+  EXPECT_GE(found_by_structure, 20);
 }
 
 // Only their ratios count, and whose squares overflow are weights, too: what must hardly move does not.
@@ -114,12 +129,14 @@ TEST(WeightedStartValues, MayHaveSquaresThatOverflow) {
     F[1] = x[1] * x[1] - x[0] - 1.5;
   };
   const Vector x = consistent(problem, {0.5, 2.0}, {1.0, 1.3});
-  for (double unit : {1e-200, 1e200}) {
-    const Vector same = consistent(problem, {0.5 * unit, 2.0 * unit}, {1.0, 1.3});
-    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(same[i], x[i], 1e-8);
+  for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED}) {
+    for (double unit : {1e-200, 1e200}) {
+      const Vector same = consistent(problem, {0.5 * unit, 2.0 * unit}, {1.0, 1.3}, structure);
+      for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(same[i], x[i], 1e-8);
+    }
+    EXPECT_NEAR(consistent(problem, {1e-200, 1e100}, {1.0, 1.3}, structure)[0], 1.0, 1e-12);
+    EXPECT_NEAR(consistent(problem, {1e100, 1e-200}, {1.0, 1.3}, structure)[1], 1.3, 1e-12);
   }
-  EXPECT_NEAR(consistent(problem, {1e-200, 1e100}, {1.0, 1.3})[0], 1.0, 1e-12);
-  EXPECT_NEAR(consistent(problem, {1e100, 1e-200}, {1.0, 1.3})[1], 1.3, 1e-12);
 }
 
 }  // namespace
