@@ -151,8 +151,10 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
 
 // All rows differentiated once more determine x_j^(d_j + 1): what the extension knows of x' is in the jet, the other x' are
 // those of unknowns with d_j = 0.
-PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot) {
-  constexpr double small = 1e-10;
+PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization, Hope hope, const Jet& jet,
+                                           double* xdot) {
+  // Linearizations from elsewhere may contract slowly: only what is small then may be rounding errors.
+  constexpr double small = 1e-10, small_where_slow = 1e-8;
   const int n = extension_.n();
   const std::vector<int>& d = extension_.offsets().d;
   longer_ = jet;
@@ -160,7 +162,8 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
   r_.resize(index(extension_.num_rows()) + 1);
   const bool has_all = std::find(d.begin(), d.end(), 0) == d.end();
   double before = 0.0;
-  for (int iteration = 0; !has_all && iteration < most_iterations; ++iteration) {
+  bool is_there = has_all;
+  for (int iteration = 0; !is_there && iteration < most_iterations; ++iteration) {
     callback_error_ = extension_.slopes(longer_, r_.data());
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     for (int i = 0; i < extension_.num_rows(); ++i) r_[index(i)] = -r_[index(i)];
@@ -176,9 +179,12 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
       size = std::max(size, std::fabs(value));
     }
     if (!std::isfinite(change)) return PointStatus::not_converged;
-    if (change <= small * size || (iteration > 0 && change > ChordIteration::slowest * before)) break;
+    const bool is_slow = iteration > 0 && change > ChordIteration::slowest * before;
+    is_there = change <= (is_slow ? small_where_slow : small) * size || (is_slow && hope == Hope::none);
+    if (is_slow && !is_there) return PointStatus::not_converged;
     before = change;
   }
+  if (!is_there && hope != Hope::none) return PointStatus::not_converged;
   std::copy_n(longer_.column(1), n, xdot);
   return PointStatus::ok;
 }

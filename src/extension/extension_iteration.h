@@ -35,7 +35,7 @@ class ExtensionIteration {
   PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Hope hope,
                          Jet& jet);
   // x' of all unknowns at such a jet, n values, also where the extension has no x_j'.
-  PointStatus derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot);
+  PointStatus derivative(ExtensionLinearization& linearization, Hope hope, const Jet& jet, double* xdot);
   // The jet that it has found last, of one order more, with x_j^(d_j + 1) if not all x_j' are in the extension.
   const Jet& longer_jet() const { return longer_; }
 
