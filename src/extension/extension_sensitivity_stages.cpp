@@ -15,9 +15,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Changes of S, relative to its largest entries in units of x, that are let be; and where they stop becoming smaller, those that may
-// be rounding errors.
-constexpr double negligible = 1e-11, rounding = 1e-10;
+// Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with them, which S has to
+// fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
+constexpr double negligible = 1e-10, negligible_of_hidden = 1e-12, rounding = 1e-10;
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations = 12;
 constexpr double slowest = 0.2;
@@ -54,6 +54,7 @@ bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization*
 // ---- Iterations ------------------------------------------------------------------------------------------------
 
 bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearization& by) {
+  const double target = equations_.extension().highest_level() > 0 ? negligible_of_hidden : negligible;
   predict(task);
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -63,7 +64,7 @@ bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearizatio
     if (!(change <= std::numeric_limits<double>::max())) return false;
     // The first change takes away what the prediction is off by; nothing is known of the next one.
     const double rate = iteration > 0 ? change / before : 1.0;
-    const bool is_there = change * std::min(rate, 1.0) <= negligible || (rate > slowest && change <= rounding);
+    const bool is_there = change * std::min(rate, 1.0) <= target || (rate > slowest && change <= rounding);
     if (is_there) note_step(task);
     if (is_there || (iteration > 1 && rate > slowest)) return is_there;
     before = change;

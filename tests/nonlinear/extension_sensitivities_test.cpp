@@ -22,7 +22,6 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae_test::chain_of_rods;
 using sfdae_test::diffusion;
-using sfdae_test::driven_by_a_table;
 using sfdae_test::largest_error;
 using sfdae_test::scaled_count;
 using sfdae_test::SparseSystem;
@@ -173,8 +172,8 @@ TEST_P(ExtensionSensitivities, AreExactForAnyIndex) {
     }
   }
   RecordProperty("largest_error", std::to_string(largest));
-              if (count < 40) return;
-              for (int of_index : solved) EXPECT_GE(of_index, 1);
+  if (count < 40) return;
+  for (int of_index : solved) EXPECT_GE(of_index, 1);
 }
 
 // With many unknowns, without being asked to; and by the whole array.
@@ -206,6 +205,189 @@ TEST_P(ExtensionSensitivities, AreThoseOfTheArrayWhereStructureMisleads) {
     if (!is_extended(solver)) ++misled;
   }
   EXPECT_GE(misled, 1);
+}
+
+// ---- Known solutions -------------------------------------------------------------------------------------------
+
+// A mass point on a rod of length L, index raw: positions, velocities, force.
+sfdae::NonlinearProblem pendulum() {
+  sfdae::NonlinearProblem problem(5, 5);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression g = sfdae::parameter(t, "g", 9.81), L = sfdae::parameter(t, "L", 1.0);
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + x[0] * x[4];
+    F[3] = xdot[3] + x[1] * x[4] + g;
+    F[4] = x[0] * x[0] + x[1] * x[1] - L * L;
+  };
+  return problem;
+}
+
+// States take turns as it goes around; S fulfils the constraints of all levels, differentiated.
+TEST_P(ExtensionSensitivities, FulfilHiddenConstraintsWhateverTheStates) {
+  sfdae::Solver solver(pendulum(), options_of(1e-8, GetParam(), SFDAE_STRUCTURE_REQUIRED));
+  solver.set_sensitivities(by({"g", "L"}));
+  Point point{0.0, {0.0, -1.0, 8.0, 0.0, 0.0}, {}};
+  solver.start(point, 5.0);
+  const auto expect_constraints = [&](double t, const std::vector<double>& x) {
+    const sfdae::SensitivityValues s = solver.sensitivities(t);
+    for (int j = 0; j < 2; ++j) {
+      const double size = 1.0 + std::fabs(s.S(0, j)) + std::fabs(s.S(2, j)) + std::fabs(s.S(4, j));
+      const double of_force = j == 0 ? x[1] : -2.0 * x[4];  // of v^2 - lambda L^2 - g y = 0
+      EXPECT_NEAR(x[0] * s.S(0, j) + x[1] * s.S(1, j), j == 1 ? 1.0 : 0.0, 1e-7 * size) << "t = " << t;
+      EXPECT_NEAR(x[0] * s.S(2, j) + x[2] * s.S(0, j) + x[1] * s.S(3, j) + x[3] * s.S(1, j), 0.0, 1e-6 * size);
+      EXPECT_NEAR(2.0 * (x[2] * s.S(2, j) + x[3] * s.S(3, j)) - s.S(4, j) - 9.81 * s.S(1, j),
+                  j == 0 ? of_force : -of_force, 1e-5 * size);
+      for (int i = 0; i < 2; ++i) EXPECT_NEAR(s.Sdot(i, j), s.S(2 + i, j), 1e-7 * size);
+    }
+  };
+  expect_constraints(0.0, point.x);
+  for (int k = 1; k <= 10; ++k) {
+    solver.advance(0.5 * k, point);
+    expect_constraints(point.t, point.x);
+  }
+  EXPECT_TRUE(is_extended(solver));
+}
+
+// ---- Starts ----------------------------------------------------------------------------------------------------
+
+Matrix start_of(const sfdae::Options& options, const sfdae::Sensitivities& wanted) {
+  sfdae::Solver solver(pendulum(), options);
+  solver.set_sensitivities(wanted);
+  Point point{0.0, {0.6, -0.8, 0.4, 0.3, 0.25 + 0.8 * 9.81}, {}};
+  solver.start(point, 1.0);
+  return solver.sensitivities(0.0).S;
+}
+
+// The nearest ones to directions that do not fulfil the constraints: as by the whole array.
+TEST(ExtensionSensitivityStarts, AreThoseOfTheArray) {
+  for (int kind = 0; kind < 4; ++kind) {
+    SCOPED_TRACE(kind);
+    sfdae::Options options = options_of(1e-8, SFDAE_METHOD_BDF, SFDAE_STRUCTURE_REQUIRED);
+    if (kind == 1) options.initial_weights = {1.0, 3.0, 2.0, 0.5, 1.0};
+    if (kind == 2) options.initial_values = SFDAE_INITIAL_FIXED, options.fixed = {1, 0, 0, 0, 0};
+    sfdae::Sensitivities wanted = by({"g", "L", ""});
+    wanted.directions = Matrix(5, 3);
+    for (int i = 0; i < 5 && kind != 3; ++i)
+      for (int j = 0; j < 3; ++j) wanted.directions(i, j) = std::cos(1.0 + i + 2.0 * j);
+    const Matrix found = start_of(options, wanted);
+    options.structure = SFDAE_STRUCTURE_OFF;
+    EXPECT_LE(largest_error(found, start_of(options, wanted)), 1e-9);
+  }
+}
+
+TEST(ExtensionSensitivityStarts, NameWhatCannotFollow) {
+  sfdae::Options options = options_of(1e-8, SFDAE_METHOD_BDF, SFDAE_STRUCTURE_REQUIRED);
+  options.initial_values = SFDAE_INITIAL_FIXED;
+  options.fixed = {1, 1, 0, 0, 0};
+  for (int structure : {SFDAE_STRUCTURE_REQUIRED, SFDAE_STRUCTURE_OFF}) {
+    options.structure = structure;
+    try {
+      start_of(options, by({"L"}));
+      FAIL();
+    } catch (const sfdae::Error& error) {
+      EXPECT_EQ(error.status(), SFDAE_FIXED_VALUES) << error.what();
+    }
+  }
+}
+
+// ---- Large problems --------------------------------------------------------------------------------------------
+
+std::vector<double> end_with(const sfdae::NonlinearProblem& problem, std::vector<double> x,
+                             const std::string& parameter, double value) {
+  sfdae::Solver solver(problem, sfdae_test::solver_options(1e-11, SFDAE_METHOD_RADAU));
+  solver.set_parameter(parameter, value);
+  Point point{0.0, std::move(x), {}};
+  solver.start(point, 1.0);
+  solver.advance(1.0, point);
+  return point.x;
+}
+
+// Of algebraic unknowns and differential ones, n = 160, with and without the error test; and of the adjoint, which the array serves.
+TEST_P(ExtensionSensitivities, AgreeWithDifferencesAndTheAdjoint) {
+  constexpr int cells = 80;
+  const sfdae::NonlinearProblem problem = diffusion(cells);
+  const std::vector<double> x(2 * cells, 0.0);
+  Matrix weights(2 * cells, 1);
+  for (int i = 0; i < weights.rows(); ++i) weights(i, 0) = std::cos(1.0 + i);
+  std::vector<double> differences[2], gradient(2, 0.0);
+  const std::pair<std::string, double> parameters[] = {{"p", 0.7}, {"q", 50.0}};
+  for (int j = 0; j < 2; ++j) {
+    const auto& [name, value] = parameters[j];
+    const std::vector<double> after = end_with(problem, x, name, value * (1.0 + 1e-4)),
+                              before = end_with(problem, x, name, value * (1.0 - 1e-4));
+    for (std::size_t i = 0; i < x.size(); ++i) differences[j].push_back((after[i] - before[i]) / (2e-4 * value));
+    for (int i = 0; i < weights.rows(); ++i)
+      gradient[std::size_t(j)] += weights(i, 0) * differences[j][std::size_t(i)];
+  }
+  for (bool error_test : {false, true}) {
+    sfdae::Solver solver(problem, sfdae_test::solver_options(1e-8, GetParam()));
+    sfdae::Sensitivities wanted = by({"p", "q"});
+    wanted.error_test = error_test;
+    solver.set_sensitivities(wanted);
+    Point point{0.0, x, {}};
+    solver.start(point, 1.0);
+    solver.advance(1.0, point);
+    EXPECT_TRUE(is_extended(solver));
+    const Matrix S = solver.sensitivities(1.0).S;
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < S.rows(); ++i) EXPECT_NEAR(S(i, j), differences[j][std::size_t(i)], 1e-6) << i << " " << j;
+  }
+  sfdae::Solver solver(problem, sfdae_test::solver_options(1e-8, GetParam()));
+  sfdae::Sensitivities wanted = by({"p", "q"});
+  wanted.adjoint = true;
+  solver.set_sensitivities(wanted);
+  Point point{0.0, x, {}};
+  solver.start(point, 1.0);
+  solver.advance(1.0, point);
+  EXPECT_FALSE(is_extended(solver));
+  const Matrix found = solver.gradient({1.0}, weights);
+  for (int j = 0; j < 2; ++j) EXPECT_NEAR(found(j, 0), gradient[std::size_t(j)], 1e-5);
+}
+
+// Solvers go from S to x alone and back, and to the adjoint, which need other systems.
+TEST_P(ExtensionSensitivities, ComeAndGo) {
+  const TransformedSparseSystem system(1000, 12, SparseSystem::Mixing::none);
+  sfdae::Solver solver(system.problem(), options_of(1e-9, GetParam(), SFDAE_STRUCTURE_AUTOMATIC));
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_LE(errors_of(system, solver).of_S, 1e-6);
+    EXPECT_TRUE(is_extended(solver));
+    sfdae::Sensitivities adjoint = by({"p", "q"});
+    adjoint.adjoint = true;
+    solver.set_sensitivities(adjoint);
+    Point point;
+    Matrix unused;
+    system.exact(0.0, point.x, unused);
+    solver.start(point, 0.5);
+    EXPECT_FALSE(is_extended(solver));
+  }
+}
+
+// Chains are of index 2, and their states change. x' and S' of forces need derivatives above those of the extension.
+TEST_P(ExtensionSensitivities, OfChainsAreThoseOfTheArray) {
+  constexpr int links = 8;
+  std::vector<double> x(5 * links, 0.0);
+  for (int i = 0; i < links; ++i) {
+    x[std::size_t(5 * i)] = 0.8 * (i + 1);
+    x[std::size_t(5 * i + 1)] = -0.6 * (i + 1);
+  }
+  Matrix found[2][2];
+  std::vector<double> slopes[2];
+  for (int structure : {SFDAE_STRUCTURE_AUTOMATIC, SFDAE_STRUCTURE_OFF}) {
+    sfdae::Solver solver(chain_of_rods(links), options_of(1e-10, GetParam(), structure));
+    solver.set_parameter("q", 1.2);
+    solver.set_sensitivities(by({"p", "q"}));
+    Point point{0.0, x, {}};
+    solver.start(point, 1.0);
+    solver.advance(0.7, point);
+    EXPECT_EQ(is_extended(solver), structure == SFDAE_STRUCTURE_AUTOMATIC);
+    slopes[structure == SFDAE_STRUCTURE_OFF] = point.xdot;
+    found[structure == SFDAE_STRUCTURE_OFF][0] = solver.sensitivities(0.7).S;
+    found[structure == SFDAE_STRUCTURE_OFF][1] = solver.sensitivities(0.7).Sdot;
+  }
+  for (std::size_t i = 0; i < slopes[0].size(); ++i) EXPECT_NEAR(slopes[0][i], slopes[1][i], 1e-5) << i;
+  EXPECT_LE(largest_error(found[0][0], found[1][0]), 1e-6);
+  EXPECT_LE(largest_error(found[0][1], found[1][1]), 1e-5);
 }
 
 }  // namespace
