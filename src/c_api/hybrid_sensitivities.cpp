@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "c_api/hybrid.h"
+#include "c_api/map_differences.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -25,89 +26,11 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Differences of fourth order: the first step, in sizes of what moves, and how many smaller ones are tried, each a tenth; the error,
-// relative, that is good enough, and the one that is none any more: then there is no derivative. (Chosen: rounding errors of jumps
-// are some 1e-14, so that 1e-3 leaves 1e-11 of them.)
-constexpr double first_step = 1e-3, good = 1e-8, useless = 1e-3;
-constexpr int most_steps = 4;
-// Differences below that, in sizes of values, are none.
-constexpr double rounding = 1e-11;
-
-struct Derivative {
-  Vector value;
-  double step = 0.0;
-  double error = std::numeric_limits<double>::infinity();  // relative
-  bool is_there() const { return error <= useless; }
-};
-
-// As values, where they are numbers: others are no derivatives.
-template <class Values>
-CallResult finite_values(const Values& values, double s, Vector& to) {
-  CallResult result = values(s, to);
-  if (result.status >= 0 && !all_finite(to.data(), to.size()))
-    return {SFDAE_NOT_FINITE,
-            "near a transition, where it is differentiated, values after it, or its function, are not finite."};
-  return result;
-}
-
-// Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
-// step there. The derivative is none then.
-template <class Values>
-CallResult find_kink(const Values& values, const Vector& sizes, Derivative& derivative) {
-  constexpr double much_smaller = 1e-2, still_there = 0.1;
-  const std::size_t n = sizes.size();
-  Vector here(n), above(n), below(n);
-  CallResult result = finite_values(values, 0.0, here);
-  double before = 0.0;
-  for (double step : {derivative.step, much_smaller * derivative.step}) {
-    if (result.status >= 0) result = finite_values(values, step, above);
-    if (result.status >= 0) result = finite_values(values, -step, below);
-    if (result.status < 0) return result;
-    double difference = 0.0;
-    for (std::size_t i = 0; i < n; ++i)
-      difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
-    const bool is_kink = step < derivative.step && difference > rounding && difference / step > still_there * before;
-    if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
-    before = difference / step;
-  }
-  return {};
-}
-
-// d/ds values(s) at 0. values(s, to) writes as many numbers as there are sizes. step: the first one. Smaller ones are tried where
-// there are no values; it fails as the last call has where there are none for any.
-template <class Values>
-CallResult differentiate(const Values& values, const Vector& sizes, double step, Derivative& derivative) {
-  const std::size_t n = sizes.size();
-  CallResult failure;
-  for (int attempt = 0; attempt < most_steps && derivative.error > good; ++attempt, step *= 0.1) {
-    const double places[] = {1.0, -1.0, 2.0, -2.0};
-    Vector at[4];
-    CallResult result;
-    for (int k = 0; k < 4 && result.status >= 0; ++k) {
-      at[k].resize(n);
-      result = finite_values(values, places[k] * step, at[k]);
-    }
-    const bool may_be_nearer = result.status == SFDAE_NOT_FINITE || result.status == SFDAE_NO_CONSISTENT_VALUES;
-    if (result.status < 0 && !may_be_nearer) return result;
-    if (result.status < 0) {
-      failure = std::move(result);
-      continue;
-    }
-    Derivative found{Vector(n), step, 0.0};
-    double size = 0.0, error = 0.0, moved = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double near = (at[0][i] - at[1][i]) / (2.0 * step), far = (at[2][i] - at[3][i]) / (4.0 * step);
-      found.value[i] = (4.0 * near - far) / 3.0;
-      size = std::max(size, std::fabs(found.value[i]) / sizes[i]);
-      error = std::max(error, std::fabs(found.value[i] - near) / sizes[i]);
-      moved = std::max({moved, std::fabs(at[0][i] - at[1][i]) / sizes[i], std::fabs(at[2][i] - at[3][i]) / sizes[i]});
-    }
-    found.error = moved <= rounding ? 0.0 : error / size;
-    if (found.error < derivative.error) derivative = std::move(found);
-  }
-  if (derivative.value.empty() && failure.status < 0) return failure;
-  return find_kink(values, sizes, derivative);
-}
+// The first step of differences, in sizes of what moves. (Chosen: rounding errors of jumps are some 1e-14, so that this leaves
+// 1e-11 of them.)
+constexpr double first_step = 1e-3;
+// What else than x moves a map counts for that part of it, where derivatives are looked at for whether they are 0. (Chosen.)
+constexpr double minor = 1e-3;
 
 // What values of x are measured by: themselves, or the size at which the absolute tolerance begins to count.
 Vector sizes_of(const Tolerances& tolerances, const Vector& x, std::size_t n) {
@@ -123,9 +46,9 @@ Vector sizes_of(const Tolerances& tolerances, const Vector& x, std::size_t n) {
   return sizes;
 }
 
-// By how many of its sizes a point moves along (dt, dx).
-double speed(double dt, const double* dx, const Vector& sizes, double time) {
-  double largest = std::fabs(dt) / time;
+// By how many of its sizes x moves along dx.
+double speed(const double* dx, const Vector& sizes) {
+  double largest = 0.0;
   for (std::size_t i = 0; i < sizes.size(); ++i) largest = std::max(largest, std::fabs(dx[i]) / sizes[i]);
   return largest;
 }
@@ -133,7 +56,7 @@ double speed(double dt, const double* dx, const Vector& sizes, double time) {
 // What x is known to change little in.
 double time_of(const sfdae_solver& solver) {
   const StepState state = solver.integration->stepper().state();
-  const double step = std::fabs(state.last.h > 0.0 || state.last.h < 0.0 ? state.last.h : state.next_step);
+  const double step = std::max(std::fabs(state.last.h), std::fabs(state.next_step));
   return step > 0.0 ? step : 1.0;
 }
 
@@ -165,28 +88,42 @@ class ParameterShift {
 class TransitionRate {
  public:
   TransitionRate(const sfdae_hybrid& hybrid, const sfdae_transition& given)
-      : run_(hybrid.run),
+      : hybrid_(hybrid),
+        run_(hybrid.run),
         given_(given),
         n_(index(hybrid.n())),
         sizes_(sizes_of(hybrid.mode().solver->options.model.tolerances, run_.x, n_)),
         time_(time_of(*hybrid.mode().solver)) {}
 
-  // Along (dt, dx).
-  CallResult along(double dt, const double* dx, double& rate) const {
-    rate = 0.0;
-    const double fastest = speed(dt, dx, sizes_, time_);
-    if (fastest == 0.0) return {};
-    Derivative derivative;
-    CallResult result =
-        differentiate([&](double s, Vector& g) { return value(run_.t + s * dt, moved(s, dx), run_.xdot, g); },
-                      {size_}, first_step / fastest, derivative);
+  // With t, along x'.
+  CallResult with_time(double& rate) const { return along(1.0, run_.xdot.data(), 0.0, rate); }
+  // Along dx.
+  CallResult along(const double* dx, double& change) const {
+    return along(0.0, dx, minor * speed(dx, sizes_), change);
+  }
+  // Whether it only touches 0, within the tolerances: the parabola through its values in the last step does not go beyond.
+  CallResult is_tangent(double rate, bool& answer) const {
+    constexpr double in_tolerances = 10.0, apart = 0.1, beside = 0.11;
+    answer = false;
+    Integration& integration = *hybrid_.mode().solver->integration;
+    const StepState state = integration.stepper().state();
+    const double h = state.last.h, from = state.t - h;
+    if (h == 0.0) return {};
+    double margin = 0.0, value[3];
+    CallResult result = find_margin(hybrid_, given_, margin);
+    // Three places within the step, as near to the transition as may be.
+    const double middle = from + std::clamp((run_.t - from) / h, beside, 1.0 - beside) * h;
+    Vector x(sizes_.size()), xdot(sizes_.size()), g(1);
+    for (int k = 0; k < 3 && result.status >= 0; ++k) {
+      const double t = middle + (k - 1) * apart * h;
+      result = integration.interpolate(t, true, x.data(), xdot.data());
+      if (result.status >= 0) result = this->value(t, x, xdot, g);
+      value[k] = g[0];
+    }
     if (result.status < 0) return result;
-    if (!derivative.is_there())
-      return {SFDAE_SINGULAR, format("the function of the transition at t = %.15g has no derivative there, and "
-                                     "sensitivities after it do not exist.",
-                                     run_.t)};
-    rate = derivative.value[0];
-    return result;
+    const double bend = std::fabs(value[0] - 2.0 * value[1] + value[2]) / (apart * h * apart * h);
+    answer = !(rate * rate > in_tolerances * 2.0 * margin * bend);
+    return {};
   }
   // Whether it is one of t and x.
   CallResult has_slopes(bool& answer) {
@@ -200,10 +137,12 @@ class TransitionRate {
     answer = here[0] != there[0];
     return result;
   }
-  // What it is measured by where it does not change: by what it does if x moves by its size.
+  // What it is measured by: by what it does if x moves by its size, or t by a step.
   CallResult find_size() {
     Vector g(1), here(1);
     CallResult result = value(run_.t, run_.x, run_.xdot, here);
+    if (result.status >= 0) result = value(run_.t + first_step * time_, run_.x, run_.xdot, g);
+    if (std::isfinite(g[0])) size_ = std::max(size_, std::fabs(g[0] - here[0]) / first_step);
     for (std::size_t i = 0; i < n_ && result.status >= 0; ++i) {
       Vector x(run_.x);
       x[i] += first_step * sizes_[i];
@@ -214,6 +153,23 @@ class TransitionRate {
   }
 
  private:
+  // least: as Differencing has it, in what the function is measured by.
+  CallResult along(double dt, const double* dx, double least, double& rate) const {
+    rate = 0.0;
+    const double fastest = std::max(std::fabs(dt) / time_, speed(dx, sizes_));
+    if (fastest == 0.0) return {};
+    DerivativeAlong derivative;
+    CallResult result =
+        differentiate_along([&](double s, Vector& g) { return value(run_.t + s * dt, moved(s, dx), run_.xdot, g); },
+                            {{size_}, first_step / fastest, least}, derivative);
+    if (result.status < 0) return result;
+    if (!derivative.is_there())
+      return {SFDAE_SINGULAR, format("the function of the transition at t = %.15g has no derivative there, and "
+                                     "sensitivities after it do not exist.",
+                                     run_.t)};
+    rate = derivative.value[0];
+    return result;
+  }
   Vector moved(double s, const double* dx) const {
     Vector x(run_.x);
     for (std::size_t i = 0; i < n_; ++i) x[i] += s * dx[i];
@@ -224,6 +180,7 @@ class TransitionRate {
     return returned != 0 ? of_callback(name_of_function(given_), run_, returned) : CallResult{};
   }
 
+  const sfdae_hybrid& hybrid_;
   const HybridRun& run_;
   const sfdae_transition& given_;
   std::size_t n_;
@@ -246,16 +203,19 @@ CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const sfdae_transition& gi
                "and x. Make x' an unknown.",
                run.t));
   double rate = 0.0;
-  result = function.along(1.0, run.xdot.data(), rate);
+  bool is_tangent = false;
+  result = function.with_time(rate);
+  if (result.status >= 0) result = function.is_tangent(rate, is_tangent);
   for (std::size_t j = 0; j < run.shifts.size() && result.status >= 0; ++j) {
     double change = 0.0;
-    result = function.along(0.0, S.data() + j * n, change);
-    run.shifts[j] = -change / rate;
-    if (result.status >= 0 && !std::isfinite(run.shifts[j]))
-      return {SFDAE_SINGULAR, format("the function of the transition at t = %.15g does not pass through zero with t: "
-                                     "the time of the transition has no derivative by parameters.",
-                                     run.t)};
+    result = function.along(S.data() + j * n, change);
+    run.shifts[j] = rate != 0.0 ? -change / rate : 0.0;
+    is_tangent = is_tangent || rate == 0.0 || !std::isfinite(run.shifts[j]);
   }
+  if (result.status >= 0 && is_tangent)
+    return {SFDAE_SINGULAR, format("the function of the transition at t = %.15g touches zero only, within the "
+                                   "tolerances: the time of the transition has no derivative by parameters.",
+                                   run.t)};
   return result;
 }
 
@@ -332,20 +292,24 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
   for (std::size_t j = 0; j < run.shifts.size(); ++j) {
     const int parameter = given.jump == nullptr ? solver.sensitivities->parameters[j] : -1;
     double* const D = run.moved.data() + j * n;
-    double fastest = speed(run.shifts[j], D, sizes, run.time_before);
+    const double pace = speed(D, sizes);
+    double others = std::fabs(run.shifts[j]) / run.time_before;
     if (parameter >= 0) {
       const double value = std::fabs(solver.model.evaluator()->parameter(parameter));
-      fastest = std::max(fastest, 1.0 / (value > 0.0 ? value : 1.0));
+      others = std::max(others, 1.0 / (value > 0.0 ? value : 1.0));
     }
-    if (fastest == 0.0) continue;
+    if (pace == 0.0 && others == 0.0) continue;
+    // What D is the sum of may cancel.
+    const double parts = std::max(pace, std::fabs(run.shifts[j]) * speed(run.xdot.data(), sizes));
+    const Differencing how{sizes, first_step / std::max(pace, others), parts > 0.0 ? parts : minor * others};
     const auto values = [&](double s, Vector& after) {
       Vector before(run.before);
       for (std::size_t i = 0; i < n; ++i) before[i] += s * D[i];
       const ParameterShift shift(solver.model, parameter, s);
       return values_after(hybrid, given, run.t + s * run.shifts[j], before, after);
     };
-    Derivative derivative;
-    CallResult result = differentiate(values, sizes, first_step / fastest, derivative);
+    DerivativeAlong derivative;
+    CallResult result = differentiate_along(values, how, derivative);
     if (result.status < 0) return result;
     if (!derivative.is_there())
       return {
@@ -373,105 +337,3 @@ void end_sensitivities(sfdae_hybrid& hybrid, int mode) {
 }
 
 }  // namespace sfdae::core
-
-using namespace sfdae::core;
-
-namespace {
-
-constexpr int most_sensitivities = 10000;
-
-CallResult check_modes(const sfdae_hybrid& hybrid) {
-  if (hybrid.modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode first.");
-  if (!hybrid.switches.empty())
-    return illegal_argument("there are no sensitivities of hybrid systems with switches, along surfaces.");
-  for (std::size_t k = 0; k < hybrid.modes.size(); ++k)
-    if (hybrid.modes[k].solver->model.evaluator() == nullptr)
-      return illegal_argument(hybrid.name_of(static_cast<int>(k)) +
-                              " is given by callbacks; sensitivities need recorded equations.");
-  return {};
-}
-
-CallResult read_names(const sfdae_hybrid& hybrid, int count, const char* const* names, HybridSensitivities& wanted) {
-  wanted.names.assign(index(count), "");
-  for (int j = 0; j < count && names != nullptr; ++j) {
-    if (names[j] == nullptr) continue;
-    const auto has_it = [&](const HybridMode& mode) {
-      return mode.solver->model.evaluator()->find_parameter(names[j]).has_value();
-    };
-    if (std::none_of(hybrid.modes.begin(), hybrid.modes.end(), has_it))
-      return illegal_argument(format("parameters[%d]: there is no parameter \"%.60s\" in any mode.", j, names[j]));
-    wanted.names[index(j)] = names[j];
-  }
-  return {};
-}
-
-CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const* names, const double* directions,
-                       const sfdae_sensitivity_options* options, HybridSensitivities& wanted) {
-  CallResult checked = check_modes(hybrid);
-  if (checked.status == SFDAE_OK) checked = read_names(hybrid, count, names, wanted);
-  if (checked.status != SFDAE_OK) return checked;
-  const std::size_t size = index(hybrid.n()) * index(count);
-  if (directions != nullptr && !all_finite(directions, size))
-    return illegal_argument("directions has entries that are not finite.");
-  wanted.directions.assign(size, 0.0);
-  if (directions != nullptr) std::copy_n(directions, size, wanted.directions.begin());
-  SensitivityRequest request;
-  checked = read_sensitivity_options(count, options, request);
-  if (checked.status != SFDAE_OK) return checked;
-  if (request.by_adjoint)
-    return illegal_argument("adjoint = 1 is for single problems: steps are not kept over transitions.");
-  wanted.options = std::move(request.options);
-  return {};
-}
-
-bool has_sensitivities(const sfdae_hybrid& hybrid) {
-  return hybrid.is_running() && hybrid.mode().solver->integration->sensitivities() != nullptr;
-}
-
-CallResult no_sensitivities() {
-  return {SFDAE_NOT_STARTED,
-          "there are no sensitivities: call sfdae_set_hybrid_sensitivities and sfdae_start_hybrid first."};
-}
-
-}  // namespace
-
-extern "C" {
-
-int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
-                                   const double* directions, const sfdae_sensitivity_options* options) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (count < 0 || count > most_sensitivities)
-      return illegal_argument(format("count = %d; it must be 0 ... %d.", count, most_sensitivities));
-    std::optional<HybridSensitivities> wanted;
-    if (count > 0) {
-      const CallResult checked = read_wanted(*hybrid, count, parameters, directions, options, wanted.emplace());
-      if (checked.status != SFDAE_OK) return checked;
-    }
-    // Nothing fails from here on.
-    hybrid->sensitivities = std::move(wanted);
-    hybrid->run.mode = -1;
-    return {};
-  });
-}
-
-int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (!has_sensitivities(*hybrid)) return no_sensitivities();
-    const int status = sfdae_get_sensitivities(hybrid->mode().solver, t, S, Sdot);
-    return status < 0 ? of_mode(*hybrid, hybrid->run.mode, status) : CallResult{};
-  });
-}
-
-int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (dt == nullptr) return illegal_argument("dt is NULL.");
-    if (!has_sensitivities(*hybrid)) return no_sensitivities();
-    const HybridRun& run = hybrid->run;
-    if (run.forgotten == 0 && run.passages.empty())
-      return {SFDAE_NOT_STARTED, "there was no transition since the start."};
-    std::copy(run.shifts.begin(), run.shifts.end(), dt);
-    return {};
-  });
-}
-
-}  // extern "C"

@@ -368,6 +368,75 @@ TEST_P(HybridSensitivities, GoThroughModesThatAreLeftAtOnce) {
   }
 }
 
+// ---- Steps that say little ---------------------------------------------------------------------------------------
+
+// x' = rate x passes 1 soon after the start, at t = wait, and jumps to x^2 + sin 2t: steps before it are as short.
+TEST_P(HybridSensitivities, AreAccurateAfterTinySteps) {
+  for (double wait : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    SCOPED_TRACE(wait);
+    sfdae::NonlinearProblem problem(1, 1);
+    problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+      F[0] = xdot[0] - sfdae::parameter(t, "rate", 0.5) * x[0];
+    };
+    System system;
+    for (int k = 0; k < 2; ++k) system.add(problem, solver_options(1e-10, GetParam()));
+    sfdae::Transition transition;
+    transition.to = 1;
+    transition.kind = SFDAE_TRANSITION_ZERO;
+    transition.function = [](double, auto x, auto) { return x[0] - 1.0; };
+    transition.jump = [](double t, auto x) { x[0] = x[0] * x[0] + std::sin(2.0 * t); };
+    system.hybrid.add_transition(transition);
+    system.hybrid.set_sensitivities(by({""}, unit_directions(1, 1, 0, {0})));
+    const double start = std::exp(-0.5 * wait);
+    Point point{0.0, {start}, {}};
+    system.hybrid.start(0, point, 1.0);
+    ASSERT_EQ(system.hybrid.advance_to_transition(1.0, point), SFDAE_EVENT);
+    // x + S dx on both sides: t moves by -2 dx / start, x after it by 2 cos 2t times that, and by -x'/start through the delay.
+    const double dt = -2.0 / start;
+    EXPECT_NEAR(system.hybrid.passage_sensitivities()[0], dt, 1e-9);
+    const double after = 1.0 + std::sin(2.0 * point.t);
+    const double expected = 2.0 * std::cos(2.0 * point.t) * dt - 0.5 * after * dt;
+    EXPECT_NEAR(system.hybrid.sensitivities(point.t, false).S(0, 0), expected, 1e-8);
+  }
+}
+
+// x = v sin t passes 1 with a rate of sqrt(v^2 - 1). Where that is no more than what tolerances leave of x it is named.
+TEST_P(HybridSensitivities, AreNamedWhereAFunctionTouchesZero) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression&, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = xdot[1] + x[0];
+  };
+  int named = 0, right = 0;
+  for (double more = 1e-15; more < 0.1; more *= 3.0) {
+    SCOPED_TRACE(more);
+    System system;
+    for (int k = 0; k < 2; ++k) system.add(problem, solver_options(1e-8, GetParam()));
+    sfdae::Transition transition;
+    transition.to = 1;
+    transition.kind = SFDAE_TRANSITION_ZERO;
+    transition.direction = 1;
+    transition.function = [](double, auto x, auto) { return x[0] - 1.0; };
+    system.hybrid.add_transition(transition);
+    system.hybrid.set_sensitivities(by({""}, unit_directions(2, 1, 0, {1})));
+    Point point{0.0, {0.0, 1.0 + more}, {}};
+    system.hybrid.start(0, point, 2.0);
+    try {
+      if (system.hybrid.advance_to_transition(2.0, point) != SFDAE_EVENT) continue;
+      const double exact = -1.0 / ((1.0 + more) * std::sqrt(more * (2.0 + more)));
+      EXPECT_NEAR(system.hybrid.passage_sensitivities()[0], exact, 0.1 * std::fabs(exact));
+      ++right;
+    } catch (const sfdae::Error& error) {
+      EXPECT_EQ(error.status(), SFDAE_SINGULAR) << error.what();
+      EXPECT_NE(std::string(error.what()).find("touches zero"), std::string::npos) << error.what();
+      EXPECT_LT(more, 1e-6);
+      ++named;
+    }
+  }
+  EXPECT_GE(right, 10);
+  EXPECT_GE(named + right, 10);
+}
+
 // ---- Checkpoints -------------------------------------------------------------------------------------------------
 
 TEST_P(HybridSensitivities, GoOnFromCheckpointsInEveryBit) {

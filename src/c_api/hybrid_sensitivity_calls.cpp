@@ -1,0 +1,110 @@
+// Sensitivities of hybrid systems: what is asked for, and returned.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <utility>
+
+#include "c_api/hybrid.h"
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+
+using namespace sfdae::core;
+
+namespace {
+
+constexpr int most_sensitivities = 10000;
+
+CallResult check_modes(const sfdae_hybrid& hybrid) {
+  if (hybrid.modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode first.");
+  if (!hybrid.switches.empty())
+    return illegal_argument("there are no sensitivities of hybrid systems with switches, along surfaces.");
+  for (std::size_t k = 0; k < hybrid.modes.size(); ++k)
+    if (hybrid.modes[k].solver->model.evaluator() == nullptr)
+      return illegal_argument(hybrid.name_of(static_cast<int>(k)) +
+                              " is given by callbacks; sensitivities need recorded equations.");
+  return {};
+}
+
+CallResult read_names(const sfdae_hybrid& hybrid, int count, const char* const* names, HybridSensitivities& wanted) {
+  wanted.names.assign(index(count), "");
+  for (int j = 0; j < count && names != nullptr; ++j) {
+    if (names[j] == nullptr) continue;
+    const auto has_it = [&](const HybridMode& mode) {
+      return mode.solver->model.evaluator()->find_parameter(names[j]).has_value();
+    };
+    if (std::none_of(hybrid.modes.begin(), hybrid.modes.end(), has_it))
+      return illegal_argument(format("parameters[%d]: there is no parameter \"%.60s\" in any mode.", j, names[j]));
+    wanted.names[index(j)] = names[j];
+  }
+  return {};
+}
+
+CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const* names, const double* directions,
+                       const sfdae_sensitivity_options* options, HybridSensitivities& wanted) {
+  CallResult checked = check_modes(hybrid);
+  if (checked.status == SFDAE_OK) checked = read_names(hybrid, count, names, wanted);
+  if (checked.status != SFDAE_OK) return checked;
+  const std::size_t size = index(hybrid.n()) * index(count);
+  if (directions != nullptr && !all_finite(directions, size))
+    return illegal_argument("directions has entries that are not finite.");
+  wanted.directions.assign(size, 0.0);
+  if (directions != nullptr) std::copy_n(directions, size, wanted.directions.begin());
+  SensitivityRequest request;
+  checked = read_sensitivity_options(count, options, request);
+  if (checked.status != SFDAE_OK) return checked;
+  if (request.by_adjoint)
+    return illegal_argument("adjoint = 1 is for single problems: steps are not kept over transitions.");
+  wanted.options = std::move(request.options);
+  return {};
+}
+
+bool has_sensitivities(const sfdae_hybrid& hybrid) {
+  return hybrid.is_running() && hybrid.mode().solver->integration->sensitivities() != nullptr;
+}
+
+CallResult no_sensitivities() {
+  return {SFDAE_NOT_STARTED,
+          "there are no sensitivities: call sfdae_set_hybrid_sensitivities and sfdae_start_hybrid first."};
+}
+
+}  // namespace
+
+extern "C" {
+
+int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
+                                   const double* directions, const sfdae_sensitivity_options* options) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (count < 0 || count > most_sensitivities)
+      return illegal_argument(format("count = %d; it must be 0 ... %d.", count, most_sensitivities));
+    std::optional<HybridSensitivities> wanted;
+    if (count > 0) {
+      const CallResult checked = read_wanted(*hybrid, count, parameters, directions, options, wanted.emplace());
+      if (checked.status != SFDAE_OK) return checked;
+    }
+    // Nothing fails from here on.
+    hybrid->sensitivities = std::move(wanted);
+    hybrid->run.mode = -1;
+    return {};
+  });
+}
+
+int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (!has_sensitivities(*hybrid)) return no_sensitivities();
+    const int status = sfdae_get_sensitivities(hybrid->mode().solver, t, S, Sdot);
+    return status < 0 ? of_mode(*hybrid, hybrid->run.mode, status) : CallResult{};
+  });
+}
+
+int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (dt == nullptr) return illegal_argument("dt is NULL.");
+    if (!has_sensitivities(*hybrid)) return no_sensitivities();
+    const HybridRun& run = hybrid->run;
+    if (run.forgotten == 0 && run.passages.empty())
+      return {SFDAE_NOT_STARTED, "there was no transition since the start."};
+    std::copy(run.shifts.begin(), run.shifts.end(), dt);
+    return {};
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,141 @@
+// Differences of maps along a direction.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/map_differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// The error, relative, that is good enough, and the one that is none any more: then there is no derivative. Steps differ by a factor
+// of ten; so many are tried either way.
+constexpr double good = 1e-8, useless = 1e-3, factor = 0.1;
+constexpr int most_smaller = 4, most_larger = 5;
+// What maps round values by, in their sizes: some units of jumps, which are iterated to rounding.
+constexpr double noise = 3e-15;
+// Differences below that are none, where a kink is looked for.
+constexpr double rounding = 1e-11;
+
+// As values, where they are numbers: others are no derivatives.
+CallResult finite_values(const MapAlong& values, double s, Vector& to) {
+  CallResult result = values(s, to);
+  if (result.status >= 0 && !all_finite(to.data(), to.size()))
+    return {SFDAE_NOT_FINITE,
+            "near a transition, where it is differentiated, values after it, or its function, are not finite."};
+  return result;
+}
+
+// Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
+// step there. The derivative is none then.
+CallResult find_kink(const MapAlong& values, const Vector& sizes, DerivativeAlong& derivative) {
+  constexpr double much_smaller = 1e-2, still_there = 0.1;
+  const std::size_t n = sizes.size();
+  Vector here(n), above(n), below(n);
+  CallResult result = finite_values(values, 0.0, here);
+  double before = 0.0;
+  for (double step : {derivative.step, much_smaller * derivative.step}) {
+    if (result.status >= 0) result = finite_values(values, step, above);
+    if (result.status >= 0) result = finite_values(values, -step, below);
+    if (result.status < 0) return result;
+    double difference = 0.0;
+    for (std::size_t i = 0; i < n; ++i)
+      difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
+    const bool is_kink = step < derivative.step && difference > rounding && difference / step > still_there * before;
+    if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
+    before = difference / step;
+  }
+  return {};
+}
+
+class Differences {
+ public:
+  Differences(const MapAlong& values, const Differencing& how) : values_(values), how_(how) {}
+
+  // Whether steps on this side of the first one may be better than the best so far.
+  bool may_improve() const { return best.error > good; }
+  bool is_rounded() const { return is_rounded_; }
+  bool has_failed() const { return best.value.empty() && failure.status < 0; }
+  // One more step: whether it is better than those before, or has no values. Callbacks that stop are failures of the call.
+  CallResult try_step(double step, bool& goes_on) {
+    goes_on = true;
+    const double places[] = {1.0, -1.0, 2.0, -2.0};
+    CallResult result;
+    for (int k = 0; k < 4 && result.status >= 0; ++k) {
+      at_[k].resize(how_.sizes.size());
+      result = finite_values(values_, places[k] * step, at_[k]);
+    }
+    if (result.status < 0) {
+      const bool may_be_nearer = result.status == SFDAE_NOT_FINITE || result.status == SFDAE_NO_CONSISTENT_VALUES;
+      if (!may_be_nearer) return result;
+      failure = std::move(result);
+      is_rounded_ = false;
+      return {};
+    }
+    DerivativeAlong found = difference(step);
+    goes_on = found.error < best.error;
+    if (goes_on) best = std::move(found);
+    return {};
+  }
+
+  DerivativeAlong best;
+  CallResult failure;
+
+ private:
+  // Its error is that of second order, which is larger, and what rounding errors may be.
+  DerivativeAlong difference(double step) {
+    const std::size_t n = how_.sizes.size();
+    DerivativeAlong found{Vector(n), step, 0.0};
+    double size = how_.least, error = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double near = (at_[0][i] - at_[1][i]) / (2.0 * step), far = (at_[2][i] - at_[3][i]) / (4.0 * step);
+      found.value[i] = (4.0 * near - far) / 3.0;
+      size = std::max(size, std::fabs(found.value[i]) / how_.sizes[i]);
+      error = std::max(error, std::fabs(found.value[i] - near) / how_.sizes[i]);
+    }
+    const double rounded = noise / step;
+    is_rounded_ = error < 10.0 * rounded;
+    found.error = size > 0.0 ? (error + rounded) / size : 0.0;
+    return found;
+  }
+
+  const MapAlong& values_;
+  const Differencing& how_;
+  Vector at_[4];
+  bool is_rounded_ = false;
+};
+
+}  // namespace
+
+bool DerivativeAlong::is_there() const { return error <= useless; }
+
+CallResult differentiate_along(const MapAlong& values, const Differencing& how, DerivativeAlong& derivative) {
+  Differences differences(values, how);
+  bool goes_on = true;
+  CallResult result = differences.try_step(how.step, goes_on);
+  const bool larger_first = differences.is_rounded();
+  for (bool larger : {larger_first, !larger_first}) {
+    // Not the steps that have no values on the other side.
+    if (larger && differences.failure.status < 0) break;
+    goes_on = true;
+    double step = how.step;
+    for (int k = 1; k < (larger ? most_larger : most_smaller); ++k) {
+      if (result.status < 0 || !goes_on || !differences.may_improve()) break;
+      step = larger ? step / factor : step * factor;
+      result = differences.try_step(step, goes_on);
+      if (larger && differences.failure.status < 0) break;
+    }
+  }
+  if (result.status < 0) return result;
+  if (differences.has_failed()) return std::move(differences.failure);
+  derivative = std::move(differences.best);
+  return find_kink(values, how.sizes, derivative);
+}
+
+}  // namespace sfdae::core

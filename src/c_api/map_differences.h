@@ -1,0 +1,34 @@
+// Derivatives of maps along a direction, by differences whose steps are found.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "integrate/integration_options.h"
+
+namespace sfdae::core {
+
+// values(s, to) writes values(s), as many numbers as there are sizes.
+using MapAlong = std::function<CallResult(double s, std::vector<double>& to)>;
+
+struct DerivativeAlong {
+  std::vector<double> value;
+  double step = 0.0;
+  double error = std::numeric_limits<double>::infinity();  // relative
+  bool is_there() const;
+};
+
+// How a map is asked. sizes: of its values. step: of s, tried first. least: derivatives below that, in sizes, are as good as 0.
+struct Differencing {
+  const std::vector<double>& sizes;
+  double step;
+  double least = 0.0;
+};
+
+// d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values, larger where
+// rounding errors are what is left. It fails as the last call has where there are no values for any.
+CallResult differentiate_along(const MapAlong& values, const Differencing& how, DerivativeAlong& derivative);
+
+}  // namespace sfdae::core
