@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "expression/series.h"
+#include "expression/tape.h"
 #include "linalg/format.h"
 #include "linalg/index.h"
 #include "sfdae/sfdae.h"
@@ -29,19 +30,18 @@ int first_bad_order(const double* series, int order) {
 
 class Search {
  public:
-  Search(const Record& record, const Tape& tape, Slots slots, FailedEquation failed)
-      : record_(record), tape_(tape), slots_(slots), failed_(failed) {
+  // A tape does not keep which slots nodes have.
+  Search(const Record& record, Slots slots, FailedEquation failed)
+      : record_(record), slots_(slots), failed_(failed), slots_of_(slots_of_nodes(record)) {
     order_ = std::max(failed.order, failed.order_of_gradients);
   }
 
   EvaluationFailure result() {
     const std::vector<int> nodes = chosen_nodes();
     for (int i : nodes) {
-      const int k = first_bad_order(slots_[tape_.slot_of[index(i)]], order_);
+      const int k = first_bad_order(slots_[slots_of_.v[index(i)]], order_);
       if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
     }
-    // The tape itself does not keep them.
-    Tape(record_, &slopes_);
     for (int i : nodes)
       if (record_.is_active(i) && !has_slopes(i)) return not_smooth(i, 1);
     return {Kind::not_finite, failed_.equation, "", "overflow" + in_equation()};
@@ -52,8 +52,8 @@ class Search {
     const auto is_good = [&](int slot) {
       return slot < 0 || first_bad_order(slots_[slot], failed_.order_of_gradients) < 0;
     };
-    const int p = slopes_.p[index(i)];
-    if (record_.node(i).operation != Operation::function) return is_good(p) && is_good(slopes_.q[index(i)]);
+    const int p = slots_of_.p[index(i)];
+    if (record_.node(i).operation != Operation::function) return is_good(p) && is_good(slots_of_.q[index(i)]);
     for (int k = 0; k < record_.operands(i).size(); ++k)
       if (!is_good(p + k)) return false;
     return true;
@@ -67,7 +67,7 @@ class Search {
       const int i = stack.back();
       stack.pop_back();
       if (!found.insert(i).second) continue;
-      const Node& node = record_.node(i);
+      const Node node = record_.node(i);
       if (node.operation == Operation::choose) {
         stack.push_back(node.a);
         stack.push_back(series::is_positive(value(node.a)) ? node.b : node.c);
@@ -79,7 +79,7 @@ class Search {
     return {found.begin(), found.end()};
   }
 
-  double value(int node) const { return *slots_[tape_.slot_of[index(node)]]; }
+  double value(int node) const { return *slots_[slots_of_.v[index(node)]]; }
   std::string in_equation() const { return " in " + record_.name(failed_.equation); }
 
   // "log of -1"
@@ -139,7 +139,7 @@ class Search {
 
   EvaluationFailure undefined(int i) const {
     if (auto refused = refusal(i)) return std::move(*refused);
-    const Node& node = record_.node(i);
+    const Node node = record_.node(i);
     const bool defined = !is_undefined(node);
     const char* const what = defined ? " is not finite" : "";
     return {defined ? Kind::not_finite : Kind::undefined, failed_.equation, name_of(node.operation),
@@ -148,17 +148,16 @@ class Search {
 
   EvaluationFailure not_smooth(int i, int order) const {
     if (auto refused = refusal(i)) return std::move(*refused);
-    const Node& node = record_.node(i);
+    const Node node = record_.node(i);
     return {Kind::not_smooth, failed_.equation, name_of(node.operation),
             application(node) + format(" has no finite derivative of order %d", order) + in_equation()};
   }
 
   const Record& record_;
-  const Tape& tape_;
   Slots slots_;
   FailedEquation failed_;
   int order_;
-  SlopeSlots slopes_;
+  NodeSlots slots_of_;
 };
 
 }  // namespace
@@ -169,8 +168,8 @@ int status_of(const EvaluationFailure& failure) {
   return failure.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
 }
 
-EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed) {
-  return Search(record, tape, slots, failed).result();
+EvaluationFailure diagnose(const Record& record, Slots slots, FailedEquation failed) {
+  return Search(record, slots, failed).result();
 }
 
 }  // namespace sfdae::core

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "expression/record.h"
-#include "expression/tape.h"
 
 namespace sfdae::core {
 
@@ -40,6 +40,6 @@ struct FailedEquation {
 // The status of a call that ends so: SFDAE_NOT_FINITE, or what the code of a function asks for.
 int status_of(const EvaluationFailure& failure);
 
-EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed);
+EvaluationFailure diagnose(const Record& record, Slots slots, FailedEquation failed);
 
 }  // namespace sfdae::core

@@ -30,9 +30,8 @@ inline void put_multiple(double c, const double* a, double* __restrict to, Order
 }
 
 template <bool is_first, class Order>
-inline void follow(const Edge& edge, const double* slots, double* adjoints, Order K) {
+inline void follow(const Edge& edge, const double* factor, double* adjoints, Order K) {
   const double* const from = adjoints + edge.from;
-  const double* const factor = slots + edge.factor;
   double* const to = adjoints + edge.to;
   switch (edge.code) {
     case EdgeCode::pass: return put_multiple<is_first>(1.0, from, to, K);
@@ -60,16 +59,17 @@ inline bool is_zero(const double* a, Order K) {
 
 // with_choices: a value of a branch that was not chosen has the adjoint 0, and its derivatives may not exist.
 template <bool with_choices, class Order>
-inline void follow(const Edge* first, const Edge* last, const double* slots, double* adjoints, Order K) {
-  for (const Edge* edge = first; edge != last; ++edge) {
+inline void follow(const Tape::EdgesOfEquation& edges, const double* slots, double* adjoints, Order K) {
+  for (const Edge* edge = edges.first; edge != edges.last; ++edge) {
+    const double* const factor = slots + edges.factors[edge->factor];
     if constexpr (with_choices) {
       if (is_zero(adjoints + edge->from, K)) {
         if (edge->is_first) series::copy(adjoints + edge->from, adjoints + edge->to, K);
         continue;
       }
     }
-    if (edge->is_first) follow<true>(*edge, slots, adjoints, K);
-    else follow<false>(*edge, slots, adjoints, K);
+    if (edge->is_first) follow<true>(*edge, factor, adjoints, K);
+    else follow<false>(*edge, factor, adjoints, K);
   }
 }
 

@@ -18,6 +18,21 @@ namespace {
 using series::Fixed;
 
 template <class Order>
+void add(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
+  for (int k = 0; k <= K; ++k) v[k] = a[k] + b[k];
+}
+
+template <class Order>
+void subtract(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
+  for (int k = 0; k <= K; ++k) v[k] = a[k] - b[k];
+}
+
+template <class Order>
+void scale(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
+  for (int k = 0; k <= K; ++k) v[k] = b[0] * a[k];
+}
+
+template <class Order>
 void multiply(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
   for (int k = 0; k <= K; ++k) {
     Lanes sum = a[0] * b[k];
@@ -172,18 +187,8 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
     case Code::negate:
       for (int k = 0; k <= K; ++k) v[k] = -a[k];
       return true;
-    case Code::add:
-      for (int k = 0; k <= K; ++k) v[k] = a[k] + b[k];
-      return true;
-    case Code::subtract:
-      for (int k = 0; k <= K; ++k) v[k] = a[k] - b[k];
-      return true;
     case Code::copy:
       for (int k = 0; k <= K; ++k) v[k] = a[k];
-      return true;
-    case Code::multiply: multiply(a, b, v, K); return true;
-    case Code::scale:
-      for (int k = 0; k <= K; ++k) v[k] = b[0] * a[k];
       return true;
     case Code::divide:
       if (!divide(a, b, v, K)) return false;
@@ -209,9 +214,24 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
 }
 
 template <bool with_slopes, class Order>
-void execute_all(const std::vector<Instruction>& instructions, Lanes* slots, Order K) {
-  for (const Instruction& instruction : instructions)
-    if (!execute_together<with_slopes>(instruction, slots, K)) execute_singly<with_slopes>(instruction, slots, K);
+void execute_all(const InstructionList& list, Lanes* slots, Order K) {
+  const InstructionList::Binary* next = list.binary();
+  const Instruction* other = list.others();
+  const auto run = [&](std::size_t count, auto operation) {
+    for (const InstructionList::Binary* const last = next + count; next != last; ++next)
+      operation(slots + next->a, slots + next->b, slots + next->v);
+  };
+  for (const auto& [code, count] : list.runs()) {
+    switch (code) {
+      case Code::add: run(count, [K](auto a, auto b, auto v) { add(a, b, v, K); }); break;
+      case Code::subtract: run(count, [K](auto a, auto b, auto v) { subtract(a, b, v, K); }); break;
+      case Code::multiply: run(count, [K](auto a, auto b, auto v) { multiply(a, b, v, K); }); break;
+      case Code::scale: run(count, [K](auto a, auto b, auto v) { scale(a, b, v, K); }); break;
+      default:
+        for (const Instruction* const last = other + count; other != last; ++other)
+          if (!execute_together<with_slopes>(*other, slots, K)) execute_singly<with_slopes>(*other, slots, K);
+    }
+  }
 }
 
 // What an edge hands on, as in edges.h.
@@ -245,12 +265,12 @@ void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* ha
 
 // Adjoints have K + 1 coefficients each. with_choices: as in edges.h.
 template <bool with_choices, class Order>
-void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints, Order K) {
-  for (const Edge* edge = first; edge != last; ++edge) {
+void follow(const Tape::EdgesOfEquation& edges, const Lanes* slots, Lanes* adjoints, Order K) {
+  for (const Edge* edge = edges.first; edge != edges.last; ++edge) {
     const Lanes* const from = adjoints + edge->from * (K + 1);
     Lanes* const to = adjoints + edge->to * (K + 1);
     Lanes handed[LaneEvaluator::highest_order + 1];
-    hand_on(*edge, from, slots + edge->factor, handed, K);
+    hand_on(*edge, from, slots + edges.factors[edge->factor], handed, K);
     if constexpr (with_choices) {
       LaneMask vanishes = from[0] == 0.0;
       for (int k = 1; k <= K; ++k) vanishes &= from[k] == 0.0;
@@ -264,9 +284,9 @@ void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjo
 
 struct Pass {
   const Tape& tape;
-  const std::vector<Instruction>*of_parameters, *of_time;  // null: nothing to be done
-  const std::vector<Instruction>& of_state;
-  const std::vector<Edge>& edges;
+  const InstructionList *of_parameters, *of_time;  // null: nothing to be done
+  const InstructionList& of_state;
+  const std::vector<int>& factors;
   const LaneEvaluator::Points& points;
   int stride, order;
   bool with_gradients;
@@ -281,10 +301,9 @@ void sweep_back(const Pass& pass, std::size_t i, int length, LaneMask& bad, Orde
   const Tape& tape = pass.tape;
   pass.adjoints[0] = Lanes{} + 1.0;
   for (int k = 1; k <= K; ++k) pass.adjoints[k] = Lanes{};
-  const Edge* const first = pass.edges.data() + tape.first_edge[i];
-  const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
-  if (tape.has_choices) follow<true>(first, last, pass.slots, pass.adjoints, K);
-  else follow<false>(first, last, pass.slots, pass.adjoints, K);
+  const Tape::EdgesOfEquation edges = tape.edges_of(i, tape.edges, pass.factors);
+  if (tape.has_choices) follow<true>(edges, pass.slots, pass.adjoints, K);
+  else follow<false>(edges, pass.slots, pass.adjoints, K);
   for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
     for (int k = 0; k <= K; ++k) {
       const Lanes entry = pass.adjoints[tape.targets[e].slot * (K + 1) + k];
@@ -347,13 +366,6 @@ void evaluate_pass(Pass& pass) {
 }
 SFDAE_LANE_KERNEL(evaluate_pass, Pass)
 
-std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
-  for (Instruction& instruction : instructions)
-    for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-      *slot *= stride;
-  return instructions;
-}
-
 }  // namespace
 
 bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {
@@ -376,7 +388,7 @@ bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& po
             has_new_parameters ? &of_parameters_ : nullptr,
             has_new_time ? &of_time_ : nullptr,
             of_state_,
-            edges_,
+            factors_,
             points,
             stride_,
             order,
@@ -401,13 +413,13 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   stride_ = 0;  // until there is memory for all
   LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_adjoints) * index(stride)),
       gradients(tape.targets.size() * index(stride) + 1);
-  of_parameters_ = in_offsets(tape.of_parameters, stride);
-  of_time_ = in_offsets(tape.of_time, stride);
-  of_state_ = in_offsets(tape.of_state, stride);
-  edges_ = tape.edges;
-  for (Edge& edge : edges_) edge.factor *= stride;
+  of_parameters_ = tape.of_parameters.in_offsets(stride);
+  of_time_ = tape.of_time.in_offsets(stride);
+  of_state_ = tape.of_state.in_offsets(stride);
+  factors_ = tape.factors;
   values_ = tape.residuals;
-  for (int& slot : values_) slot *= stride;
+  for (auto* slots_of : {&factors_, &values_})
+    for (int& slot : *slots_of) slot *= stride;
   for (const Tape::Number& constant : tape.constants)
     lanes(slots[index(constant.slot * stride)]) = Lanes{} + source.record().constant(constant.index);
   slots_ = std::move(slots);

@@ -53,9 +53,8 @@ class LaneEvaluator {
 
   int stride_ = 0;  // of slots
   // Slots are offsets.
-  std::vector<Instruction> of_parameters_, of_time_, of_state_;
-  std::vector<Edge> edges_;
-  std::vector<int> values_;
+  InstructionList of_parameters_, of_time_, of_state_;
+  std::vector<int> factors_, values_;
   LaneArray slots_, adjoints_, gradients_;
   std::vector<double> parameters_;
   LaneBlock t_;

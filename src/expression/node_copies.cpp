@@ -10,7 +10,7 @@ namespace {
 // Records node i of the record, whose operands are recorded as `copies` says; leaf: what parameters and derivatives become.
 template <class Leaf>
 int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf) {
-  const Node& node = record.node(i);
+  const Node node = record.node(i);
   switch (node.operation) {
     case Operation::constant: return recorder.constant(record.constant(node.a));
     case Operation::time: return recorder.time();

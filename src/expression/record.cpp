@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-Dependence dependence_of(const Node& node, const Operands& operands, const Dependence* dependence) {
+StoredDependence dependence_of(const Node& node, const Operands& operands, const StoredDependence* dependence) {
   switch (node.operation) {
     case Operation::constant: return 0;
     case Operation::parameter: return on_parameters;
@@ -20,11 +20,11 @@ Dependence dependence_of(const Node& node, const Operands& operands, const Depen
   }
   Dependence result = 0;
   for (int k = 0; k < operands.size(); ++k) result |= dependence[operands[k]];
-  return result;
+  return static_cast<StoredDependence>(result);
 }
 
 Dependence dependence_of_partial(const Record& record, int node, int k) {
-  const Node& v = record.node(node);
+  const Node v = record.node(node);
   switch (v.operation) {
     case Operation::negate:
     case Operation::add:
@@ -51,22 +51,42 @@ bool jumps_with_state(const Record& record, const Node& node) {
 
 }  // namespace
 
-Record::Record(Parts parts) : parts_(std::move(parts)) {
+Nodes::Nodes(const std::vector<Node>& nodes) {
+  operations_.reserve(nodes.size());
+  operands_.reserve(nodes.size());
+  for (const Node& node : nodes) {
+    if (node.operation == Operation::choose) thirds_.push_back({static_cast<int>(operations_.size()), node.c});
+    operations_.push_back(node.operation);
+    operands_.push_back({node.a, node.b});
+  }
+}
+
+Node Nodes::with_third_operand(Node node, int i) const {
+  const auto third = std::lower_bound(thirds_.begin(), thirds_.end(), i,
+                                      [](const Third& candidate, int wanted) { return candidate.node < wanted; });
+  node.c = third->c;
+  return node;
+}
+
+Record::Record(Parts parts) : parts_(std::move(parts)), nodes_(parts_.nodes) {
   dependence_.reserve(parts_.nodes.size());
   for (const Node& node : parts_.nodes)
     dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
+  std::vector<Node>().swap(parts_.nodes);
   BackwardWalk backward(*this);
   for (int i = 0; i < m(); ++i) {
     for (const Adjoint& adjoint : backward.walk(i)) {
-      const Node& carrier = node(adjoint.node);
+      const Node carrier = node(adjoint.node);
       // A choice between numbers has no derivative, and jumps.
       jumps_ = jumps_ || jumps_with_state(*this, carrier);
       if (!is_leaf(carrier.operation)) continue;
-      entries_.push_back({carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
+      entries_.push_back(
+          {carrier.a, carrier.operation == Operation::derivative, static_cast<StoredDependence>(adjoint.dependence)});
     }
     first_entry_.push_back(entries_.size());
   }
   entries_.shrink_to_fit();
+  first_entry_.shrink_to_fit();
 }
 
 std::string Record::name(int equation) const {

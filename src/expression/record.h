@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ namespace sfdae::core {
 
 // What a value depends on.
 using Dependence = unsigned;
+using StoredDependence = std::uint8_t;
 constexpr Dependence on_parameters = 1, on_time = 2, on_unknowns = 4, on_derivatives = 8;
 constexpr Dependence on_state = on_unknowns | on_derivatives;
 constexpr bool varies_in_time(Dependence dependence) { return (dependence & (on_time | on_state)) != 0; }
@@ -42,8 +44,32 @@ class Operands {
   }
 
  private:
-  const Node& node_;
+  Node node_;
   const FunctionCall* call_;
+};
+
+// The nodes of a graph that does not change any more, in little memory.
+class Nodes {
+ public:
+  explicit Nodes(const std::vector<Node>& nodes);
+  std::size_t size() const { return operations_.size(); }
+  Node operator[](std::size_t i) const {
+    const Node node{operations_[i], operands_[i].a, operands_[i].b, -1};
+    return node.operation == Operation::choose ? with_third_operand(node, static_cast<int>(i)) : node;
+  }
+
+ private:
+  struct Two {
+    int a, b;
+  };
+  struct Third {
+    int node, c;
+  };
+  Node with_third_operand(Node node, int i) const;
+
+  std::vector<Operation> operations_;
+  std::vector<Two> operands_;
+  std::vector<Third> thirds_;  // by nodes, which are choices
 };
 
 struct Parameter {
@@ -55,7 +81,7 @@ struct Parameter {
 struct Entry {
   int unknown;      // j of x_j
   bool derivative;  // x'_j instead
-  Dependence dependence;
+  StoredDependence dependence;
   bool is_constant() const { return !varies_in_time(dependence); }
 };
 
@@ -76,8 +102,8 @@ class Record {
 
   int m() const { return static_cast<int>(parts_.residuals.size()); }
   int n() const { return parts_.num_unknowns; }
-  int num_nodes() const { return static_cast<int>(parts_.nodes.size()); }
-  const Node& node(int i) const { return parts_.nodes[index(i)]; }
+  int num_nodes() const { return static_cast<int>(nodes_.size()); }
+  Node node(int i) const { return nodes_[index(i)]; }
   Operands operands(int i) const { return {node(i), parts_.calls}; }
   // Of a node that is a function.
   const PointFunction& function(const Node& node) const { return *parts_.calls[index(node.a)].function; }
@@ -106,14 +132,15 @@ class Record {
  private:
   bool is_constant(bool derivative) const;
 
-  Parts parts_;
-  std::vector<Dependence> dependence_;
+  Parts parts_;  // but for the nodes
+  Nodes nodes_;
+  std::vector<StoredDependence> dependence_;
   std::vector<Entry> entries_;  // of all equations
   std::vector<std::size_t> first_entry_{0};
   bool jumps_ = false;  // a choice depends on x or x'
 };
 
-Dependence dependence_of(const Node& node, const Operands& operands, const Dependence* dependence);
+StoredDependence dependence_of(const Node& node, const Operands& operands, const StoredDependence* dependence);
 
 // What the derivative of a node by its operand number k depends on.
 Dependence dependence_of_partial(const Record& record, int node, int k);

@@ -83,7 +83,7 @@ class Recorder {
   int when(int c, double a, double b) { return apply(Operation::choose, c, constant(a), constant(b)); }
 
   Record::Parts parts_;
-  std::vector<Dependence> dependence_;
+  std::vector<StoredDependence> dependence_;
   // Nodes by what they are: a table with open addressing, at most half full, its size a power of two. -1: free.
   std::vector<int> known_;
   std::unordered_map<std::uint64_t, int> constants_;  // index by the bits of the value

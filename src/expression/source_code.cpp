@@ -100,7 +100,7 @@ class Writer {
   }
 
   Formula formula(int i) {
-    const Node& v = record_.node(i);
+    const Node v = record_.node(i);
     if (is_leaf(v.operation)) return leaf(v);
     const auto at = [this](int operand, Binding least) { return in_place(formulas_[index(operand)], least); };
     switch (v.operation) {

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
+#include <unordered_map>
 #include <utility>
 
 #include "linalg/index.h"
@@ -41,6 +42,58 @@ Code code_of(Operation operation) {
   }
 }
 
+void InstructionList::push_back(const Instruction& instruction) {
+  const bool binary = is_binary(instruction.code);
+  const bool continues =
+      !runs_.empty() && (binary ? runs_.back().code == instruction.code : !is_binary(runs_.back().code));
+  if (continues) ++runs_.back().count;
+  else runs_.push_back({instruction.code, 1});
+  if (binary) binary_.push_back({instruction.v, instruction.a, instruction.b});
+  else others_.push_back(instruction);
+}
+
+void InstructionList::shrink_to_fit() {
+  runs_.shrink_to_fit();
+  binary_.shrink_to_fit();
+  others_.shrink_to_fit();
+}
+
+std::vector<Instruction> InstructionList::all() const {
+  std::vector<Instruction> result;
+  const Binary* binary = this->binary();
+  const Instruction* other = others();
+  for (const Run& run : runs_)
+    for (std::size_t k = 0; k < run.count; ++k) {
+      if (!is_binary(run.code)) {
+        result.push_back(*other++);
+        continue;
+      }
+      result.push_back({run.code, binary->v, binary->a, binary->b, 0, 0, 0});
+      ++binary;
+    }
+  return result;
+}
+
+InstructionList InstructionList::in_offsets(int stride) const {
+  InstructionList result = *this;
+  for (Binary& binary : result.binary_)
+    for (int* slot : {&binary.v, &binary.a, &binary.b}) *slot *= stride;
+  for (Instruction& other : result.others_)
+    for (int* slot : {&other.v, &other.a, &other.b, &other.c, &other.p, &other.q}) *slot *= stride;
+  return result;
+}
+
+std::vector<bool> live_nodes(const Record& record) {
+  std::vector<bool> live(index(record.num_nodes()), false);
+  for (int i = 0; i < record.m(); ++i) live[index(record.residual(i))] = true;
+  for (int i = record.num_nodes() - 1; i >= 0; --i) {
+    if (!live[index(i)]) continue;
+    const Operands operands = record.operands(i);
+    for (int k = 0; k < operands.size(); ++k) live[index(operands[k])] = true;
+  }
+  return live;
+}
+
 namespace {
 
 // Its derivative is neither a number nor a value that is there anyway.
@@ -63,98 +116,155 @@ bool has_slope(Code code) {
 // There are two operands with derivatives that have to be kept, or the second one has.
 bool has_second_slope(Code code) { return code == Code::divide || code == Code::atan2 || code == Code::modulo; }
 
-// Nodes that equations depend on.
-std::vector<bool> live_nodes(const Record& record) {
-  std::vector<bool> live(index(record.num_nodes()), false);
-  for (int i = 0; i < record.m(); ++i) live[index(record.residual(i))] = true;
-  for (int i = record.num_nodes() - 1; i >= 0; --i) {
-    if (!live[index(i)]) continue;
-    const Operands operands = record.operands(i);
-    for (int k = 0; k < operands.size(); ++k) live[index(operands[k])] = true;
-  }
-  return live;
+// Slots that are missing are 0 in lists.
+Instruction without_gaps(Instruction instruction) {
+  for (int* slot : {&instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
+    *slot = std::max(*slot, 0);
+  return instruction;
 }
 
-// In blocks, so that what they compute stays in the cache: instructions that need no result of each other side by side, those of
-// one kind together. What is computed is the same.
-std::vector<Instruction> in_runs(std::vector<Instruction> instructions, int num_slots) {
-  constexpr std::size_t block = 1024;
-  std::vector<std::size_t> block_of(index(num_slots), std::numeric_limits<std::size_t>::max());
-  std::vector<int> level_of(index(num_slots), 0);  // of the slots that its block computes
-  std::vector<std::pair<int, Instruction>> levelled;
-  for (std::size_t first = 0; first < instructions.size(); first += block) {
-    const std::size_t last = std::min(first + block, instructions.size());
-    levelled.clear();
-    for (std::size_t k = first; k < last; ++k) {
-      const Instruction& instruction = instructions[k];
-      const bool is_function = instruction.code == Code::function;
-      const int arguments = is_function ? instruction.b - instruction.a : 0;
-      int level = 0;
-      const auto read = [&](int slot) {
-        if (slot >= 0 && block_of[index(slot)] == first) level = std::max(level, level_of[index(slot)] + 1);
-      };
-      const auto write = [&](int slot) {
-        if (slot < 0) return;
-        block_of[index(slot)] = first;
-        level_of[index(slot)] = level;
-      };
-      if (is_function)
-        for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
-      else
-        for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
-      for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);
-      for (int argument = 1; argument < arguments; ++argument) write(instruction.p + argument);
-      levelled.emplace_back(level, instruction);
-    }
-    std::stable_sort(levelled.begin(), levelled.end(), [](const auto& one, const auto& other) {
+// Takes instructions in blocks, so that what they compute stays in the cache: those that need no result of each other side by side,
+// those of one kind together. What is computed is the same.
+class InRuns {
+ public:
+  explicit InRuns(InstructionList& list) : list_(list) {}
+
+  void add(const Instruction& instruction, int num_slots) {
+    constexpr std::size_t size = 1024;
+    if (block_.size() == size) finish();
+    block_of_.resize(std::max(block_of_.size(), index(num_slots)), -1);
+    level_of_.resize(block_of_.size(), 0);
+    block_.emplace_back(level_of(instruction), instruction);
+  }
+
+  void finish() {
+    std::stable_sort(block_.begin(), block_.end(), [](const auto& one, const auto& other) {
       return one.first != other.first ? one.first < other.first : one.second.code < other.second.code;
     });
-    for (std::size_t k = first; k < last; ++k) instructions[k] = levelled[k - first].second;
+    for (const auto& levelled : block_) list_.push_back(without_gaps(levelled.second));
+    block_.clear();
+    ++number_;
   }
-  return instructions;
-}
+
+ private:
+  // Slots that it computes get the level, too.
+  int level_of(const Instruction& instruction) {
+    const bool is_function = instruction.code == Code::function;
+    const int arguments = is_function ? instruction.b - instruction.a : 0;
+    int level = 0;
+    const auto read = [&](int slot) {
+      if (slot >= 0 && block_of_[index(slot)] == number_) level = std::max(level, level_of_[index(slot)] + 1);
+    };
+    const auto write = [&](int slot) {
+      if (slot < 0) return;
+      block_of_[index(slot)] = number_;
+      level_of_[index(slot)] = level;
+    };
+    if (is_function)
+      for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
+    else
+      for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
+    for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);
+    for (int argument = 1; argument < arguments; ++argument) write(instruction.p + argument);
+    return level;
+  }
+
+  InstructionList& list_;
+  std::vector<std::pair<int, Instruction>> block_;  // with levels
+  int number_ = 0;                                  // of the block
+  std::vector<int> block_of_, level_of_;            // of slots
+};
+
+// Edges that have been seen before are not kept again.
+class Forms {
+ public:
+  explicit Forms(Tape& tape) : tape_(tape) { tape_.first_edge.assign(1, 0); }
+
+  int number_of(const std::vector<Edge>& edges) {
+    const auto [first, last] = known_.equal_range(hash_of(edges));
+    for (auto known = first; known != last; ++known)
+      if (is_form(known->second, edges)) return known->second;
+    const int number = static_cast<int>(tape_.first_edge.size()) - 1;
+    tape_.edges.insert(tape_.edges.end(), edges.begin(), edges.end());
+    tape_.first_edge.push_back(tape_.edges.size());
+    known_.emplace(hash_of(edges), number);
+    return number;
+  }
+
+ private:
+  // FNV-1a with the prime for 64 bits.
+  static std::uint64_t hash_of(const std::vector<Edge>& edges) {
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    const auto add = [&hash](int part) { hash = (hash ^ static_cast<std::uint32_t>(part)) * 0x100000001b3u; };
+    for (const Edge& edge : edges) {
+      add(static_cast<int>(edge.code) * 4 + (edge.is_first ? 2 : 0) + (edge.from_number ? 1 : 0));
+      add(edge.from);
+      add(edge.to);
+    }
+    return hash ^ (hash >> 32);
+  }
+  bool is_form(int number, const std::vector<Edge>& edges) const {
+    const std::size_t first = tape_.first_edge[index(number)];
+    if (tape_.first_edge[index(number + 1)] - first != edges.size()) return false;
+    return std::equal(edges.begin(), edges.end(), tape_.edges.begin() + static_cast<std::ptrdiff_t>(first),
+                      [](const Edge& one, const Edge& other) {
+                        return one.code == other.code && one.is_first == other.is_first &&
+                               one.from_number == other.from_number && one.from == other.from && one.to == other.to;
+                      });
+  }
+
+  Tape& tape_;
+  std::unordered_multimap<std::uint64_t, int> known_;
+};
 
 class Builder {
  public:
-  Builder(const Record& record, Tape& tape, SlopeSlots& slopes)
-      : record_(record), tape_(tape), p_of_(slopes.p), q_of_(slopes.q) {}
+  Builder(const Record& record, Tape& tape, NodeSlots& slots)
+      : record_(record), tape_(tape), v_of_(slots.v), p_of_(slots.p), q_of_(slots.q), of_state_(tape.of_state) {}
 
-  void build() {
+  void lay_out() {
     const std::vector<bool> live = live_nodes(record_);
-    for (auto* list : {&tape_.slot_of, &p_of_, &q_of_}) list->assign(index(record_.num_nodes()), -1);
-    partner_.assign(index(record_.num_nodes()), -1);
+    for (auto* list : {&v_of_, &p_of_, &q_of_, &partner_}) list->assign(index(record_.num_nodes()), -1);
     for (int i = 0; i < record_.num_nodes(); ++i) {
       if (!live[index(i)]) continue;
       if (is_leaf(record_.node(i).operation)) add_leaf(i);
       else if (record_.node(i).operation == Operation::function) add_function(i);
       else add_instruction(i);
     }
+    of_state_.finish();
+    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) instructions->shrink_to_fit();
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
+  }
+
+  void add_gradients() {
     touched_.assign(index(tape_.num_slots), -1);
     adjoint_of_.assign(index(tape_.num_slots), -1);
     BackwardWalk backward(record_);
-    for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
-    tape_.first_edge.push_back(tape_.edges.size());
+    Forms forms(tape_);
+    for (int i = 0; i < record_.m(); ++i) {
+      tape_.first_factor.push_back(tape_.factors.size());
+      tape_.first_target.push_back(tape_.targets.size());
+      add_edges(i, backward.walk(i));
+      tape_.form_of.push_back(forms.number_of(edges_));
+    }
+    tape_.factors.push_back(0);
     tape_.first_target.push_back(tape_.targets.size());
-    tape_.of_state = in_runs(std::move(tape_.of_state), tape_.num_slots);
-    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) finish(*instructions);
     tape_.edges.shrink_to_fit();
+    tape_.factors.shrink_to_fit();
     tape_.targets.shrink_to_fit();
+    for (auto* first : {&tape_.first_edge, &tape_.first_factor, &tape_.first_target}) first->shrink_to_fit();
+    tape_.form_of.shrink_to_fit();
+    tape_.residuals.shrink_to_fit();
+    tape_.leaves.shrink_to_fit();
   }
 
  private:
-  static void finish(std::vector<Instruction>& instructions) {
-    for (Instruction& instruction : instructions)
-      for (int* slot : {&instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-        *slot = std::max(*slot, 0);
-    instructions.shrink_to_fit();
-  }
-  int slot(int node) const { return node < 0 ? -1 : tape_.slot_of[index(node)]; }
+  int slot(int node) const { return node < 0 ? -1 : v_of_[index(node)]; }
   bool is_number(int node) const { return !varies_in_time(record_.dependence(node)); }
 
   void add_leaf(int i) {
-    const Node& node = record_.node(i);
-    const int slot = tape_.slot_of[index(i)] = tape_.num_slots++;
+    const Node node = record_.node(i);
+    const int slot = v_of_[index(i)] = tape_.num_slots++;
     switch (node.operation) {
       case Operation::constant: tape_.constants.push_back({slot, node.a}); break;
       case Operation::parameter: tape_.parameters.push_back({slot, node.a}); break;
@@ -163,13 +273,13 @@ class Builder {
     }
   }
 
-  std::vector<Instruction>& section(int i) {
-    if (record_.is_active(i)) return tape_.of_state;
-    return is_number(i) ? tape_.of_parameters : tape_.of_time;
+  void add(int i, const Instruction& instruction) {
+    if (record_.is_active(i)) return of_state_.add(instruction, tape_.num_slots);
+    (is_number(i) ? tape_.of_parameters : tape_.of_time).push_back(without_gaps(instruction));
   }
 
   void add_instruction(int i) {
-    const Node& node = record_.node(i);
+    const Node node = record_.node(i);
     Instruction instruction{code_of(node.operation), 0, slot(node.a), slot(node.b), slot(node.c)};
     const bool is_pair = instruction.code == Code::sin_cos || instruction.code == Code::sinh_cosh;
     // sin a and cos a, sinh a and cosh a come from one instruction.
@@ -179,14 +289,14 @@ class Builder {
     if (has_slope(instruction.code)) instruction.p = tape_.num_slots++;
     if (has_second_slope(instruction.code)) instruction.q = tape_.num_slots++;
     if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
-    tape_.slot_of[index(i)] = instruction.v;
+    v_of_[index(i)] = instruction.v;
     p_of_[index(i)] = instruction.p;
     q_of_[index(i)] = instruction.q;
     if (node.operation == Operation::cos || node.operation == Operation::cosh) {
-      tape_.slot_of[index(i)] = instruction.p;
+      v_of_[index(i)] = instruction.p;
       p_of_[index(i)] = instruction.v;
     }
-    section(i).push_back(instruction);
+    add(i, instruction);
   }
 
   // Arguments follow each other, and so do the derivatives by them.
@@ -198,24 +308,24 @@ class Builder {
     instruction.a = k == 1 ? slot(call.arguments[0]) : tape_.num_slots;
     instruction.b = instruction.a + 1;
     if (k > 1)
-      for (int argument : call.arguments) section(i).push_back({Code::copy, tape_.num_slots++, slot(argument)});
-    instruction.v = tape_.slot_of[index(i)] = tape_.num_slots++;
+      for (int argument : call.arguments) add(i, {Code::copy, tape_.num_slots++, slot(argument)});
+    instruction.v = v_of_[index(i)] = tape_.num_slots++;
     instruction.p = p_of_[index(i)] = tape_.num_slots;
     tape_.num_slots += k;
-    section(i).push_back(instruction);
+    add(i, instruction);
   }
 
   // Takes the value from the instruction of the other one of the pair.
   bool share(int i) {
-    const Node& node = record_.node(i);
+    const Node node = record_.node(i);
     const bool is_circular = node.operation == Operation::sin || node.operation == Operation::cos;
     auto& partner = is_circular ? partner_[index(node.a)] : hyperbolic_partner(node.a);
     if (partner < 0) {
       partner = i;
       return false;
     }
-    tape_.slot_of[index(i)] = p_of_[index(partner)];
-    p_of_[index(i)] = tape_.slot_of[index(partner)];
+    v_of_[index(i)] = p_of_[index(partner)];
+    p_of_[index(i)] = v_of_[index(partner)];
     return true;
   }
 
@@ -233,13 +343,12 @@ class Builder {
   }
 
   void add_edges(int equation, const std::vector<Adjoint>& adjoints) {
-    tape_.first_edge.push_back(tape_.edges.size());
-    tape_.first_target.push_back(tape_.targets.size());
+    edges_.clear();
     equation_ = equation;
     num_adjoints_ = 0;
     if (!adjoints.empty()) touch(slot(adjoints.front().node));
     for (const Adjoint& adjoint : adjoints) {
-      const Node& node = record_.node(adjoint.node);
+      const Node node = record_.node(adjoint.node);
       from_number_ = !varies_in_time(adjoint.dependence);
       if (is_leaf(node.operation))
         tape_.targets.push_back(
@@ -249,7 +358,7 @@ class Builder {
   }
 
   void add_edges_of(int i) {
-    const Node& node = record_.node(i);
+    const Node node = record_.node(i);
     const int p = p_of_[index(i)], q = q_of_[index(i)];
     switch (node.operation) {
       case Operation::negate: return add_edge(EdgeCode::negate, i, node.a, -1);
@@ -287,8 +396,10 @@ class Builder {
   void add_edge(EdgeCode code, int from, int to, int factor) {
     if (!record_.is_active(to)) return;
     const bool is_first = touch(slot(to));
-    tape_.edges.push_back({code, is_first, from_number_, adjoint_of_[index(slot(from))], adjoint_of_[index(slot(to))],
-                           std::max(factor, 0)});
+    const int place = static_cast<int>(tape_.factors.size() - tape_.first_factor.back());
+    edges_.push_back({code, is_first, from_number_, adjoint_of_[index(slot(from))], adjoint_of_[index(slot(to))],
+                      has_factor(code) ? place : 0});
+    if (has_factor(code)) tape_.factors.push_back(std::max(factor, 0));
   }
 
   // False: it has an adjoint in this equation already.
@@ -302,8 +413,10 @@ class Builder {
 
   const Record& record_;
   Tape& tape_;
-  std::vector<int>&p_of_, &q_of_;
+  std::vector<int>&v_of_, &p_of_, &q_of_;
+  InRuns of_state_;
   std::vector<int> partner_, hyperbolic_partner_;
+  std::vector<Edge> edges_;                // of the equation
   std::vector<int> touched_, adjoint_of_;  // slots: by which equation, and the number of its adjoint there
   int num_adjoints_ = 0;
   int equation_ = 0;
@@ -312,9 +425,18 @@ class Builder {
 
 }  // namespace
 
-Tape::Tape(const Record& record, SlopeSlots* slopes) {
-  SlopeSlots own;
-  Builder(record, *this, slopes != nullptr ? *slopes : own).build();
+Tape::Tape(const Record& record) {
+  NodeSlots slots;
+  Builder builder(record, *this, slots);
+  builder.lay_out();
+  builder.add_gradients();
+}
+
+NodeSlots slots_of_nodes(const Record& record) {
+  NodeSlots slots;
+  Tape unused;
+  Builder(record, unused, slots).lay_out();
+  return slots;
 }
 
 }  // namespace sfdae::core

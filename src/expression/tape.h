@@ -1,5 +1,5 @@
 // The graph of recorded equations, laid out for evaluation: what does not contribute to an equation is left out,
-// every value has a slot, and the gradients are lists of edges to be followed backward.
+// every value has a slot, and the gradients are lists of edges to be followed backward, which equations of one form share.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "expression/record.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -61,6 +62,39 @@ enum class EdgeCode : std::uint8_t {
 // The instruction that computes an operation (which is no leaf): without regard to what kind of operands it has.
 Code code_of(Operation operation);
 
+// Instructions in their order. Most are of four kinds with two operands, of which three slots are kept and the kind once for all
+// that follow each other; others are kept as they are.
+class InstructionList {
+ public:
+  struct Binary {
+    int v, a, b;
+  };
+  // Instructions of that code, of the binary ones; others, whatever they are, where the code is none of these.
+  struct Run {
+    Code code;
+    std::size_t count;
+  };
+  static bool is_binary(Code code) {
+    return code == Code::add || code == Code::subtract || code == Code::multiply || code == Code::scale;
+  }
+
+  void push_back(const Instruction& instruction);
+  void shrink_to_fit();
+  std::vector<Instruction> all() const;
+  // Slots as offsets, `stride` numbers for each.
+  InstructionList in_offsets(int stride) const;
+
+  bool empty() const { return runs_.empty(); }
+  const std::vector<Run>& runs() const { return runs_; }
+  const Binary* binary() const { return binary_.data(); }
+  const Instruction* others() const { return others_.data(); }
+
+ private:
+  std::vector<Run> runs_;
+  std::vector<Binary> binary_;
+  std::vector<Instruction> others_;
+};
+
 // How a derivative is handed from a value to one of its operands. Adjoints are numbered within each equation, that of the residual is
 // the first.
 struct Edge {
@@ -68,24 +102,33 @@ struct Edge {
   bool is_first;     // = instead of +=
   bool from_number;  // adjoint(from) is constant in time
   int from, to;
-  int factor;  // slot, 0 if there is none
+  int factor;  // which one of those of the equation; without a meaning where there is none
 };
 
-// The slots p and q of the instructions of all nodes, or -1.
-struct SlopeSlots {
-  std::vector<int> p, q;
+inline bool has_factor(EdgeCode code) { return code != EdgeCode::pass && code != EdgeCode::negate; }
+
+// Slots of the values of all nodes, and of p and q of their instructions, or -1.
+struct NodeSlots {
+  std::vector<int> v, p, q;
 };
+NodeSlots slots_of_nodes(const Record& record);
+
+// Nodes that equations depend on.
+std::vector<bool> live_nodes(const Record& record);
 
 struct Tape {
-  // slopes: filled in where they are wanted.
-  explicit Tape(const Record& record, SlopeSlots* slopes = nullptr);
+  Tape() = default;
+  explicit Tape(const Record& record);
 
   struct Number {
     int slot, index;  // of a constant or a parameter
   };
   struct Leaf {
-    int slot, unknown;
-    bool derivative;
+    Leaf(int slot_, int unknown_, bool derivative_)
+        : slot(slot_), unknown(unknown_ & 0x3fffffff), derivative(derivative_) {}
+    int slot;
+    int unknown : 31;
+    bool derivative : 1;
   };
 
   int num_slots = 0;
@@ -93,19 +136,34 @@ struct Tape {
   std::vector<Number> constants, parameters;
   std::vector<Leaf> leaves;
   // To be done after a change of parameters; of the time; of x or x'. Operands come first, and those of x or x' that are of one
-  // kind follow each other (in_runs in tape.cpp).
-  std::vector<Instruction> of_parameters, of_time, of_state;
+  // kind follow each other (InRuns in tape.cpp).
+  InstructionList of_parameters, of_time, of_state;
   std::vector<int> residuals;  // slots
   bool has_choices = false;    // among the values that depend on x or x'
 
-  // Equation i: its edges and the leaves that they lead to are those from first[i] to first[i + 1].
-  std::vector<Edge> edges;
-  std::vector<std::size_t> first_edge;
-  int num_adjoints = 1;       // of the equation that has most of them
+  // Equations of one form share their edges and have factors of their own (docs/decisions/74-tapes-of-forms.md).
+  struct EdgesOfEquation {
+    const Edge *first, *last;
+    const int* factors;  // slots
+  };
+  EdgesOfEquation edges_of(std::size_t equation) const { return edges_of(equation, edges, factors); }
+  // Where edges and factors have been copied.
+  EdgesOfEquation edges_of(std::size_t equation, const std::vector<Edge>& all_edges,
+                           const std::vector<int>& all_factors) const {
+    const std::size_t form = index(form_of[equation]);
+    return {all_edges.data() + first_edge[form], all_edges.data() + first_edge[form + 1],
+            all_factors.data() + first_factor[equation]};
+  }
+  std::vector<Edge> edges;              // of all forms
+  std::vector<std::size_t> first_edge;  // of each form, and their number
+  std::vector<int> form_of;             // equations
+  std::vector<int> factors;             // of all equations, and one more
+  std::vector<std::size_t> first_factor;
+  int num_adjoints = 1;  // of the equation that has most of them
+
+  // The leaves that the edges of equation i lead to are those from first_target[i] to first_target[i + 1].
   std::vector<Leaf> targets;  // slot: the number of the adjoint
   std::vector<std::size_t> first_target;
-
-  std::vector<int> slot_of;  // by node; -1: none
 };
 
 }  // namespace sfdae::core

@@ -31,43 +31,41 @@ auto with_order(int order, Action action) {
   }
 }
 
-// Most instructions are of four kinds, and many of one kind follow each other (tape.h): these are told apart once.
 template <bool with_slopes, class Order>
-void execute_each(const std::vector<Instruction>& instructions, double* const slots, Order K) {
-  const Instruction* next = instructions.data();
-  const Instruction* const last = next + instructions.size();
-  const auto run = [&](auto operation) {
-    const Code code = next->code;
-    do operation(slots + next->a, slots + next->b, slots + next->v);
-    while (++next != last && next->code == code);
+void execute_each(const InstructionList& list, double* const slots, Order K) {
+  const InstructionList::Binary* next = list.binary();
+  const Instruction* other = list.others();
+  const auto run = [&](std::size_t count, auto operation) {
+    for (const InstructionList::Binary* const last = next + count; next != last; ++next)
+      operation(slots + next->a, slots + next->b, slots + next->v);
   };
-  while (next != last) {
-    switch (next->code) {
-      case Code::add: run([K](auto a, auto b, auto v) { series::add(a, b, v, K); }); break;
-      case Code::subtract: run([K](auto a, auto b, auto v) { series::subtract(a, b, v, K); }); break;
-      case Code::multiply: run([K](auto a, auto b, auto v) { series::multiply(a, b, v, K); }); break;
-      case Code::scale: run([K](auto a, auto b, auto v) { series::scale(a, b[0], v, K); }); break;
-      default: execute<with_slopes>(*next++, slots, K);
+  for (const auto& [code, count] : list.runs()) {
+    switch (code) {
+      case Code::add: run(count, [K](auto a, auto b, auto v) { series::add(a, b, v, K); }); break;
+      case Code::subtract: run(count, [K](auto a, auto b, auto v) { series::subtract(a, b, v, K); }); break;
+      case Code::multiply: run(count, [K](auto a, auto b, auto v) { series::multiply(a, b, v, K); }); break;
+      case Code::scale: run(count, [K](auto a, auto b, auto v) { series::scale(a, b[0], v, K); }); break;
+      default:
+        for (const Instruction* const last = other + count; other != last; ++other)
+          execute<with_slopes>(*other, slots, K);
     }
   }
 }
 
 template <bool with_slopes>
-void execute_all(const std::vector<Instruction>& instructions, double* slots, int order) {
+void execute_all(const InstructionList& instructions, double* slots, int order) {
   with_order(order, [&instructions, slots](auto K) { execute_each<with_slopes>(instructions, slots, K); });
-}
-
-std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
-  for (Instruction& instruction : instructions)
-    for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-      *slot *= stride;
-  return instructions;
 }
 
 std::vector<Edge> in_offsets(std::vector<Edge> edges, int stride) {
   for (Edge& edge : edges)
-    for (int* slot : {&edge.from, &edge.to, &edge.factor}) *slot *= stride;
+    for (int* adjoint : {&edge.from, &edge.to}) *adjoint *= stride;
   return edges;
+}
+
+std::vector<int> in_offsets(std::vector<int> slots, int stride) {
+  for (int& slot : slots) slot *= stride;
+  return slots;
 }
 
 }  // namespace
@@ -152,9 +150,8 @@ bool TaylorEvaluator::varying_entries(double t, const double* jet, const Varying
   bool finite = true;
   for (const VaryingEntries::Row& row : varying.rows()) {
     adjoints[0] = 1.0;
-    const Edge *const first = varying.edges() + row.first_edge, *const last = varying.edges() + row.last_edge;
-    if (tape_.has_choices) follow<true>(first, last, slots, adjoints, Fixed<0>());
-    else follow<false>(first, last, slots, adjoints, Fixed<0>());
+    if (tape_.has_choices) follow<true>(varying.edges_of(row), slots, adjoints, Fixed<0>());
+    else follow<false>(varying.edges_of(row), slots, adjoints, Fixed<0>());
     for (std::size_t k = row.first_target; k < row.last_target; ++k) {
       const std::size_t e = varying.target(k);
       values[e] = adjoints[index(tape_.targets[e].slot) * index(stride_)];
@@ -171,8 +168,9 @@ void TaylorEvaluator::reserve(int order) {
   std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0),
       adjoints(index(tape_.num_adjoints) * index(stride), 0.0);
   if (stride > 1)
-    program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
-                in_offsets(tape_.of_state, stride), in_offsets(tape_.edges, stride)};
+    program_ = {tape_.of_parameters.in_offsets(stride), tape_.of_time.in_offsets(stride),
+                tape_.of_state.in_offsets(stride), in_offsets(tape_.edges, stride),
+                in_offsets(tape_.factors, stride)};
   slots_ = std::move(slots);
   adjoints_ = std::move(adjoints);
   stride_ = stride;
@@ -203,7 +201,7 @@ bool TaylorEvaluator::load(double t, const double* jet, int order) {
 
 void TaylorEvaluator::run(double t, int order, bool with_slopes) {
   run_before_state(t, order);
-  const std::vector<Instruction>& of_state = instructions(&Tape::of_state, &Program::of_state);
+  const InstructionList& of_state = instructions(&Tape::of_state, &Program::of_state);
   if (with_slopes) execute_all<true>(of_state, slots_.data(), order);
   else execute_all<false>(of_state, slots_.data(), order);
 }
@@ -280,11 +278,11 @@ void TaylorEvaluator::sweep_back(int equation, Order order) {
   double* const adjoints = adjoints_.data();
   for (int k = 1; k <= order; ++k) adjoints[k] = 0.0;
   adjoints[0] = 1.0;
-  const Edge* const edges = stride_ == 1 ? tape_.edges.data() : program_.edges.data();
-  const Edge* const first = edges + tape_.first_edge[index(equation)];
-  const Edge* const last = edges + tape_.first_edge[index(equation + 1)];
-  if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, order);
-  else follow<false>(first, last, slots_.data(), adjoints, order);
+  const bool is_own = stride_ > 1;
+  const Tape::EdgesOfEquation edges = tape_.edges_of(index(equation), is_own ? program_.edges : tape_.edges,
+                                                     is_own ? program_.factors : tape_.factors);
+  if (tape_.has_choices) follow<true>(edges, slots_.data(), adjoints, order);
+  else follow<false>(edges, slots_.data(), adjoints, order);
 }
 
 // Entries of one row; false if one is not finite.
@@ -306,7 +304,7 @@ bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F
 }
 
 bool TaylorEvaluator::fail(int equation, int order, int order_of_gradients) {
-  failure_ = diagnose(*record_, tape_, {slots_.data(), stride_}, {equation, order, order_of_gradients});
+  failure_ = diagnose(*record_, {slots_.data(), stride_}, {equation, order, order_of_gradients});
   return false;
 }
 

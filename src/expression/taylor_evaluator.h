@@ -73,17 +73,19 @@ class TaylorEvaluator {
   std::optional<int> find_parameter(const std::string& name) const;
   double parameter(int i) const { return parameters_[index(i)]; }
   void set_parameter(int i, double value);
+  // Since the equations were recorded.
+  long changes_of_parameters() const { return changes_of_parameters_; }
 
  private:
   // Indices that are slots in a tape are offsets here. Empty where these are the same, with one coefficient in a slot: large
   // systems seldom need more, and instructions and edges are the largest part of a recording.
   struct Program {
-    std::vector<Instruction> of_parameters, of_time, of_state;
+    InstructionList of_parameters, of_time, of_state;
     std::vector<Edge> edges;
+    std::vector<int> factors;
   };
 
-  const std::vector<Instruction>& instructions(std::vector<Instruction> Tape::*of_tape,
-                                               std::vector<Instruction> Program::*of_program) const {
+  const InstructionList& instructions(InstructionList Tape::*of_tape, InstructionList Program::*of_program) const {
     return stride_ == 1 ? tape_.*of_tape : program_.*of_program;
   }
   void reserve(int order);

@@ -166,8 +166,9 @@ TimeBreakpoints::Curve TimeBreakpoints::Inputs::sum(const Curve& a, const Curve&
 TimeBreakpoints::Inputs::Inputs(const TaylorEvaluator& evaluator)
     : evaluator_(evaluator), record_(evaluator.record()) {
   std::vector<char> is_needed(index(record_.num_nodes()), 0);
+  const std::vector<bool> live = live_nodes(record_);
   for (int i = 0; i < record_.num_nodes(); ++i) {
-    if (record_.node(i).operation != Operation::function || evaluator.tape().slot_of[index(i)] < 0) continue;
+    if (record_.node(i).operation != Operation::function || !live[index(i)]) continue;
     const FunctionCall& call = record_.call(i);
     const int argument = call.arguments.front();
     if (record_.is_active(argument) || !varies_in_time(record_.dependence(argument)) || !is_table(*call.function))
@@ -200,7 +201,7 @@ void TimeBreakpoints::Inputs::search(Search& search_for) {
 
 // The value of an operation on what is known.
 double TimeBreakpoints::Inputs::value_of(int i) const {
-  const Node& node = record_.node(i);
+  const Node node = record_.node(i);
   const Operands operands = record_.operands(i);
   double values[PointFunction::max_arguments] = {};
   for (int k = 0; k < operands.size(); ++k) {
@@ -217,7 +218,7 @@ double TimeBreakpoints::Inputs::value_of(int i) const {
 }
 
 TimeBreakpoints::Curve TimeBreakpoints::Inputs::curve_of(int i, Search& search_for) const {
-  const Node& node = record_.node(i);
+  const Node node = record_.node(i);
   switch (node.operation) {
     case Operation::constant: return constant(record_.constant(node.a));
     case Operation::parameter: return constant(evaluator_.parameter(node.a));

@@ -25,38 +25,43 @@ int results_of(const Instruction& instruction) {
 void VaryingEntries::set(const Tape& tape, int stride) {
   stride_ = 0;  // while memory may be missing
   version = -1;
-  instructions_.clear();
+  instructions_ = {};
   rows_.clear();
   edges_.clear();
+  factors_.assign(1, 0);
   targets_.clear();
   std::vector<char> is_needed(index(tape.num_slots), 0);  // of values, as factors
   for (std::size_t i = 0; i < tape.residuals.size(); ++i) choose_edges(tape, static_cast<int>(i), is_needed);
-  for (auto next = tape.of_state.rbegin(); next != tape.of_state.rend(); ++next) {
+  choose_instructions(tape, is_needed);
+  instructions_ = instructions_.in_offsets(stride);
+  for (Edge& edge : edges_)
+    for (int* adjoint : {&edge.from, &edge.to}) *adjoint *= stride;
+  for (int& factor : factors_) factor *= stride;
+  stride_ = stride;
+}
+
+void VaryingEntries::choose_instructions(const Tape& tape, std::vector<char>& is_needed) {
+  const std::vector<Instruction> all = tape.of_state.all();
+  std::vector<Instruction> chosen;
+  for (auto next = all.rbegin(); next != all.rend(); ++next) {
     const Instruction& instruction = *next;
     bool is_used =
         is_needed[index(instruction.v)] != 0 || (instruction.q > 0 && is_needed[index(instruction.q)] != 0);
     for (int k = 0; k < results_of(instruction) && instruction.p > 0; ++k)
       is_used = is_used || is_needed[index(instruction.p + k)] != 0;
     if (!is_used) continue;
-    instructions_.push_back(instruction);
+    chosen.push_back(instruction);
     for (int operand : {instruction.a, instruction.b, instruction.c})
       if (operand > 0) is_needed[index(operand)] = 1;
     for (int k = 1; k < results_of(instruction); ++k) is_needed[index(instruction.a + k)] = 1;
   }
-  std::reverse(instructions_.begin(), instructions_.end());
-  for (Instruction& instruction : instructions_)
-    for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-      *slot *= stride;
-  for (Edge& edge : edges_)
-    for (int* slot : {&edge.from, &edge.to, &edge.factor}) *slot *= stride;
-  stride_ = stride;
+  for (auto next = chosen.rbegin(); next != chosen.rend(); ++next) instructions_.push_back(*next);
 }
 
 // Edges come from the residual to the leaves. A sum of numbers is one; what is handed on to something that varies is needed, whether
 // it varies or not.
 void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<char>& is_needed) {
-  const Edge* const first = tape.edges.data() + tape.first_edge[index(equation)];
-  const Edge* const last = tape.edges.data() + tape.first_edge[index(equation + 1)];
+  const auto [first, last, factors] = tape.edges_of(index(equation));
   std::vector<int> varying, wanted;
   const auto has = [](const std::vector<int>& slots, int slot) {
     return std::binary_search(slots.begin(), slots.end(), slot);
@@ -77,7 +82,13 @@ void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<ch
     --edge;
     if (!has(wanted, edge->to)) continue;
     edges_.push_back(*edge);
-    if (edge->factor > 0) is_needed[index(edge->factor)] = 1;
+    edges_.back().factor = 0;
+    if (has_factor(edge->code)) {
+      const int factor = factors[edge->factor];
+      edges_.back().factor = static_cast<int>(factors_.size());
+      factors_.push_back(factor);
+      if (factor > 0) is_needed[index(factor)] = 1;
+    }
     if (!has(wanted, edge->from))
       wanted.insert(std::lower_bound(wanted.begin(), wanted.end(), edge->from), edge->from);
   }

@@ -17,13 +17,15 @@ class VaryingEntries {
   int stride() const { return stride_; }
 
   // Of the instructions of_state of the tape those that are needed.
-  const std::vector<Instruction>& instructions() const { return instructions_; }
+  const InstructionList& instructions() const { return instructions_; }
   // Equations with such derivatives, the edges that lead to these, and their numbers among the targets of the tape.
   struct Row {
     std::size_t first_edge, last_edge, first_target, last_target;
   };
   const std::vector<Row>& rows() const { return rows_; }
-  const Edge* edges() const { return edges_.data(); }
+  Tape::EdgesOfEquation edges_of(const Row& row) const {
+    return {edges_.data() + row.first_edge, edges_.data() + row.last_edge, factors_.data()};
+  }
   std::size_t target(std::size_t k) const { return targets_[k]; }
 
   // The parameters with which the other derivatives have been evaluated, as TaylorEvaluator counts them; -1: none.
@@ -31,11 +33,13 @@ class VaryingEntries {
 
  private:
   void choose_edges(const Tape& tape, int equation, std::vector<char>& is_needed);
+  void choose_instructions(const Tape& tape, std::vector<char>& is_needed);
 
   int stride_ = 0;
-  std::vector<Instruction> instructions_;
+  InstructionList instructions_;
   std::vector<Row> rows_;
   std::vector<Edge> edges_;
+  std::vector<int> factors_;  // the first one for edges that have none
   std::vector<std::size_t> targets_;
 };
 

@@ -3,6 +3,7 @@
 #include "structure/block_determinants.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "linalg/index.h"
@@ -17,8 +18,8 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
   std::vector<char> is_constant(tape.targets.size(), 0), of_adjoint(index(tape.num_adjoints), 1);
   for (int i = 0; i < record.m(); ++i) {
     of_adjoint[0] = 1;
-    for (std::size_t e = tape.first_edge[index(i)]; e < tape.first_edge[index(i + 1)]; ++e) {
-      const Edge& edge = tape.edges[e];
+    const Tape::EdgesOfEquation edges = tape.edges_of(index(i));
+    for (const Edge& edge : std::span(edges.first, edges.last)) {
       const bool is_factor_constant =
           edge.code == EdgeCode::pass || edge.code == EdgeCode::negate || edge.code == EdgeCode::scale;
       const bool is_same = is_factor_constant && of_adjoint[index(edge.from)] != 0;
@@ -31,26 +32,39 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
   return is_constant;
 }
 
-}  // namespace
-
-BlockDeterminants::BlockDeterminants(const Structure& structure, SystemJacobian& jacobian, TaylorEvaluator& evaluator)
-    : structure_(structure), evaluator_(evaluator), jacobian_(jacobian) {
+// Flags of the equations: some entry of the system Jacobian varies. Equations that were replaced count as ones that vary.
+std::vector<char> varying_equations(const Structure& structure, const TaylorEvaluator& evaluator) {
   const Tape& tape = evaluator.tape();
   const std::vector<char> is_constant = constant_targets(tape, evaluator.record());
-  // Equations that were replaced count as ones that vary.
-  const auto varies = [&](int i) {
-    if (structure.equations.is_replaced(i)) return true;
+  std::vector<char> varies(index(structure.signature.size()), 0);
+  for (int i = 0; i < structure.signature.size(); ++i) {
+    varies[index(i)] = structure.equations.is_replaced(i);
+    if (varies[index(i)] != 0) continue;
     for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e) {
       const Tape::Leaf& leaf = tape.targets[e];
       if (is_constant[e] == 0 && structure.offsets.is_leading(i, {leaf.unknown, leaf.derivative ? 1 : 0}))
-        return true;
+        varies[index(i)] = 1;
     }
-    return false;
-  };
+  }
+  return varies;
+}
+
+}  // namespace
+
+bool has_constant_blocks(const Structure& structure, const TaylorEvaluator& evaluator) {
+  if (evaluator.has_source()) return false;
+  const std::vector<char> varies = varying_equations(structure, evaluator);
+  return std::none_of(varies.begin(), varies.end(), [](char flag) { return flag != 0; });
+}
+
+BlockDeterminants::BlockDeterminants(const Structure& structure, SystemJacobian& jacobian, TaylorEvaluator& evaluator)
+    : structure_(structure), evaluator_(evaluator), jacobian_(jacobian) {
+  const std::vector<char> varies = varying_equations(structure, evaluator);
   BlockEntries of_blocks(structure, jacobian_);
   for (int block = 0; block < structure.blocks.count(); ++block) {
     const auto equations = structure.blocks.equations(block);
-    if (std::any_of(equations.begin(), equations.end(), varies)) add(block, of_blocks);
+    if (std::any_of(equations.begin(), equations.end(), [&](int i) { return varies[index(i)] != 0; }))
+      add(block, of_blocks);
   }
 }
 

@@ -14,6 +14,10 @@
 
 namespace sfdae::core {
 
+// All entries of the system Jacobian are numbers, which do not depend on the point: what has been decided about its blocks holds until
+// parameters change.
+bool has_constant_blocks(const Structure& structure, const TaylorEvaluator& evaluator);
+
 class BlockDeterminants {
  public:
   // All live longer. jacobian: where entries are evaluated.
