@@ -18,6 +18,7 @@ namespace sfdae::core {
 class ExtensionChangeWatch final : public ChangeWatch {
  public:
   explicit ExtensionChangeWatch(ExtensionSystem& system);
+  bool may_find() const override { return determinants_.count() > 0; }
   void start(double direction) override;
   std::optional<LocatedChange> find(double t_last) override;
   void accept() override;

@@ -18,8 +18,10 @@ namespace sfdae::core {
 MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, const std::vector<double>& sizes) {
   const std::shared_ptr<const Structure>& recorded = problem_.shared_structure();
   if (problem_.source() != nullptr && problem_.source()->has_differences()) return {problem_, recorded};
-  auto replaced = structure_with_replacements(*recorded, problem_.evaluator(), {point.t, point.x, sizes});
-  return {problem_, replaced ? std::move(replaced) : recorded};
+  ReplacedStructure replaced =
+      structure_with_replacements(*recorded, problem_.evaluator(), {point.t, point.x, sizes});
+  if (replaced.structure) return {problem_, std::move(replaced.structure)};
+  return {problem_, recorded, std::move(replaced.ordered)};
 }
 
 // Where no x is known, linear equations have the same derivatives everywhere.

@@ -11,6 +11,7 @@
 #include "linalg/index.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
+#include "structure/block_determinants.h"
 #include "structure/replacement.h"
 
 namespace sfdae::core {
@@ -39,10 +40,11 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
-      judge_(extension_.structure(), extension_.leading()),
+      judge_(extension_.structure(), extension_.leading(), extension_.take_ordered_blocks()),
+      has_constant_blocks_(has_constant_blocks(extension_.structure(), problem_.evaluator())),
       scales_(std::move(scales)) {
   resize();
-  const PointStatus status = set_point(jet);
+  const PointStatus status = set_point(jet, Certificates::kept);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   if (status == PointStatus::callback_error)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "no values consistent with the constraints were found: " +
@@ -70,7 +72,8 @@ ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const 
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
-      judge_(extension_.structure(), extension_.leading()) {
+      judge_(extension_.structure(), extension_.leading(), extension_.take_ordered_blocks()),
+      has_constant_blocks_(has_constant_blocks(extension_.structure(), problem_.evaluator())) {
   resize();
   archive(saved);
 }
@@ -113,19 +116,21 @@ CharacteristicValues ExtensionSystem::values_at(double) {
 
 // ---- Points ----------------------------------------------------------------------------------------------------
 
-PointStatus ExtensionSystem::set_point(const Jet& jet) {
+PointStatus ExtensionSystem::set_point(const Jet& jet, Certificates certificates) {
   jet_ = jet;
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
   about_later_point_.clear();
   // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left it from the
   // solution.
-  PointStatus status = certify(jet_, {}, Certificates::kept);
+  PointStatus status = certify(jet_, {}, certificates);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
   std::vector<double> noise = linearization_.noise_of_jet();
   add_distance(noise);
-  return certify(jet_, noise, Certificates::kept);
+  status = certify(jet_, noise, certificates);
+  if (has_constant_blocks_ && is_certified_) forget_what_certifies();
+  return status;
 }
 
 // To the solution, as the residuals tell.
@@ -141,11 +146,23 @@ void ExtensionSystem::add_distance(std::vector<double>& noise) {
   }
 }
 
+bool ExtensionSystem::is_known_to_be_certified(Certificates certificates) const {
+  return has_constant_blocks_ && is_certified_ &&
+         certified_parameters_ == problem_.evaluator().changes_of_parameters() &&
+         (certificates == Certificates::not_kept || !certificate_.blocks.empty());
+}
+
+void ExtensionSystem::forget_what_certifies() {
+  judge_.forget_order();
+  extension_.leading().forget_values();
+}
+
 // noise: of the jet, empty where it is not known.
 PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& noise, Certificates certificates) {
   unjudged_ = 0;
-  is_certified_ = false;
   about_change_.clear();
+  if (is_known_to_be_certified(certificates)) return PointStatus::ok;
+  is_certified_ = false;
   certificate_ = {};
   Certificate certificate;
   const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
@@ -155,6 +172,7 @@ PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& 
   }
   smallest_kept_ = certificate.smallest_kept();
   is_certified_ = certificate.is_given();
+  certified_parameters_ = problem_.evaluator().changes_of_parameters();
   const int singular = certificate.first(BlockVerdict::singular);
   const int block = singular >= 0 ? singular : certificate.first(BlockVerdict::unclear);
   if (certificates == Certificates::kept) certificate_ = std::move(certificate);

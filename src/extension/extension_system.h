@@ -38,7 +38,7 @@ class ExtensionSystem final : public DaeSystem {
   double t() const override { return jet_.t; }
   SystemForm form() const override { return SystemForm::extension; }
   // A consistent point becomes the current and accepted one.
-  PointStatus set_point(const Jet& jet);
+  PointStatus set_point(const Jet& jet) { return set_point(jet, Certificates::not_kept); }
   const Jet& jet() const { return jet_; }
   // Of the step whose stages were solved last.
   const Jet& jet_of_stage(int i) const { return stages_.jet(i); }
@@ -53,7 +53,7 @@ class ExtensionSystem final : public DaeSystem {
   const std::vector<double>& scales() const { return scales_; }
   MinimalExtension& extension() { return extension_; }
   const ExtensionLinearization& linearization() const { return linearization_; }
-  // The certificate of the point that was set, once: it has a decision for each block.
+  // The certificate of the first point, once: it has a decision for each block.
   Certificate take_certificate() { return std::exchange(certificate_, {}); }
   double smallest_kept() const { return smallest_kept_; }
 
@@ -101,6 +101,9 @@ class ExtensionSystem final : public DaeSystem {
   void resize();
   void find_values();
   enum class Certificates { kept, not_kept };
+  PointStatus set_point(const Jet& jet, Certificates certificates);
+  bool is_known_to_be_certified(Certificates certificates) const;
+  void forget_what_certifies();
   PointStatus certify(const Jet& jet, const std::vector<double>& noise,
                       Certificates certificates = Certificates::not_kept);
   void add_distance(std::vector<double>& noise);
@@ -120,8 +123,11 @@ class ExtensionSystem final : public DaeSystem {
   ExtensionIteration iteration_;
   ExtensionStages stages_;
   StructureJudge judge_;
-  Certificate certificate_;  // of the point that was set
+  Certificate certificate_;  // of the first point
   bool is_certified_ = false;
+  // The system Jacobian does not depend on the point, and parameters were those when it was certified.
+  bool has_constant_blocks_;
+  long certified_parameters_ = -1;
   double smallest_kept_ = 1.0;
   std::string about_change_, about_later_point_;
   JetHistory history_;

@@ -8,7 +8,30 @@
 
 namespace sfdae::core {
 
-void LeastChangeStep::analyze(const Equations& equations) {
+void LeastChangeStep::analyze(const Equations& equations, bool decides_all) {
+  decides_all_ = decides_all;
+  if (decides_all) note_square(equations);
+  else note_symmetric(equations);
+  lu_.analyze(pattern_);
+}
+
+// J by columns.
+void LeastChangeStep::note_square(const Equations& equations) {
+  pattern_.size = equations.unknowns;
+  pattern_.first.assign(index(equations.unknowns) + 1, 0);
+  for (int j : equations.column) ++pattern_.first[index(j + 1)];
+  for (std::size_t j = 1; j < pattern_.first.size(); ++j) pattern_.first[j] += pattern_.first[j - 1];
+  pattern_.row.assign(equations.column.size(), 0);
+  lower_.resize(equations.column.size());
+  std::vector<int> next(pattern_.first.begin(), pattern_.first.end() - 1);
+  for (int i = 0; i < equations.rows(); ++i)
+    for (int e = equations.first[index(i)]; e < equations.first[index(i + 1)]; ++e) {
+      lower_[index(e)] = next[index(equations.column[index(e)])]++;
+      pattern_.row[index(lower_[index(e)])] = i;
+    }
+}
+
+void LeastChangeStep::note_symmetric(const Equations& equations) {
   const int n = equations.unknowns, m = equations.rows();
   std::vector<int> count(index(n), 1);  // the diagonal, and J
   for (int j : equations.column) ++count[index(j)];
@@ -36,12 +59,15 @@ void LeastChangeStep::analyze(const Equations& equations) {
       pattern_.row[index(upper_[index(e)])] = j;
     }
   }
-  lu_.analyze(pattern_);
 }
 
 bool LeastChangeStep::factor(const Equations& equations, const std::vector<double>& values,
                              const std::vector<double>& W, const std::vector<char>& is_held) {
   values_.assign(pattern_.row.size(), 0.0);
+  if (decides_all_) {
+    for (std::size_t e = 0; e < values.size(); ++e) values_[index(lower_[e])] = values[e];
+    return lu_.factor(values_.data());
+  }
   for (int j = 0; j < equations.unknowns; ++j)
     values_[index(pattern_.first[index(j)])] = is_held[index(j)] != 0 ? 1.0 : W[index(j)];
   for (std::size_t e = 0; e < values.size(); ++e) {
@@ -54,9 +80,13 @@ bool LeastChangeStep::factor(const Equations& equations, const std::vector<doubl
 void LeastChangeStep::solve(const Equations& equations, const std::vector<char>& is_held, double* dx,
                             const double* r) {
   const std::size_t n = index(equations.unknowns);
-  b_.resize(index(pattern_.size));
-  for (std::size_t j = 0; j < n; ++j) b_[j] = is_held[j] != 0 ? 0.0 : dx[j];
-  std::copy_n(r, equations.rows(), b_.begin() + equations.unknowns);
+  if (decides_all_) {
+    b_.assign(r, r + n);
+  } else {
+    b_.resize(index(pattern_.size));
+    for (std::size_t j = 0; j < n; ++j) b_[j] = is_held[j] != 0 ? 0.0 : dx[j];
+    std::copy_n(r, equations.rows(), b_.begin() + equations.unknowns);
+  }
   z_ = b_;
   lu_.solve(z_.data());
   refine();

@@ -1,5 +1,5 @@
 // The change of unknowns that fulfils linear equations and is least: minimize dx^T W dx / 2 + g^T dx so that J dx = r, J sparse of
-// full row rank, by one sparse factorization of [W J^T; J 0].
+// full row rank, by one sparse factorization of [W J^T; J 0], or of J where it is square and nothing is left to be chosen.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,7 +18,8 @@ class LeastChangeStep {
     int unknowns;
     int rows() const { return static_cast<int>(first.size()) - 1; }
   };
-  void analyze(const Equations& equations);
+  // decides_all: as many equations as unknowns, none of which are held.
+  void analyze(const Equations& equations, bool decides_all = false);
   // False: there is no such change, or more than one.
   bool factor(const Equations& equations, const std::vector<double>& values, const std::vector<double>& W,
               const std::vector<char>& is_held);
@@ -27,8 +28,11 @@ class LeastChangeStep {
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
 
  private:
+  void note_square(const Equations& equations);
+  void note_symmetric(const Equations& equations);
   void refine();
 
+  bool decides_all_ = false;
   SparsePattern pattern_;
   std::vector<int> upper_, lower_;  // of the entries of J: their places in J^T and J
   SparseLu<double> lu_;

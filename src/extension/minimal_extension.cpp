@@ -23,9 +23,11 @@ bool are_as_recorded(const std::vector<EntryTerm>& terms, std::size_t coefficien
 
 }  // namespace
 
-MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure)
+MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure,
+                                   std::shared_ptr<OrderedBlocks> ordered)
     : problem_(problem),
       structure_(std::move(structure)),
+      ordered_(std::move(ordered)),
       n_(problem.n()),
       leading_(*structure_, problem.evaluator().tape()) {
   highest_d_ = *std::max_element(offsets().d.begin(), offsets().d.end());

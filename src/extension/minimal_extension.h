@@ -24,7 +24,9 @@ namespace sfdae::core {
 
 class MinimalExtension {
  public:
-  MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure);
+  // ordered: see StructureJudge.
+  MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure,
+                   std::shared_ptr<OrderedBlocks> ordered = nullptr);
 
   int n() const { return n_; }
   // Both sorted by stages: the rows f_i^(k) by k - c_i, the unknowns x_j^(l) by l - d_j.
@@ -91,6 +93,8 @@ class MinimalExtension {
   // target number e of the tape is coefficient(e, k), k <= highest_level().
   template <class Coefficient>
   void take_derivatives(Coefficient coefficient, double* values) const;
+  // For the first judge of the structure.
+  std::shared_ptr<OrderedBlocks> take_ordered_blocks() { return std::move(ordered_); }
   // The system Jacobian, for anyone who evaluates it first.
   SystemJacobian& leading() { return leading_; }
   // Each value times 1 + size times a random number, until they are made anew.
@@ -109,6 +113,7 @@ class MinimalExtension {
 
   RecordedProblem& problem_;
   std::shared_ptr<const Structure> structure_;
+  std::shared_ptr<OrderedBlocks> ordered_;
   int n_, highest_level_ = 0, highest_d_ = 0;
   std::vector<Row> rows_;
   std::vector<Column> columns_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/stage_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -54,14 +55,24 @@ const char* StageSearch::explain(const CallbackError& error, const Jet& guess, b
 const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_first) {
   CallbackError error = extension_.linearize_stage(stage_, jet, J_);
   if (error.status != SFDAE_OK) return explain(error, guess, is_first);
-  if (is_first) step_.analyze(equations_);
   scale_columns(J_.column, unit_, J_.values);
   equilibrate_rows(J_.first, J_.values, factors_);
-  if (!step_.factor(equations_, J_.values, W_, held_)) return singular;
   residual_ = residual(jet);
+  if (is_first && is_solved(guess, jet)) return nullptr;
+  if (is_first) step_.analyze(equations_, is_square());
+  if (!step_.factor(equations_, J_.values, W_, held_)) return singular;
   if (residual_ < HUGE_VAL) return nullptr;
   error = extension_.stage_residuals(stage_, jet, r_.data());
   return error.status != SFDAE_OK ? explain(error, guess, is_first) : "the equations overflow.";
+}
+
+// Nothing is left to be done: values given that are consistent are the nearest ones. Certificates tell whether equations are
+// singular there.
+bool StageSearch::is_solved(const Jet& guess, const Jet& jet) const {
+  if (residual_ != 0.0) return false;
+  return is_square() || std::all_of(columns_.begin(), columns_.end(), [&](const MinimalExtension::Column& column) {
+           return jet.column(column.order)[column.unknown] == guess.column(column.order)[column.unknown];
+         });
 }
 
 // Whether it was a whole one. change_ becomes that of the jet.
@@ -100,6 +111,7 @@ const char* StageSearch::run(const Jet& guess, Jet& jet) {
   SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (const char* const why = linearize(guess, jet, iteration == 0)) return why;
+    if (iteration == 0 && is_solved(guess, jet)) return nullptr;
     const bool is_whole = step(guess, jet);
     if (!change_.is_finite()) return "the search has diverged.";
     if (is_whole && progress.has_ended(change_, residual_, relative(jet))) return nullptr;

@@ -27,6 +27,8 @@ class StageSearch {
   const char* explain(const CallbackError& error, const Jet& guess, bool is_first);
   double residual(const Jet& jet);
   double relative(const Jet& jet) const;
+  bool is_square() const { return equations_.rows() == equations_.unknowns; }
+  bool is_solved(const Jet& guess, const Jet& jet) const;
   bool step(const Jet& guess, Jet& jet);
 
   MinimalExtension& extension_;

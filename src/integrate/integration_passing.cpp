@@ -83,15 +83,18 @@ void Passage::evaluate(double t, double* x, double* xdot) const {
 
 // ---- The way to the point --------------------------------------------------------------------------------------
 
+// Where nothing is ever looked for it would be memory for nothing.
 void Integration::start_trail() {
+  branches_.fine.reset();
+  if (watch_ && !watch_->may_find()) return;
   const std::vector<double>& x = integrator_.stepper->x();
   branches_.trail.start(integrator_.stepper->state().t, x.data(), x.size());
-  branches_.fine.reset();
 }
 
 // After a step from there.
 void Integration::extend_trail(double from) {
   Trail& trail = branches_.trail;
+  if (watch_ && !watch_->may_find()) return;
   const double t = integrator_.stepper->state().t;
   if (passes_singular_points() && integrator_.method == Method::radau) {
     std::vector<double> x(integrator_.stepper->x().size());

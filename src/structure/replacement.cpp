@@ -109,7 +109,7 @@ class Replacement {
   Replacement(TaylorEvaluator& evaluator, const Neighbourhood& neighbourhood)
       : evaluator_(evaluator), neighbourhood_(neighbourhood) {}
 
-  std::shared_ptr<const Structure> run(const Structure& recorded);
+  ReplacedStructure run(const Structure& recorded);
 
  private:
   struct Sample {
@@ -119,6 +119,7 @@ class Replacement {
   void choose_jets(int order);
   bool sample(int order);
   bool judge(const Structure& structure, Certificate& certificate);
+  std::shared_ptr<const Structure> replaced(const Structure& recorded, Certificate certificate);
   bool replace_in(const Structure& structure, const SystemJacobian& jacobian, int block);
   std::optional<Signature> signature(const Signature& before) const;
   std::optional<std::vector<Signature::Entry>> row(std::span<const EquationTerm> terms) const;
@@ -161,12 +162,22 @@ bool Replacement::judge(const Structure& structure, Certificate& certificate) {
   return certify_structure(structure, evaluator_, {neighbourhood_.t, samples_[0].jet.data()}, 0.0, certificate);
 }
 
-std::shared_ptr<const Structure> Replacement::run(const Structure& recorded) {
+ReplacedStructure Replacement::run(const Structure& recorded) {
   constexpr int first_order = 1;
   choose_jets(first_order);
   // Most structures are confirmed, and series of all derivatives would be the largest arrays of their starts.
+  SystemJacobian jacobian(recorded, evaluator_.tape());
+  StructureJudge judge(recorded, jacobian);
   Certificate certificate;
-  if (!judge(recorded, certificate) || certificate.is_given() || !sample(first_order)) return nullptr;
+  if (!judge.certify(evaluator_, {neighbourhood_.t, samples_[0].jet.data()}, 0.0, certificate) ||
+      certificate.is_given() || !sample(first_order))
+    return {nullptr, judge.ordered()};
+  ReplacedStructure result{replaced(recorded, std::move(certificate)), nullptr};
+  if (!result.structure) result.ordered = judge.ordered();
+  return result;
+}
+
+std::shared_ptr<const Structure> Replacement::replaced(const Structure& recorded, Certificate certificate) {
   terms_ = recorded.equations;
   auto structure = std::make_shared<const Structure>(recorded);
   while (!certificate.is_given()) {
@@ -233,8 +244,8 @@ std::optional<std::vector<Signature::Entry>> Replacement::row(std::span<const Eq
 
 }  // namespace
 
-std::shared_ptr<const Structure> structure_with_replacements(const Structure& structure, TaylorEvaluator& evaluator,
-                                                             const Neighbourhood& neighbourhood) {
+ReplacedStructure structure_with_replacements(const Structure& structure, TaylorEvaluator& evaluator,
+                                              const Neighbourhood& neighbourhood) {
   return Replacement(evaluator, neighbourhood).run(structure);
 }
 

@@ -21,10 +21,17 @@ struct Neighbourhood {
   const std::vector<double>& sizes;
 };
 
-// Null: no block is singular there, or structure cannot be made to agree with the numbers by such combinations. Else all blocks
-// of the structure found are regular. Entries that cancel are those that do so at several points chosen at random.
-std::shared_ptr<const Structure> structure_with_replacements(const Structure& structure, TaylorEvaluator& evaluator,
-                                                             const Neighbourhood& neighbourhood);
+struct ReplacedStructure {
+  // Null: no block is singular there, or structure cannot be made to agree with the numbers by such combinations. Else all blocks
+  // of the structure found are regular.
+  std::shared_ptr<const Structure> structure;
+  // Of the structure as it was given, where that stays, for those who judge it next.
+  std::shared_ptr<OrderedBlocks> ordered;
+};
+
+// Entries that cancel are those that do so at several points chosen at random.
+ReplacedStructure structure_with_replacements(const Structure& structure, TaylorEvaluator& evaluator,
+                                              const Neighbourhood& neighbourhood);
 
 // Entries that have cancelled where equations were replaced still do so at that point. jet: as certify_structure() wants it.
 bool still_cancel(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet);

@@ -150,9 +150,8 @@ std::vector<double> moved_by_rounding(const CertifiedPoint& point, std::size_t c
   return jet;
 }
 
-// Of large blocks, by their numbers.
-struct StructureJudge::OrderedBlocks {
-  std::map<int, SparseLu<double>> factors;
+class OrderedBlocks {
+ public:
   double noise = 0.0;  // of entries; what is regular to an estimate of the condition is regular beyond it
 
   RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
@@ -161,19 +160,46 @@ struct StructureJudge::OrderedBlocks {
     if (size > largest_dense_block && (rank_tol == 0.0 || rank_tol == noise)) {
       std::vector<double> of_block;
       const SparsePattern pattern = diagonal.sparse_block(block, of_block);
-      const auto [place, is_new] = factors.try_emplace(block);
-      if (is_new) place->second.analyze(pattern);
-      const RankDecision decision = judge_sparse(place->second, pattern, of_block, t);
+      const RankDecision decision = decision_on_large(block, pattern, std::move(of_block), t);
       if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
     }
     return judge(diagonal.block(block), t, rank_tol);
   }
+
+ private:
+  struct Judged {
+    SparseLu<double> lu;
+    std::vector<double> values;
+    RankDecision decision;
+  };
+
+  RankDecision decision_on_large(int block, const SparsePattern& pattern, std::vector<double> values, double t) {
+    auto place = judged_.find(block);
+    if (place == judged_.end()) {
+      Judged ordered;
+      ordered.lu.analyze(pattern);
+      place = judged_.emplace(block, std::move(ordered)).first;
+    }
+    Judged& judged = place->second;
+    if (judged.values.empty() || judged.values != values) {
+      judged.values.clear();  // until there is a decision
+      judged.decision = judge_sparse(judged.lu, pattern, values, t);
+      judged.values = std::move(values);
+    }
+    judged.decision.t = t;
+    return judged.decision;
+  }
+
+  std::map<int, Judged> judged_;  // by numbers of blocks
 };
 
-StructureJudge::StructureJudge(const Structure& structure, SystemJacobian& jacobian)
-    : structure_(structure), jacobian_(jacobian), ordered_(std::make_unique<OrderedBlocks>()) {}
-StructureJudge::~StructureJudge() = default;
-StructureJudge::StructureJudge(StructureJudge&& other) noexcept = default;
+StructureJudge::StructureJudge(const Structure& structure, SystemJacobian& jacobian,
+                               std::shared_ptr<OrderedBlocks> ordered)
+    : structure_(structure),
+      jacobian_(jacobian),
+      ordered_(ordered ? std::move(ordered) : std::make_shared<OrderedBlocks>()) {}
+
+void StructureJudge::forget_order() { ordered_ = std::make_shared<OrderedBlocks>(); }
 
 bool StructureJudge::certify(TaylorEvaluator& evaluator, const CertifiedPoint& point, double rank_tol,
                              Certificate& certificate) {

@@ -72,20 +72,24 @@ bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, c
 
 class SystemJacobian;
 
-// The same for many points: large blocks are ordered once.
+// Large blocks of a structure that have been ordered, and the last decisions on them. One judge at a time has it.
+class OrderedBlocks;
+
+// The same for many points: large blocks are ordered once, and where their entries are the same, so is the decision.
 class StructureJudge {
  public:
-  // jacobian: where entries are evaluated. Both live longer.
-  StructureJudge(const Structure& structure, SystemJacobian& jacobian);
-  ~StructureJudge();
-  StructureJudge(StructureJudge&& other) noexcept;
+  // jacobian: where entries are evaluated. Both live longer. ordered: what another judge of this structure has left, or null.
+  StructureJudge(const Structure& structure, SystemJacobian& jacobian,
+                 std::shared_ptr<OrderedBlocks> ordered = nullptr);
+  const std::shared_ptr<OrderedBlocks>& ordered() const { return ordered_; }
+  // They are ordered again when they are judged the next time.
+  void forget_order();
   bool certify(TaylorEvaluator& evaluator, const CertifiedPoint& point, double rank_tol, Certificate& certificate);
 
  private:
-  struct OrderedBlocks;
   const Structure& structure_;
   SystemJacobian& jacobian_;
-  std::unique_ptr<OrderedBlocks> ordered_;
+  std::shared_ptr<OrderedBlocks> ordered_;
 };
 
 }  // namespace sfdae::core

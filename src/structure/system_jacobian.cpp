@@ -8,9 +8,7 @@
 namespace sfdae::core {
 
 SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
-    : order_(structure.equations.highest_order()),
-      limits_(index(structure.signature.size()), 0),
-      coefficients_(tape.targets.size() * index(order_ + 1)) {
+    : order_(structure.equations.highest_order()), limits_(index(structure.signature.size()), 0) {
   const std::size_t length = index(order_ + 1);
   std::vector<int> entry_of(index(structure.signature.size()), -1);
   for (int i = 0; i < structure.signature.size(); ++i) {
@@ -35,10 +33,22 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
     for (int e = first_.back(); e < static_cast<int>(unknown_.size()); ++e) entry_of[index(unknown_[index(e)])] = -1;
     first_.push_back(static_cast<int>(unknown_.size()));
   }
+  first_.shrink_to_fit();
+  unknown_.shrink_to_fit();
+  terms_.shrink_to_fit();
+  num_coefficients_ = tape.targets.size() * length;
+  coefficients_.resize(num_coefficients_);
   values_.resize(unknown_.size());
 }
 
+void SystemJacobian::forget_values() {
+  std::vector<double>().swap(coefficients_);
+  std::vector<double>().swap(values_);
+}
+
 bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double* jet) {
+  coefficients_.resize(num_coefficients_);
+  values_.resize(unknown_.size());
   if (!evaluator.entries(t, jet, order_, limits_, coefficients_.data())) return false;
   sum_terms(terms_, coefficients_, values_);
   return true;

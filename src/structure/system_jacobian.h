@@ -19,6 +19,9 @@ class SystemJacobian {
   // False: the equations cannot be evaluated there. jet: of jet_order(), at least.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet);
 
+  // Until they are evaluated the next time, there are no values, and there is no memory for them.
+  void forget_values();
+
   // Entries that differ from these by more than a part of them become zero.
   void drop_changes_from(const std::vector<double>& values);
 
@@ -32,6 +35,7 @@ class SystemJacobian {
   std::vector<int> first_{0}, unknown_;
   std::vector<int> limits_;  // of the coefficients of each recorded equation
   std::vector<EntryTerm> terms_;
+  std::size_t num_coefficients_ = 0;
   std::vector<double> coefficients_, values_;
 };
 

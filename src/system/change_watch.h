@@ -22,6 +22,8 @@ struct LocatedChange {
 class ChangeWatch {
  public:
   virtual ~ChangeWatch() = default;
+  // False: nothing can change, whatever the point.
+  virtual bool may_find() const { return true; }
   // The current point of the system is the first one of an integration in the given direction.
   virtual void start(double direction) = 0;
   // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step

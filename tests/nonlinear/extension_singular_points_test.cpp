@@ -172,4 +172,49 @@ TEST(ExtensionSingularPoints, AreNamedInTheSameBitsAfterCheckpoints) {
     }
 }
 
+// Entries of the system Jacobian are numbers, and blocks are judged once; of one unknown, and of so many that they are sparse.
+// x_i = p x_(i + 1) for unknowns in a circle.
+TEST(ExtensionSingularPoints, OfConstantBlocksAreFoundWhenParametersChange) {
+  for (const int count : {1, 130}) {
+    const NonlinearEquations circle{
+        count + 1, count + 1,
+        [count](sfdae_record*, const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
+          const Expression p = sfdae::parameter(t, "p", 0.5);
+          F[0] = xdot[0] + x[0] * x[1];
+          for (int i = 1; i <= count; ++i) F[i] = x[i] - p * x[i % count + 1] - sin(t);
+        }};
+    for (const int method : methods) {
+      NonlinearRun run(circle, required(method, 1e-6));
+      std::vector<double> guess(static_cast<std::size_t>(count) + 1, 0.0);
+      guess[0] = 1.0;
+      for (const double p : {0.5, 1.0, 0.25, 1.0}) {
+        SCOPED_TRACE(testing::Message() << count << " unknowns, method " << method << ", p = " << p);
+        ASSERT_EQ(sfdae_set_parameter(run.solver(), "p", p), SFDAE_OK);
+        const int status = run.integrate(0.0, 1.0, guess);
+        if (p == 1.0) {
+          EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES)
+              << status_text(run, status);
+          continue;
+        }
+        ASSERT_EQ(status, SFDAE_OK) << status_text(run, status);
+        EXPECT_NEAR(run.x[1], std::sin(1.0) / (1.0 - p), 1e-8);
+        EXPECT_NEAR(run.x[0], std::exp((std::cos(1.0) - 1.0) / (1.0 - p)), 1e-5);
+      }
+    }
+  }
+}
+
+// Values given that are consistent are not searched for, and singular equations are named none the less.
+TEST(ExtensionSingularPoints, AtConsistentStartsAreNamed) {
+  const auto equations = equations_of(2, 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    F[0] = xdot[0] + x[0] - x[1];
+    F[1] = x[1] * x[1] - t * x[0];
+  });
+  for (const int method : methods) {
+    NonlinearRun run(equations, required(method, 1e-6));
+    const int status = run.integrate(0.0, 1.0, {1.0, 0.0});
+    EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES) << status_text(run, status);
+  }
+}
+
 }  // namespace sfdae_test
