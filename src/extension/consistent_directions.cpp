@@ -18,7 +18,7 @@ namespace {
 
 // Relative to what is added up: residuals of equations that are fulfilled, those that may be rounding errors of others, and changes
 // that are none. Chosen, not measured.
-constexpr double fulfilled = 1e-8, rounding = 1e-12, no_change = 1e-13;
+constexpr double fulfilled = 1e-8, rounding_of_rows = 1e-12, no_change = 1e-13;
 
 }  // namespace
 
@@ -77,7 +77,7 @@ bool ConsistentDirections::is_fulfilled(const double* right, Value value) const 
     largest = std::max(largest, sum);
   }
   for (std::size_t i = 0; i < residuals.size(); ++i)
-    if (residuals[i] > fulfilled * sums[i] && residuals[i] > rounding * largest) return false;
+    if (residuals[i] > fulfilled * sums[i] && residuals[i] > rounding_of_rows * largest) return false;
   return true;
 }
 

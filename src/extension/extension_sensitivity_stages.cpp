@@ -17,10 +17,10 @@ namespace {
 
 // Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with them, which S has to
 // fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
-constexpr double negligible = 1e-10, negligible_of_hidden = 1e-12, rounding = 1e-10;
+constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, rounding_of_changes = 1e-10;
 // One system for all stages takes less time than more iterations, or slower ones.
-constexpr int most_iterations = 12;
-constexpr double slowest = 0.2;
+constexpr int most_iterations_of_stages = 12;
+constexpr double slowest_rate = 0.2;
 
 }  // namespace
 
@@ -54,20 +54,28 @@ bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization*
 // ---- Iterations ------------------------------------------------------------------------------------------------
 
 bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearization& by) {
-  const double target = equations_.extension().highest_level() > 0 ? negligible_of_hidden : negligible;
+  const bool has_hidden = equations_.extension().highest_level() > 0;
+  const double target = has_hidden ? negligible_error_of_hidden : negligible_error;
   predict(task);
-  double before = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  // Where constraints are hidden every other iteration may gain little.
+  double before = std::numeric_limits<double>::infinity(), earlier = before, rate_before = 1.0,
+         most = before;  // what has to be left with the slowest rate that is of use
+  for (int iteration = 0; iteration < most_iterations_of_stages; ++iteration) {
     set_residuals(task);
     take_away(task, by);
     const double change = add_changes(task);
     if (!(change <= std::numeric_limits<double>::max())) return false;
     // The first change takes away what the prediction is off by; nothing is known of the next one.
     const double rate = iteration > 0 ? change / before : 1.0;
-    const bool is_there = change * std::min(rate, 1.0) <= target || (rate > slowest && change <= rounding);
+    const bool is_slow = iteration > 1 && (change > slowest_rate * std::max(before, earlier) || change > most);
+    const bool is_there =
+        change * std::min(std::max(rate, rate_before), 1.0) <= target || (is_slow && change <= rounding_of_changes);
     if (is_there) note_step(task);
-    if (is_there || (iteration > 1 && rate > slowest)) return is_there;
+    if (is_there || is_slow) return is_there;
+    earlier = iteration > 0 ? before : change;
     before = change;
+    rate_before = iteration > 0 ? rate : has_hidden ? 1.0 : 0.0;
+    most = slowest_rate * (iteration > 0 ? most : change);
   }
   return false;
 }

@@ -364,17 +364,13 @@ TEST_P(ExtensionSensitivities, ComeAndGo) {
 }
 
 // Chains are of index 2, and their states change. x' and S' of forces need derivatives above those of the extension.
-TEST_P(ExtensionSensitivities, OfChainsAreThoseOfTheArray) {
-  constexpr int links = 8;
-  std::vector<double> x(5 * links, 0.0);
-  for (int i = 0; i < links; ++i) {
-    x[std::size_t(5 * i)] = 0.8 * (i + 1);
-    x[std::size_t(5 * i + 1)] = -0.6 * (i + 1);
-  }
+void expect_those_of_the_array(int links, int method) {
+  std::vector<double> x(std::size_t(5 * links), 0.0);
+  for (int i = 0; i < links; ++i) x[std::size_t(5 * i)] = i + 1;
   Matrix found[2][2];
   std::vector<double> slopes[2];
   for (int structure : {SFDAE_STRUCTURE_AUTOMATIC, SFDAE_STRUCTURE_OFF}) {
-    sfdae::Solver solver(chain_of_rods(links), options_of(1e-10, GetParam(), structure));
+    sfdae::Solver solver(chain_of_rods(links), options_of(1e-10, method, structure));
     solver.set_parameter("q", 1.2);
     solver.set_sensitivities(by({"p", "q"}));
     Point point{0.0, x, {}};
@@ -388,6 +384,14 @@ TEST_P(ExtensionSensitivities, OfChainsAreThoseOfTheArray) {
   for (std::size_t i = 0; i < slopes[0].size(); ++i) EXPECT_NEAR(slopes[0][i], slopes[1][i], 1e-5) << i;
   EXPECT_LE(largest_error(found[0][0], found[1][0]), 1e-6);
   EXPECT_LE(largest_error(found[0][1], found[1][1]), 1e-5);
+}
+
+// Few states, each stage linearized, and many.
+TEST_P(ExtensionSensitivities, OfChainsAreThoseOfTheArray) {
+  for (int links : {8, 16}) {
+    SCOPED_TRACE(links);
+    expect_those_of_the_array(links, GetParam());
+  }
 }
 
 }  // namespace
