@@ -315,6 +315,9 @@ CallResult set_transition_events(sfdae_hybrid& hybrid) {
     if (result.status < 0) return result;
   }
   hybrid.events_are_set = true;
+  // With sensitivities no function may depend on x'.
+  for (HybridMode& mode : hybrid.modes)
+    if (mode.solver->events) mode.solver->events->tries_without_slopes = hybrid.sensitivities.has_value();
   return {};
 }
 

@@ -111,6 +111,8 @@ class TransitionRate {
     if (h == 0.0) return {};
     double margin = 0.0, value[3];
     CallResult result = find_margin(hybrid_, given_, margin);
+    // g bends by some of its sizes in a step at most.
+    if (result.status >= 0 && rate * h * rate * h > in_tolerances * 20.0 * margin * size_) return {};
     // Three places within the step, as near to the transition as may be.
     const double middle = from + std::clamp((run_.t - from) / h, beside, 1.0 - beside) * h;
     Vector x(sizes_.size()), xdot(sizes_.size()), g(1);

@@ -33,7 +33,7 @@ CallResult finite_values(const MapAlong& values, double s, Vector& to) {
 }
 
 // Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
-// step there. The derivative is none then.
+// step there. The derivative is none then. Such differences as rounding errors are none.
 CallResult find_kink(const MapAlong& values, const Vector& sizes, DerivativeAlong& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
   const std::size_t n = sizes.size();
@@ -47,7 +47,9 @@ CallResult find_kink(const MapAlong& values, const Vector& sizes, DerivativeAlon
     double difference = 0.0;
     for (std::size_t i = 0; i < n; ++i)
       difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
-    const bool is_kink = step < derivative.step && difference > rounding && difference / step > still_there * before;
+    // That of a kink is smaller with smaller steps, too.
+    if (difference <= rounding) break;
+    const bool is_kink = step < derivative.step && difference / step > still_there * before;
     if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
     before = difference / step;
   }

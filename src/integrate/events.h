@@ -18,6 +18,10 @@ struct Events {
       : function(user_function), user(user_data), search(std::move(directions)) {}
   void resize(std::size_t n);
 
+  // Functions are tried without x' first: those that do not depend on it need none, but at points that are returned.
+  bool tries_without_slopes = false;
+  bool has_slopes = true;  // the point searched last
+
   struct Point {
     std::vector<double> x, xdot;
   };

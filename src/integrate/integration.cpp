@@ -413,12 +413,18 @@ std::optional<CallResult> Integration::search_events(double tout) {
 }
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {
-  if (options_.events != nullptr && options_.events->search.is_started())
-    return_searched_point(*options_.events, t, x, xdot);
-  else output_.last_point(*integrator_.stepper, t, x, xdot);
+  Events* const events = options_.events;
+  if (events == nullptr || !events->search.is_started()) return output_.last_point(*integrator_.stepper, t, x, xdot);
+  // After a failure the polynomial has to do.
+  if (!events->has_slopes)
+    output_.interpolate(*integrator_.stepper, events->search.t(), events->rough.x.data(),
+                        events->searched.xdot.data());
+  return_searched_point(*events, t, x, xdot);
 }
 
 void Integration::return_consistent_point(double& t, double* x, double* xdot) {
+  if (options_.events != nullptr && options_.events->search.is_started())
+    complete_slopes({*options_.events, integrator_, output_, options_});
   return_last_point(t, x, xdot);
   if (integrator_.system.is_linear() || options_.interpolates_outputs || t != integrator_.stepper->state().t) return;
   output_.make_consistent(integrator_, slopes_, x, xdot);
@@ -429,9 +435,10 @@ void Integration::output(double place, double t, double* x, double* xdot) {
   if (branches_.passage && branches_.passage->has(place)) return branches_.passage->evaluate(place, x, xdot);
   double searched;
   const PointRequest request = request_beside_kink(t, {place, true, slopes_, options_.interpolates_outputs});
-  if (request.distance == 0.0 && has_searched_to(options_.events, place))
+  if (request.distance == 0.0 && has_searched_to(options_.events, place)) {
+    complete_slopes({*options_.events, integrator_, output_, options_});
     return_searched_point(*options_.events, searched, x, xdot);
-  else output_.evaluate(integrator_, request, options_, x, xdot);
+  } else output_.evaluate(integrator_, request, options_, x, xdot);
   // Others cost the same with either method.
   if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
 }

@@ -88,7 +88,33 @@ void StepEventValues::measure_rough_error(double t) {
   }
 }
 
+// Whether g is the same for different x', of either sign, and much larger than those of the step; it may be meant for others where
+// it fails.
+bool StepEventValues::determine_without_slopes(double t, bool may_improve, double* g) {
+  constexpr double large = 1e3;
+  Events::Point& now = events_.now;
+  step_.output.evaluate(step_.integrator, {t, may_improve, Slopes::none}, step_.options, now.x.data(),
+                        now.xdot.data());
+  const double h = std::fabs(step_.integrator.stepper->state().last.h), rate = h > 0.0 ? large / h : large;
+  const auto evaluate_with = [&](double factor, double turn, Vector& values) {
+    for (std::size_t i = 0; i < now.x.size(); ++i)
+      now.xdot[i] =
+          factor * rate * (1.0 + std::fabs(now.x[i])) * (0.5 + std::fmod(turn * static_cast<double>(i), 1.0));
+    const bool is_defined = events_.evaluate(t, now, values) == 0 && are_finite(values);
+    stop_if_asked(t);
+    return is_defined;
+  };
+  const bool is_same = evaluate_with(1.0, 0.618, events_.g_rough) && evaluate_with(-0.7, 0.414, events_.g_now) &&
+                       events_.g_rough == events_.g_now;
+  if (!is_same) return false;
+  std::fill(now.xdot.begin(), now.xdot.end(), 0.0);
+  events_.t_now = t;
+  std::copy(events_.g_now.begin(), events_.g_now.end(), g);
+  return true;
+}
+
 void StepEventValues::determine(double t, bool may_improve, double* g) {
+  if (events_.tries_without_slopes && determine_without_slopes(t, may_improve, g)) return;
   Events::Point& now = events_.now;
   step_.output.evaluate(step_.integrator, {t, may_improve, Slopes::wanted}, step_.options, now.x.data(),
                         now.xdot.data());

@@ -28,13 +28,17 @@ class StepEventValues final : public EventValues {
   // The largest change among several: a single one may cancel by chance.
   void rounding(double* noise) override;
   void keep() override { events_.candidate = events_.now; }
-  void accept() override { std::swap(events_.searched, events_.candidate); }
+  void accept() override {
+    std::swap(events_.searched, events_.candidate);
+    events_.has_slopes = !events_.tries_without_slopes;
+  }
 
   // The error of values by the polynomial, at t. Steps are as long as w = W x allows; algebraic components may vary
   // faster, and their polynomials show nothing then.
   void measure_rough_error(double t);
 
  private:
+  bool determine_without_slopes(double t, bool may_improve, double* g);
   void stop_if_asked(double t) const;
 
   SearchedStep step_;

@@ -78,6 +78,16 @@ bool search_step(const SearchedStep& step, double tout) {
   return search.search(values, to, halvings(integrator, from, to));
 }
 
+void complete_slopes(const SearchedStep& step) {
+  Events& events = step.events;
+  if (events.has_slopes) return;
+  Events::Point& rough = events.rough;
+  step.output.evaluate(step.integrator, {events.search.t(), false, Slopes::wanted}, step.options, rough.x.data(),
+                       rough.xdot.data());
+  events.searched.xdot = rough.xdot;
+  events.has_slopes = true;
+}
+
 bool has_searched_to(const Events* events, double t) {
   return events != nullptr && events->search.is_started() && events->search.t() == t;
 }
@@ -98,7 +108,10 @@ void archive_events(Archive& archive, Events& events, std::size_t n, double& spa
   archive.real(span);
   events.search.archive(archive);
   if (!events.search.is_started()) return;
-  if (archive.is_reading()) events.resize(n);
+  if (archive.is_reading()) {
+    events.resize(n);
+    events.has_slopes = true;
+  }
   archive.reals(events.searched.x, n);
   archive.reals(events.searched.xdot, n);
   archive.reals(events.rough_error, index(count));

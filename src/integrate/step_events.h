@@ -13,6 +13,9 @@ void start_search(const SearchedStep& step, double t, double span);
 // event.
 bool search_step(const SearchedStep& step, double tout);
 
+// x' of the point searched last, where that was found without. Throws Failure.
+void complete_slopes(const SearchedStep& step);
+
 bool has_searched_to(const Events* events, double t);
 // The point searched last, in front of which no event has been left out.
 void return_searched_point(const Events& events, double& t, double* x, double* xdot);

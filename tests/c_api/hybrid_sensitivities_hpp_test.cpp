@@ -2,6 +2,7 @@
 // Sensitivities of hybrid systems, over their transitions, against formulas and differences of solutions.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -437,6 +438,55 @@ TEST_P(HybridSensitivities, AreNamedWhereAFunctionTouchesZero) {
   EXPECT_GE(named + right, 10);
 }
 
+// ---- Derivatives by t --------------------------------------------------------------------------------------------
+
+// Events are searched for without x', which is there at all points that are returned: sin 2 pi t = x_0 through a diode that conducts
+// (without differential equations) or not, C x_0' = -x_0 / R.
+TEST_P(HybridSensitivities, AreFoundWithSlopesWherePointsAreReturned) {
+  const double pi = std::acos(-1.0);
+  System system;
+  sfdae::Options options = solver_options(1e-8, GetParam());
+  options.max_step = 0.1;
+  options.max_steps = GetParam() == SFDAE_METHOD_BDF ? 5 : 1;
+  for (bool conducts : {false, true}) {
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [=](const Expression& t, auto x, auto xdot, auto F) {
+      F[0] = xdot[0] + sfdae::parameter(t, "rate", 1.0) * x[0] - x[1];
+      F[1] = x[2] - (sin(2.0 * pi * t) - x[0]);
+      F[2] = conducts ? x[2] + 0.0 * t : x[1] + 0.0 * t;
+    };
+    system.add(problem, options);
+  }
+  for (int k = 0; k < 2; ++k) {
+    sfdae::Transition transition;
+    transition.from = k;
+    transition.to = 1 - k;
+    transition.function = [k](double, auto x, auto) { return k == 0 ? x[2] : -x[1]; };
+    system.hybrid.add_transition(transition);
+  }
+  system.hybrid.set_sensitivities(by({"rate"}));
+  Point point{0.0, {0.0, 0.0, 0.0}, {}};
+  system.hybrid.start(0, point, 3.0);
+  int seen[2] = {0, 0}, stopped = 0;
+  for (double t = 0.05; t < 3.0;) {
+    try {
+      system.hybrid.advance(t, point);
+      t += 0.17;
+    } catch (const sfdae::Error& error) {
+      ASSERT_EQ(error.status(), SFDAE_MAX_STEPS) << error.what();
+      ++stopped;
+    }
+    const bool conducts = system.hybrid.current_mode() == 1;
+    const double rate = 2.0 * pi * std::cos(2.0 * pi * point.t);
+    ++seen[conducts ? 1 : 0];
+    EXPECT_NEAR(point.xdot[0], conducts ? rate : -point.x[0], 1e-5) << point.t;
+    EXPECT_NEAR(point.xdot[2], conducts ? 0.0 : rate + point.x[0], 1e-5) << point.t;
+  }
+  EXPECT_GE(seen[0], 5);
+  EXPECT_GE(seen[1], 3);
+  EXPECT_GE(stopped, 3);
+}
+
 // ---- Checkpoints -------------------------------------------------------------------------------------------------
 
 TEST_P(HybridSensitivities, GoOnFromCheckpointsInEveryBit) {
@@ -527,6 +577,11 @@ TEST(WithoutHybridSensitivities, TransitionsAreNamed) {
       end_of(with_function([](double, auto x, auto xdot) { return x[0] + xdot[0] - 2.0; }), SFDAE_ILLEGAL_ARGUMENT)
           .find("x'"),
       std::string::npos);
+  // Where x' counts only if it is small, it is found as well.
+  EXPECT_NE(end_of(with_function([](double t, auto x, auto xdot) { return std::min(x[0] - 1.0, xdot[0] + t - 2.5); }),
+                   SFDAE_ILLEGAL_ARGUMENT)
+                .find("x'"),
+            std::string::npos);
   // The root of x - 1 from both sides, with its sign: its rate is infinite.
   EXPECT_NE(end_of(with_function([](double, auto x, auto) { return std::cbrt(x[0] - 1.0); }), SFDAE_SINGULAR)
                 .find("no derivative"),
