@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "integrate/bdf_step.h"
+
 namespace sfdae::core {
 
 namespace {
@@ -55,6 +57,27 @@ TEST(BdfHistory, HasDifferencesOfXWhereverItDiffersFromW) {
                     1e-10 * (1.0 + std::fabs(expected)))
             << i;
       }
+  }
+}
+
+// The formula of a step with differences and without.
+TEST(BdfHistory, HasFormulasByPoints) {
+  BdfHistory history = history_of(0);
+  for (int order = 1; order <= 5; ++order) {
+    SCOPED_TRACE(order);
+    BdfStep step;
+    step.resize(0, 2);
+    step.t = time_at(points - 1) + 0.17;
+    step.h = 0.17;
+    step.order = order;
+    history.compute_differences(order, false);
+    step.set_formula(history, false, false);
+    std::vector<double> predicted(2), rest(2);
+    EXPECT_EQ(history.formula_by_points(step.t, order, predicted.data(), rest.data()), step.c);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(predicted[i], step.predicted[i], 1e-13);
+      EXPECT_NEAR(rest[i], step.w_rest[i], 1e-13 * (1.0 + std::fabs(step.w_rest[i])));
+    }
   }
 }
 
