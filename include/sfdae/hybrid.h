@@ -156,13 +156,13 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  *
  * M(t, x, p): the values after it, by the rule of sfdae_jump or your jump function. S after is consistent with the constraints of the
  * mode that begins, hidden ones too. Derivatives of g and M are differences of fourth order: both functions are called with values
- * nearby, too. They depend on parameters through x alone: one that is in them otherwise has to be an unknown, p' = 0, with its unit
- * vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the transition).
+ * nearby, too, and g with x' that mean nothing. They depend on parameters through x alone: one that is in them otherwise has to be
+ * an unknown, p' = 0, with its unit vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the transition).
  *
  * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode has, modes that are given by callbacks, switches (sfdae_add_switch):
  * there are no sensitivities of sliding. After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
- * A transition fails with SFDAE_SINGULAR where g touches zero without passing it, or where g or M has no derivative. Where two
- * transitions are due at once, or a guard is about to change, the one that happens counts. */
+ * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g or M has no
+ * derivative. Where two transitions are due at once, or a guard is about to change, the one that happens counts. */
 SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
                                              const double* directions, const sfdae_sensitivity_options* options);
 
