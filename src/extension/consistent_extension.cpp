@@ -10,6 +10,7 @@
 #include "extension/stage_search.h"
 #include "linalg/index.h"
 #include "linalg/quiet_arithmetic.h"
+#include "linalg/rank.h"
 #include "problem/failure.h"
 #include "structure/time_unit.h"
 
@@ -22,6 +23,8 @@ namespace {
 constexpr double weight_of_free = 1e-10;
 // Of the tolerances: changes that count. By judgement.
 constexpr double moved = 1e-6;
+// Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by about its size.
+constexpr double beyond_rounding = 1.0 / unit_roundoff;
 
 }  // namespace
 
@@ -105,6 +108,16 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   if (const char* const why = StageSearch(extension_, stage, std::move(W), units_).run(guess, jet)) fail(jet, why);
 }
 
+// Derivatives that all equations together do not determine to any digit, one stage after the other as they may.
+bool ConsistentExtension::has_derivatives_beyond_rounding(const Jet& jet) const {
+  for (const auto& [unknown, order] : extension_.columns()) {
+    const double size = std::max(std::fabs(jet.x[index(unknown)]), units_.sizes[index(unknown)]);
+    const double derivative = std::fabs(jet.column(order)[unknown]) * std::pow(units_.time, order);
+    if (!(derivative < beyond_rounding * size)) return true;
+  }
+  return false;
+}
+
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
   std::vector<double> W(columns.size());
@@ -118,6 +131,9 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
     if (held[k] != 0 && std::fabs(change) > moved * units_.sizes[index(unknown)]) is_candidate = false;
     if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
+  // The jet is consistent, if not the nearest one.
+  const bool may_stay = !request_.is_weighted() && request_.kind != InitialValues::fixed;
+  if (may_stay && has_derivatives_beyond_rounding(jet)) return;
   LeastChangeSearch search(extension_, std::move(W), std::move(held), units_);
   // From values that are consistent already, as searches may where equations are nearly dependent.
   const auto runs_away = [&](const Jet& found) {
@@ -129,8 +145,7 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
       jet = std::move(quick);
       return;
     }
-    // The jet is consistent, if not the nearest one.
-    if (request_.kind != InitialValues::fixed) return;
+    if (may_stay) return;
   }
   Jet next = jet;
   const bool is_fulfilled = search.fulfil(next);

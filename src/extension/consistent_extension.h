@@ -45,6 +45,7 @@ class ConsistentExtension {
   void solve_stage(int stage, const Jet& guess, Jet& jet);
   void solve_together(const Jet& guess, Jet& jet);
   bool has_to_move(const Jet& guess, const Jet& jet) const;
+  bool has_derivatives_beyond_rounding(const Jet& jet) const;
   [[noreturn]] void fail(const Jet& jet, const char* why) const;
 
   MinimalExtension& extension_;

@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "extension/states_by_blocks.h"
 #include "linalg/column_basis.h"
 #include "linalg/equilibration.h"
 #include "linalg/index.h"
@@ -182,6 +183,7 @@ bool ExtensionLinearization::choose_states() {
     return factor_held();
   };
   if (take(states_by_stages(scaled(in_own_time))) && held_.reciprocal_condition() >= good_condition) return true;
+  if (extension_.is_deep() && take(states_by_blocks(extension_, origin_))) return true;
   return take(states_of_all(in_own_time)) || take(states_of_all(values_));
 }
 

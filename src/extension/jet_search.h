@@ -45,6 +45,7 @@ class JetChange {
   bool is_negligible() const { return std::max(of_x_, of_derivatives_) <= 4.0 * unit_roundoff; }
   bool is_small() const { return of_x_ <= small && of_derivatives_ <= small; }
   double of_x() const { return of_x_; }
+  double largest() const { return std::max(of_x_, of_derivatives_); }
   static constexpr double small = 1e-8;
 
  private:
@@ -92,19 +93,30 @@ inline double largest_entry(const std::vector<double>& v) {
   return largest;
 }
 
-// The largest residual relative to the sum of |derivative| |unknown| of its row; x: of column c. HUGE_VAL: not finite.
+// Of each row the sum of |derivative| |unknown|; x: of column c.
 template <class Value>
-double relative_residual(const std::vector<int>& first, const std::vector<int>& column,
-                         const std::vector<double>& values, const std::vector<double>& r, Value x) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+void sum_rows(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
+              Value x, std::vector<double>& sums) {
+  sums.assign(first.size() - 1, 0.0);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    for (int e = first[i]; e < first[i + 1]; ++e) sums[i] += std::fabs(values[index(e)] * x(column[index(e)]));
+}
+
+// Of residuals, the largest relative to the sum of its row, and the largest itself of those that are more than `ignored` relative to it.
+// HUGE_VAL: not finite.
+struct ResidualSizes {
+  double relative = 0.0, largest = 0.0;
+};
+inline ResidualSizes residual_sizes(const std::vector<double>& sums, const std::vector<double>& r, double ignored) {
+  ResidualSizes sizes;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
     if (r[i] == 0.0) continue;
-    double sum = 0.0;
-    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
-    if (!std::isfinite(r[i]) || !std::isfinite(sum)) return HUGE_VAL;
-    largest = std::max(largest, sum > 0.0 ? std::fabs(r[i]) / sum : 1.0);
+    if (!std::isfinite(r[i]) || !std::isfinite(sums[i])) return {HUGE_VAL, HUGE_VAL};
+    const double relative = sums[i] > 0.0 ? std::fabs(r[i]) / sums[i] : 1.0;
+    sizes.relative = std::max(sizes.relative, relative);
+    if (relative > ignored) sizes.largest = std::max(sizes.largest, std::fabs(r[i]));
   }
-  return largest;
+  return sizes;
 }
 
 // Each row in units of its largest derivative; factors: those that residuals have to be multiplied by, too.

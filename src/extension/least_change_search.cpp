@@ -45,10 +45,12 @@ bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
   equilibrate_rows(equations_.first, values_, factors_);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] *= -factors_[i];
   residual_ = largest_entry(r_);
-  relative_ = relative_residual(equations_.first, equations_.column, values_, r_, [&](int k) {
+  const auto value = [&](int k) {
     const auto [unknown, order] = extension_.columns()[index(k)];
     return jet.column(order)[unknown] / unit_[index(k)];
-  });
+  };
+  sum_rows(equations_.first, equations_.column, values_, value, sums_);
+  relative_ = residual_sizes(sums_, r_, 0.0).relative;
   if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
   for (std::size_t k = 0; k < dx_.size(); ++k)
     dx_[k] = guess != nullptr ? W_[k] * distance(static_cast<int>(k), jet, *guess) : 0.0;

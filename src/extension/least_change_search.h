@@ -43,7 +43,7 @@ class LeastChangeSearch {
   std::vector<char> held_;
   std::vector<double> unit_;  // of the columns
   const SearchUnits& units_;
-  std::vector<double> dx_, r_, factors_, values_;
+  std::vector<double> dx_, r_, factors_, values_, sums_;
   // Before the change, in units of the largest derivatives, and relative to what is added up in each.
   double residual_ = 0.0, relative_ = 0.0;
 };

@@ -61,6 +61,9 @@ class MinimalExtension {
   int first_stage() const { return -highest_d_; }
   int first_row(int stage) const { return first_rows_[index(stage + highest_d_)]; }
   int first_column(int stage) const { return first_columns_[index(stage + highest_d_)]; }
+  // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are found one after
+  // the other (docs/decisions/75-deep-chains.md).
+  bool is_deep() const { return highest_d_ >= deep; }
   // The highest derivative of a recorded equation.
   int highest_level() const { return highest_level_; }
   // Of jets; coefficients of x_j beyond d_j have no meaning.
@@ -110,6 +113,8 @@ class MinimalExtension {
   CallbackError evaluate(const Jet& jet, int order);
   bool load_lanes(const std::vector<Jet>& jets, int count);
   double value_of(int row) const;
+
+  static constexpr int deep = 12;
 
   RecordedProblem& problem_;
   std::shared_ptr<const Structure> structure_;

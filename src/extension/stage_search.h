@@ -23,13 +23,21 @@ class StageSearch {
   static constexpr char singular[] = "the equations are singular there.";
 
  private:
+  // Where steps lead: as near to the guess as they can, or to the nearest solution from where the search is.
+  enum class Toward { guess, solution };
+  const char* run_toward(Toward toward, const Jet& guess, Jet& jet);
   const char* linearize(const Jet& guess, const Jet& jet, bool is_first);
   const char* explain(const CallbackError& error, const Jet& guess, bool is_first);
-  double residual(const Jet& jet);
-  double relative(const Jet& jet) const;
+  struct Residual {
+    ResidualSizes sizes;
+    double weighted = 0.0;  // the largest, in units of what was added up in its row where it was linearized
+  };
+  void sum_rows_at(const Jet& jet, std::vector<double>& sums) const;
+  Residual residual(const Jet& jet);
+  bool has_improved() const;
   bool is_square() const { return equations_.rows() == equations_.unknowns; }
   bool is_solved(const Jet& guess, const Jet& jet) const;
-  bool step(const Jet& guess, Jet& jet);
+  bool step(Toward toward, const Jet& guess, Jet& jet);
 
   MinimalExtension& extension_;
   int stage_;
@@ -37,11 +45,11 @@ class StageSearch {
   MinimalExtension::StageMatrix J_;
   LeastChangeStep::Equations equations_;
   LeastChangeStep step_;
-  std::vector<double> W_, dx_, r_, factors_;
+  std::vector<double> W_, dx_, r_, factors_, sums_, sums_of_linearization_;
   std::vector<char> held_;    // none
   std::vector<double> unit_;  // of the columns
   const SearchUnits& units_;
-  double residual_ = 0.0;  // at the point of the linearization
+  Residual before_, here_;  // at the point of the linearization, and after the step
   JetChange change_;
 };
 

@@ -15,7 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
+// Relative to what equations of any level do to x_j, the second where equations were replaced; of the entries; of the effect. Chosen, not
+// measured.
 constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
 // Parts of a sum that matter so little may be rounding errors of its factors. Chosen, not measured.
 constexpr double hardly_a_part = 1e-6;
@@ -106,8 +107,9 @@ void change_entries(MinimalExtension& extension, const ExtensionLinearization& l
 
 }  // namespace
 
-// Where changes move x_j little beside those of other levels, as a capacitor in farad does, the effect has to be the same with
-// entries that are changed a little: rounding errors are not.
+// Where changes move x_j little beside those of other levels, as a capacitor in farad does, or the last level of a deep chain, the effect
+// has to be the same with entries that are changed a little: rounding errors are not. However small it is then, it counts, but for sums
+// of equations, whose factors are rounded.
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();
@@ -125,6 +127,7 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
     }
     return changed[index(level)][j];
   };
+  const double least_effect = extension.structure().equations.num_replaced() > 0 ? least : 0.0;
   int mu = 0;
   for (std::size_t j = 0; j < index(extension.n()); ++j) {
     double largest = 0.0;
@@ -132,7 +135,7 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
     for (int level = mu + 1; level <= extension.highest_level(); ++level) {
       const double effect = plain[index(level)][j];
       if (effect > clear * largest ||
-          (effect > least * largest && std::fabs(changed_effect(level, j) - effect) <= same * effect))
+          (effect > least_effect * largest && std::fabs(changed_effect(level, j) - effect) <= same * effect))
         mu = level;
     }
   }
