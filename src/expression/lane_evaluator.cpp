@@ -123,8 +123,13 @@ bool sin_cos(const Lanes* a, Lanes* s, Lanes* c, Order K) {
   LaneMask bad{};
   note_not_finite(a[0], bad);
   if (any(bad)) return false;
-  apply_to_each(a[0], s[0], [](double x) { return std::sin(x); });
-  apply_to_each(a[0], c[0], [](double x) { return std::cos(x); });
+  for (int l = 0; l < lane_count; ++l) {
+    const bool is_repeated = repeats_lane_before(a[0], l);
+    const double x = a[0][l], sine = is_repeated ? s[0][l - 1] : std::sin(x);
+    const double cosine = is_repeated ? c[0][l - 1] : std::cos(x);
+    s[0][l] = sine;
+    c[0][l] = cosine;
+  }
   for (int k = 1; k <= K; ++k) {
     Lanes sum_s{}, sum_c{};
     for (int j = 1; j <= k; ++j) {
