@@ -19,6 +19,8 @@ namespace {
 // Relative to what is added up: residuals of equations that are fulfilled, those that may be rounding errors of others, and changes
 // that are none. Chosen, not measured.
 constexpr double fulfilled = 1e-8, rounding_of_rows = 1e-12, no_change = 1e-13;
+// Each takes away what weights of 1e-10 leave.
+constexpr int solutions_to_let_go = 3;
 
 }  // namespace
 
@@ -30,7 +32,8 @@ ConsistentDirections::ConsistentDirections(MinimalExtension& extension, const Co
       equations_{extension.first(), extension.column(), extension.num_columns()} {
   const ConsistentExtension search(extension, request);
   for (const MinimalExtension::Column& column : extension.columns()) {
-    W_.push_back(search.weight(column));
+    W_.push_back(search.weight(column, jet.column(column.order)[column.unknown]));
+    drawn_.push_back(search.is_drawn(column) ? 1 : 0);
     held_.push_back(search.is_held(column) ? 1 : 0);
   }
   const std::vector<char> differentiated = differentiated_unknowns(extension.problem().structure()->signature);
@@ -94,10 +97,15 @@ void ConsistentDirections::find(const double* right, const double* directions, d
     for (std::size_t e = index(first[i]); e < index(first[i + 1]); ++e)
       if (held_[index(column[e])] != 0) r_[i] -= values_[e] * direction(column[e]);
   }
-  for (std::size_t k = 0; k < dx_.size(); ++k) dx_[k] = W_[k] * direction(static_cast<int>(k));
   step_.analyze(equations_);
   if (!step_.factor(equations_, values_, W_, held_)) fail();
-  step_.solve(equations_, held_, dx_.data(), r_.data());
+  // What may end anywhere is drawn to where the last solution has it, so that it moves nothing else.
+  std::fill(dx_.begin(), dx_.end(), 0.0);
+  for (int solution = 0; solution < solutions_to_let_go; ++solution) {
+    for (std::size_t k = 0; k < dx_.size(); ++k)
+      dx_[k] = W_[k] * (drawn_[k] != 0 ? direction(static_cast<int>(k)) : dx_[k]);
+    step_.solve(equations_, held_, dx_.data(), r_.data());
+  }
   const auto value = [&](int k) { return held_[index(k)] != 0 ? direction(k) : dx_[index(k)]; };
   if (!is_fulfilled(right, value)) fail();
   for (int j = 0; j < extension_.n(); ++j) S[j] = value(extension_.column_of(j, 0));

@@ -31,7 +31,7 @@ class ConsistentDirections {
   MinimalExtension& extension_;
   const ConsistencyRequest& request_;
   std::vector<double> W_, unit_, values_, factors_, dx_, r_;
-  std::vector<char> held_, stays_;  // by columns, by unknowns
+  std::vector<char> drawn_, held_, stays_;  // by columns, the last one by unknowns
   LeastChangeStep::Equations equations_;
   LeastChangeStep step_;
 };

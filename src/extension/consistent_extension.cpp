@@ -21,8 +21,8 @@ namespace {
 // In squares of the sizes of x, W of what may move freely: far below what is to stay, far above rounding. Chosen, not
 // measured.
 constexpr double weight_of_free = 1e-10;
-// Of the tolerances: changes that count. By judgement.
-constexpr double moved = 1e-6;
+// Of the tolerances, and of what is changed: changes that count. By judgement.
+constexpr double moved = 1e-6, beyond_rounding_of_x = 64.0 * unit_roundoff;
 // Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by about its size.
 constexpr double beyond_rounding = 1.0 / unit_roundoff;
 
@@ -51,7 +51,11 @@ bool ConsistentExtension::is_held(const MinimalExtension::Column& column) const 
   return column.order == 0 && request_.kind == InitialValues::fixed && request_.fixed[index(column.unknown)] != 0;
 }
 
-double ConsistentExtension::weight(const MinimalExtension::Column& column) const {
+bool ConsistentExtension::is_drawn(const MinimalExtension::Column& column) const {
+  return column.order == 0 && (!request_.differentiated_stay() || differentiated_[index(column.unknown)] != 0);
+}
+
+double ConsistentExtension::weight(const MinimalExtension::Column& column, double value) const {
   const std::size_t j = index(column.unknown);
   if (column.order > 0) return 0.0;
   if (request_.is_weighted()) {
@@ -59,8 +63,9 @@ double ConsistentExtension::weight(const MinimalExtension::Column& column) const
     return ratio * ratio;
   }
   if (!request_.differentiated_stay()) return 1.0;
-  const double of_size = 1.0 / (units_.sizes[j] * units_.sizes[j]);
-  return differentiated_[j] != 0 ? of_size : weight_of_free * of_size;
+  if (is_drawn(column)) return 1.0 / (units_.sizes[j] * units_.sizes[j]);
+  const double size = std::max(units_.sizes[j], std::fabs(value));
+  return weight_of_free / (size * size);
 }
 
 Jet ConsistentExtension::find(const PointOfInterest& point) {
@@ -89,7 +94,9 @@ bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   for (int j = 0; j < extension_.n(); ++j) {
     const double change = std::fabs(jet.x[index(j)] - guess.x[index(j)]);
     const bool stays = is_held({j, 0}) || !request_.differentiated_stay() || differentiated_[index(j)] != 0;
-    if (stays && change > moved * units_.sizes[index(j)]) return true;
+    const double least =
+        std::max(moved * units_.sizes[index(j)], beyond_rounding_of_x * std::fabs(guess.x[index(j)]));
+    if (stays && change > least) return true;
   }
   return false;
 }
@@ -120,21 +127,22 @@ bool ConsistentExtension::has_derivatives_beyond_rounding(const Jet& jet) const 
 
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
-  std::vector<double> W(columns.size());
-  std::vector<char> held(columns.size(), 0);
+  LeastChangeSearch::Demands demands;
   bool is_candidate = true;  // consistent, and what is fixed is where it should be
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto [unknown, order] = columns[k];
-    W[k] = weight(columns[k]);
-    held[k] = is_held(columns[k]) ? 1 : 0;
+    const bool is_fixed = is_held(columns[k]);
+    demands.W.push_back(weight(columns[k], jet.column(order)[unknown]));
+    demands.are_drawn.push_back(is_drawn(columns[k]) ? 1 : 0);
+    demands.are_held.push_back(is_fixed ? 1 : 0);
     const double change = jet.column(order)[unknown] - guess.column(order)[unknown];
-    if (held[k] != 0 && std::fabs(change) > moved * units_.sizes[index(unknown)]) is_candidate = false;
-    if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
+    if (is_fixed && std::fabs(change) > moved * units_.sizes[index(unknown)]) is_candidate = false;
+    if (is_fixed) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
   // The jet is consistent, if not the nearest one.
   const bool may_stay = !request_.is_weighted() && request_.kind != InitialValues::fixed;
   if (may_stay && has_derivatives_beyond_rounding(jet)) return;
-  LeastChangeSearch search(extension_, std::move(W), std::move(held), units_);
+  LeastChangeSearch search(extension_, std::move(demands), units_);
   // From values that are consistent already, as searches may where equations are nearly dependent.
   const auto runs_away = [&](const Jet& found) {
     return is_candidate && search.sum(guess, found) > search.sum(guess, jet);

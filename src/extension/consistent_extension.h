@@ -37,8 +37,10 @@ class ConsistentExtension {
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
 
-  // Of the square of a change, as the request wants it; whether a value is fixed.
-  double weight(const MinimalExtension::Column& column) const;
+  // Of the square of a change, as the request wants it; value: of the column, as far as it is known.
+  double weight(const MinimalExtension::Column& column, double value = 0.0) const;
+  // Whether a value is to stay near the guess; others end where they have to, wherever they began. Whether it is fixed.
+  bool is_drawn(const MinimalExtension::Column& column) const;
   bool is_held(const MinimalExtension::Column& column) const;
 
  private:

@@ -17,15 +17,13 @@ constexpr double settled = 1e-14;
 
 }  // namespace
 
-LeastChangeSearch::LeastChangeSearch(MinimalExtension& extension, std::vector<double> W, std::vector<char> held,
-                                     const SearchUnits& units)
+LeastChangeSearch::LeastChangeSearch(MinimalExtension& extension, Demands demands, const SearchUnits& units)
     : extension_(extension),
       equations_{extension.first(), extension.column(), extension.num_columns()},
-      W_(std::move(W)),
-      held_(std::move(held)),
+      demands_(std::move(demands)),
       unit_(units.of(extension.columns())),
       units_(units),
-      dx_(W_.size()),
+      dx_(demands_.W.size()),
       r_(index(extension.num_rows())) {
   step_.analyze(equations_);
 }
@@ -51,10 +49,10 @@ bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
   };
   sum_rows(equations_.first, equations_.column, values_, value, sums_);
   relative_ = residual_sizes(sums_, r_, 0.0).relative;
-  if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
+  if (!std::isfinite(residual_) || !step_.factor(equations_, values_, demands_.W, demands_.are_held)) return false;
   for (std::size_t k = 0; k < dx_.size(); ++k)
-    dx_[k] = guess != nullptr ? W_[k] * distance(static_cast<int>(k), jet, *guess) : 0.0;
-  step_.solve(equations_, held_, dx_.data(), r_.data());
+    dx_[k] = guess != nullptr ? draw(k) * distance(static_cast<int>(k), jet, *guess) : 0.0;
+  step_.solve(equations_, demands_.are_held, dx_.data(), r_.data());
   return true;
 }
 
@@ -72,13 +70,14 @@ JetChange LeastChangeSearch::apply(const std::vector<double>& dx, double part, J
 
 double LeastChangeSearch::sum(const Jet& guess, const Jet& jet) const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * std::pow(distance(static_cast<int>(k), guess, jet), 2);
+  for (std::size_t k = 0; k < dx_.size(); ++k)
+    sum += draw(k) * std::pow(distance(static_cast<int>(k), guess, jet), 2);
   return sum;
 }
 
 double LeastChangeSearch::sum_of_change() const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * dx_[k] * dx_[k];
+  for (std::size_t k = 0; k < dx_.size(); ++k) sum += draw(k) * dx_[k] * dx_[k];
   return sum;
 }
 

@@ -13,9 +13,13 @@ namespace sfdae::core {
 
 class LeastChangeSearch {
  public:
-  // W: weights of the squares of changes, in units of the search, by columns; those that are held do not change.
-  LeastChangeSearch(MinimalExtension& extension, std::vector<double> W, std::vector<char> held,
-                    const SearchUnits& units);
+  // By columns.
+  struct Demands {
+    std::vector<double> W;        // weights of the squares of changes, in units of the search
+    std::vector<char> are_drawn;  // to the guess; the others only move with W from where they are, and end anywhere
+    std::vector<char> are_held;   // do not change
+  };
+  LeastChangeSearch(MinimalExtension& extension, Demands demands, const SearchUnits& units);
 
   // All of these throw Failure where callbacks stop. False: the search does not come to an end, or leads to where the equations
   // cannot be evaluated.
@@ -23,7 +27,7 @@ class LeastChangeSearch {
   // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too
   // many digits, they may not come to an end.
   bool hurry(const Jet& guess, Jet& jet);
-  // Of W times the squares of all changes.
+  // Of W times the squares of changes of what is drawn to the guess.
   double sum(const Jet& guess, const Jet& jet) const;
   // Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the equations.
   void approach(const Jet& guess, Jet& jet);
@@ -35,12 +39,12 @@ class LeastChangeSearch {
   double sum_of_change() const;
   // In units.
   double distance(int k, const Jet& from, const Jet& to) const;
+  double draw(std::size_t k) const { return demands_.are_drawn[k] != 0 ? demands_.W[k] : 0.0; }
 
   MinimalExtension& extension_;
   LeastChangeStep::Equations equations_;
   LeastChangeStep step_;
-  std::vector<double> W_;
-  std::vector<char> held_;
+  Demands demands_;
   std::vector<double> unit_;  // of the columns
   const SearchUnits& units_;
   std::vector<double> dx_, r_, factors_, values_, sums_;
