@@ -379,7 +379,8 @@ PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
   using Hope = ExtensionIteration::Hope;
   const auto solve = [&](ExtensionLinearization& linearization, Hope hope) {
     const PointStatus status = iteration_.solve_held(linearization, scales_, hope, jet);
-    return status == PointStatus::ok && xdot != nullptr ? iteration_.derivative(linearization, hope, jet, xdot) : status;
+    return status == PointStatus::ok && xdot != nullptr ? iteration_.derivative(linearization, hope, jet, xdot)
+                                                        : status;
   };
   const Jet start = jet;
   PointStatus status =
