@@ -16,8 +16,9 @@ namespace {
 using Vector = std::vector<double>;
 
 // Against endless searches; steps that reduce the residuals well do not count: of an exponential a Newton step takes
-// one power of e, and guesses may be hundreds of them away. Chosen, not measured.
-constexpr int max_iterations = 200;
+// one power of e, and guesses may be hundreds of them away. There are limits for these, too: residuals that are measured anew, in
+// other units, after each step may be large again. Chosen, not measured.
+constexpr int max_iterations = 200, max_good_steps = 1000;
 // A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
 constexpr double good_reduction = 0.5;
 // At a jet that counts as consistent the iteration goes on as long as it reduces them to this. Chosen, not measured.
@@ -83,10 +84,42 @@ void JetSolver::find(Jet& jet, int level) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
     // What has no derivative may be far off alone: forces have other units.
     jet = start;
-    if (succeeds([&] { return solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level); })) return;
+    if (succeeds([&] { return stays_near(jet, level); })) return;
     jet = start;
     search(jet, level, true);
   }
+  // Then all equations together may lead anywhere else, a pendulum to the other side of its support.
+  if (!has_moved_far(start, jet)) return;
+  Jet near = start;
+  const double time_scale = equations_.time_scale();
+  if (succeeds([&] { return stays_near(near, level); })) jet = std::move(near);
+  else equations_.linearize(jet, level, time_scale);
+}
+
+// With forces where they have to be before all equations together are solved.
+bool JetSolver::stays_near(Jet& jet, int level) {
+  const Jet start = jet;
+  if (!solve_for_algebraic(jet, level)) return false;
+  const Jet nearly = jet;
+  if (solve_for_derivatives(jet, level)) return true;
+  jet = nearly;
+  try {
+    search(jet, level, false);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+    return false;
+  }
+  return !has_moved_far(start, jet);
+}
+
+// What is differentiated, where it is to stay; from there on steps along the constraints do not lead back.
+bool JetSolver::has_moved_far(const Jet& from, const Jet& to) const {
+  constexpr double far = 0.1;  // of a value; chosen, not measured
+  for (int j = 0; equations_.keeps_differentiated() && j < from.n; ++j)
+    if (equations_.has_derivative_of(j) &&
+        std::fabs(to.x[index(j)] - from.x[index(j)]) > far * std::fabs(from.x[index(j)]))
+      return true;
+  return false;
 }
 
 // The jet after the trial, with the equations linearized there; false, and all as it was, where they cannot be.
@@ -291,7 +324,8 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   bool is_undamped = true;
   int slow_steps = 0;
   const double first = equations_.norm();
-  for (int iteration = 0; iteration < max_iterations;) {
+  int steps = 0;
+  for (int iteration = 0; iteration < max_iterations && steps < max_good_steps; ++steps) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
     // An undamped step first; it is the last one if rounding lets it gain nothing.

@@ -30,6 +30,8 @@ class JetSolver {
   void find(Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
   bool solve_for_algebraic(Jet& jet, int level);
+  bool has_moved_far(const Jet& from, const Jet& to) const;
+  bool stays_near(Jet& jet, int level);
   // may_grow: residuals may do so during a few undamped steps.
   void search(Jet& jet, int level, bool may_grow);
   bool accept(Jet& jet, Trial&& trial, int level);
