@@ -33,7 +33,9 @@ int halvings(const Integrator& integrator, double from, double to) {
   if (integrator.system.differential() == 0) return halvings_of_search;
   const int whole = halvings_of_step(last.order);
   const double part = std::fabs((to - from) / last.h);
-  return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
+  if (!(part < 1.0)) return whole;
+  const double fewer = part > 0.0 ? std::max<double>(-whole, std::ceil(std::log2(part))) : -whole;
+  return std::max(1, whole + static_cast<int>(fewer));
 }
 
 // Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: then it
