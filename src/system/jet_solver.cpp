@@ -114,11 +114,16 @@ bool JetSolver::stays_near(Jet& jet, int level) {
 
 // What is differentiated, where it is to stay; from there on steps along the constraints do not lead back.
 bool JetSolver::has_moved_far(const Jet& from, const Jet& to) const {
-  constexpr double far = 0.1;  // of a value; chosen, not measured
-  for (int j = 0; equations_.keeps_differentiated() && j < from.n; ++j)
-    if (equations_.has_derivative_of(j) &&
-        std::fabs(to.x[index(j)] - from.x[index(j)]) > far * std::fabs(from.x[index(j)]))
+  constexpr double far = 0.1, little = 1e-6;  // of a value, and of the largest one; chosen, not measured
+  if (!equations_.keeps_differentiated()) return false;
+  double size = 0.0;
+  for (int j = 0; j < from.n; ++j) size = std::max(size, std::fabs(from.x[index(j)]) / equations_.units()[index(j)]);
+  for (int j = 0; j < from.n; ++j) {
+    const double change = std::fabs(to.x[index(j)] - from.x[index(j)]);
+    if (equations_.has_derivative_of(j) && change > far * std::fabs(from.x[index(j)]) &&
+        change > little * size * equations_.units()[index(j)])
       return true;
+  }
   return false;
 }
 

@@ -268,26 +268,20 @@ std::vector<std::function<Jet()>> starts(NonlinearProblem& problem, NonlinearSys
   return list;
 }
 
-// The first start that leads to consistent values without moving what is differentiated, or else the one that moves it least; throws
-// what the last one met if none leads to any.
+// The first start that leads to consistent values; throws what the last one met if none does.
 ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSystem& system,
                                        const PointOfInterest& point, const ConsistencyRequest& request) {
   const std::vector<double> given(point.x, point.x + problem.n());
   const auto list = starts(problem, system, point, request);
   const double rank_tol = system.settings().rank_tol;
-  std::optional<ConsistentJetResult> nearest;
-  for (std::size_t k = 0; k < list.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < list.size(); ++k) {
     try {
-      ConsistentJetResult found =
-          choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list[k](), rank_tol});
-      if (!found.value_change.is_beyond_tolerances()) return found;
-      if (!nearest || found.value_change.in_tolerances < nearest->value_change.in_tolerances)
-        nearest = std::move(found);
+      return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list[k](), rank_tol});
     } catch (const Failure& failure) {
-      if (is_final(failure) || (!nearest && k + 1 == list.size())) throw;
+      if (is_final(failure)) throw;
     }
   }
-  return std::move(*nearest);
+  return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()(), rank_tol});
 }
 
 // From the jet that the analysis has found near the same values: none if it moves what is differentiated, where another
