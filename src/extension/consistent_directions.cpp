@@ -36,10 +36,7 @@ ConsistentDirections::ConsistentDirections(MinimalExtension& extension, const Co
     drawn_.push_back(search.is_drawn(column) ? 1 : 0);
     held_.push_back(search.is_held(column) ? 1 : 0);
   }
-  const std::vector<char> differentiated = differentiated_unknowns(extension.problem().structure()->signature);
-  for (int j = 0; j < extension.n(); ++j)
-    stays_.push_back(differentiated[index(j)] != 0 || search.is_held({j, 0}) || !request.differentiated_stay() ? 1
-                                                                                                               : 0);
+  for (int j = 0; j < extension.n(); ++j) stays_.push_back(search.stays(j) ? 1 : 0);
   SearchUnits units{request.sizes()};
   units.time = time_unit(extension.problem().evaluator(), {jet.t, jet.x.data(), units.sizes}, extension.jet_order());
   unit_ = units.of(extension.columns());

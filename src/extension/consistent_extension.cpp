@@ -93,10 +93,9 @@ bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   if (request_.is_weighted()) return true;
   for (int j = 0; j < extension_.n(); ++j) {
     const double change = std::fabs(jet.x[index(j)] - guess.x[index(j)]);
-    const bool stays = is_held({j, 0}) || !request_.differentiated_stay() || differentiated_[index(j)] != 0;
     const double least =
         std::max(moved * units_.sizes[index(j)], beyond_rounding_of_x * std::fabs(guess.x[index(j)]));
-    if (stays && change > least) return true;
+    if (stays(j) && change > least) return true;
   }
   return false;
 }

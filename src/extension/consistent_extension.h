@@ -42,6 +42,7 @@ class ConsistentExtension {
   // Whether a value is to stay near the guess; others end where they have to, wherever they began. Whether it is fixed.
   bool is_drawn(const MinimalExtension::Column& column) const;
   bool is_held(const MinimalExtension::Column& column) const;
+  bool stays(int j) const { return is_held({j, 0}) || is_drawn({j, 0}); }
 
  private:
   void solve_stage(int stage, const Jet& guess, Jet& jet);
