@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "linalg/dense.h"
@@ -228,33 +227,18 @@ void ExtensionSensitivityStages::make_pattern(int s) {
   const MinimalExtension& extension = equations_.extension();
   const int q = num_rows();
   std::vector<std::pair<int, int>> places;  // column, row
-  const auto for_each = [&](auto action) {
-    for (int row = 0; row < q; ++row)
-      for (int e = extension.first()[index(row)]; e < extension.first()[index(row + 1)]; ++e)
-        action(row, extension.column()[index(e)]);
-  };
-  for_each([&](int row, int column) {
+  const auto add_places = [&](int row, int column) {
+    const bool is_slope = choice_->is_slope(column);
     for (int i = 0; i < s; ++i)
-      for (int k = choice_->is_slope(column) ? 0 : i; k < (choice_->is_slope(column) ? s : i + 1); ++k)
+      for (int k = is_slope ? 0 : i; k < (is_slope ? s : i + 1); ++k)
         places.emplace_back(k * q + choice_->slot(column), i * q + row);
-  });
-  std::vector<std::pair<int, int>> sorted = places;
-  std::sort(sorted.begin(), sorted.end());
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  positions_.clear();
-  for (const auto& place : places)
-    positions_.push_back(
-        static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), place) - sorted.begin()));
-  SparsePattern pattern;
-  pattern.size = s * q;
-  pattern.first.assign(index(pattern.size) + 1, 0);
-  for (const auto& [column, row] : sorted) {
-    pattern.row.push_back(row);
-    ++pattern.first[index(column) + 1];
-  }
-  std::partial_sum(pattern.first.begin(), pattern.first.end(), pattern.first.begin());
+  };
+  for (int row = 0; row < q; ++row)
+    for (int e = extension.first()[index(row)]; e < extension.first()[index(row + 1)]; ++e)
+      add_places(row, extension.column()[index(e)]);
+  const SparsePattern pattern = pattern_of(s * q, places, positions_);
   together_.analyze(pattern);
-  values_.assign(sorted.size(), 0.0);
+  values_.assign(pattern.row.size(), 0.0);
   right_.assign(index(pattern.size) * index(count()) + 1, 0.0);
   solution_ = right_;
   s_ = s;

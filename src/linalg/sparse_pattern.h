@@ -2,8 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -28,6 +33,27 @@ SparsePattern pattern_of(const std::vector<std::vector<std::pair<int, Value>>>& 
     }
     pattern.first.push_back(static_cast<int>(pattern.row.size()));
   }
+  return pattern;
+}
+
+// Of the places (column, row) of values that are added up; positions: of each of them among the entries.
+inline SparsePattern pattern_of(int size, const std::vector<std::pair<int, int>>& places,
+                                std::vector<std::size_t>& positions) {
+  std::vector<std::pair<int, int>> sorted = places;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  positions.clear();
+  for (const auto& place : places)
+    positions.push_back(
+        static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), place) - sorted.begin()));
+  SparsePattern pattern;
+  pattern.size = size;
+  pattern.first.assign(index(size) + 1, 0);
+  for (const auto& [column, row] : sorted) {
+    pattern.row.push_back(row);
+    ++pattern.first[index(column) + 1];
+  }
+  std::partial_sum(pattern.first.begin(), pattern.first.end(), pattern.first.begin());
   return pattern;
 }
 

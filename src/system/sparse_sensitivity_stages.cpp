@@ -3,7 +3,6 @@
 #include "system/sparse_sensitivity_stages.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "linalg/index.h"
@@ -63,24 +62,10 @@ void SparseSensitivityStages::resize(int s) {
     for (int i = 0; i < s; ++i)
       for (auto [j, end] = stages_of(entry, i); j < end; ++j)
         places.emplace_back(j * n + entry.column, i * n + entry.row);
-  std::vector<std::pair<int, int>> sorted = places;
-  std::sort(sorted.begin(), sorted.end());
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  positions_.clear();
-  for (const auto& place : places)
-    positions_.push_back(
-        static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), place) - sorted.begin()));
-  pattern_.size = s * n;
-  pattern_.row.clear();
-  pattern_.first.assign(index(pattern_.size) + 1, 0);
-  for (const auto& [column, row] : sorted) {
-    pattern_.row.push_back(row);
-    ++pattern_.first[index(column) + 1];
-  }
-  std::partial_sum(pattern_.first.begin(), pattern_.first.end(), pattern_.first.begin());
+  pattern_ = pattern_of(s * n, places, positions_);
   planned_.analyze(pattern_);
   const std::size_t all = index(pattern_.size) * index(parameters_.count());
-  values_.assign(sorted.size(), 0.0);
+  values_.assign(pattern_.row.size(), 0.0);
   derivatives_.assign(entries_.size() * index(s), 0.0);
   for (std::vector<double>* v : {&F_p_, &right_, &solution_}) v->assign(all, 0.0);
   s_ = s;
