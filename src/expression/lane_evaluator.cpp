@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "expression/execution.h"
 #include "expression/kernel.h"
 #include "linalg/index.h"
 #include "linalg/quiet_arithmetic.h"
@@ -220,23 +221,15 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
 
 template <bool with_slopes, class Order>
 void execute_all(const InstructionList& list, Lanes* slots, Order K) {
-  const InstructionList::Binary* next = list.binary();
-  const Instruction* other = list.others();
-  const auto run = [&](std::size_t count, auto operation) {
-    for (const InstructionList::Binary* const last = next + count; next != last; ++next)
-      operation(slots + next->a, slots + next->b, slots + next->v);
+  const auto binary = [K](auto code, auto a, auto b, auto v) {
+    if constexpr (code == Code::add) add(a, b, v, K);
+    else if constexpr (code == Code::subtract) subtract(a, b, v, K);
+    else if constexpr (code == Code::multiply) multiply(a, b, v, K);
+    else scale(a, b, v, K);
   };
-  for (const auto& [code, count] : list.runs()) {
-    switch (code) {
-      case Code::add: run(count, [K](auto a, auto b, auto v) { add(a, b, v, K); }); break;
-      case Code::subtract: run(count, [K](auto a, auto b, auto v) { subtract(a, b, v, K); }); break;
-      case Code::multiply: run(count, [K](auto a, auto b, auto v) { multiply(a, b, v, K); }); break;
-      case Code::scale: run(count, [K](auto a, auto b, auto v) { scale(a, b, v, K); }); break;
-      default:
-        for (const Instruction* const last = other + count; other != last; ++other)
-          if (!execute_together<with_slopes>(*other, slots, K)) execute_singly<with_slopes>(*other, slots, K);
-    }
-  }
+  execute_list(list, slots, binary, [slots, K](const Instruction& other) {
+    if (!execute_together<with_slopes>(other, slots, K)) execute_singly<with_slopes>(other, slots, K);
+  });
 }
 
 // What an edge hands on, as in edges.h.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "expression/edges.h"
+#include "expression/execution.h"
 #include "expression/kernel.h"
 #include "linalg/index.h"
 #include "linalg/quiet_arithmetic.h"
@@ -33,23 +34,13 @@ auto with_order(int order, Action action) {
 
 template <bool with_slopes, class Order>
 void execute_each(const InstructionList& list, double* const slots, Order K) {
-  const InstructionList::Binary* next = list.binary();
-  const Instruction* other = list.others();
-  const auto run = [&](std::size_t count, auto operation) {
-    for (const InstructionList::Binary* const last = next + count; next != last; ++next)
-      operation(slots + next->a, slots + next->b, slots + next->v);
+  const auto binary = [K](auto code, auto a, auto b, auto v) {
+    if constexpr (code == Code::add) series::add(a, b, v, K);
+    else if constexpr (code == Code::subtract) series::subtract(a, b, v, K);
+    else if constexpr (code == Code::multiply) series::multiply(a, b, v, K);
+    else series::scale(a, b[0], v, K);
   };
-  for (const auto& [code, count] : list.runs()) {
-    switch (code) {
-      case Code::add: run(count, [K](auto a, auto b, auto v) { series::add(a, b, v, K); }); break;
-      case Code::subtract: run(count, [K](auto a, auto b, auto v) { series::subtract(a, b, v, K); }); break;
-      case Code::multiply: run(count, [K](auto a, auto b, auto v) { series::multiply(a, b, v, K); }); break;
-      case Code::scale: run(count, [K](auto a, auto b, auto v) { series::scale(a, b[0], v, K); }); break;
-      default:
-        for (const Instruction* const last = other + count; other != last; ++other)
-          execute<with_slopes>(*other, slots, K);
-    }
-  }
+  execute_list(list, slots, binary, [slots, K](const Instruction& other) { execute<with_slopes>(other, slots, K); });
 }
 
 template <bool with_slopes>

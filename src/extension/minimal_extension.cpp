@@ -139,21 +139,14 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
 
 bool MinimalExtension::load_lanes(const std::vector<Jet>& jets, int count) {
   if (!problem_.has_lanes(highest_level_) || count > lane_count) return false;
-  const std::size_t size = index(n_) * index(jet_order() + 1);
-  lanes_of_t_.resize(1);
-  lanes_of_jets_.resize(size);
-  for (int l = 0; l < lane_count; ++l) {
-    const Jet& jet = jets[index(std::min(l, count - 1))];
-    lanes_of_t_[0].lane[l] = jet.t;
-    for (std::size_t k = 0; k < size; ++k) lanes_of_jets_[k].lane[l] = jet.x[k];
-  }
+  lanes_.load(jets, count, n_, jet_order());
   return true;
 }
 
 bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values) {
   if (!load_lanes(jets, count)) return false;
   const LaneBlock* const coefficients = problem_.gradient_entries_side_by_side(
-      count, lanes_of_t_.data(), lanes_of_jets_.data(), highest_level_, levels_);
+      count, lanes_.t.data(), lanes_.coefficients.data(), highest_level_, levels_);
   if (coefficients == nullptr) return false;
   if (terms_.empty()) {
     values.assign(coefficients,
@@ -170,7 +163,7 @@ bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int 
 bool MinimalExtension::residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r) {
   if (!load_lanes(jets, count)) return false;
   lanes_of_F_.resize(index(n_) * index(highest_level_ + 1));
-  if (!problem_.residuals_side_by_side(count, lanes_of_t_.data(), lanes_of_jets_.data(), highest_level_,
+  if (!problem_.residuals_side_by_side(count, lanes_.t.data(), lanes_.coefficients.data(), highest_level_,
                                        lanes_of_F_.data()))
     return false;
   for (int l = 0; l < count; ++l)

@@ -18,7 +18,7 @@
 #include "problem/nonlinear_problem.h"
 #include "structure/structure.h"
 #include "structure/system_jacobian.h"
-#include "system/jet.h"
+#include "system/jet_lanes.h"
 
 namespace sfdae::core {
 
@@ -134,7 +134,8 @@ class MinimalExtension {
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
   std::vector<double> F_;
-  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_;
+  JetLanes lanes_;
+  LaneArray lanes_of_F_;
 };
 
 template <class Coefficient>

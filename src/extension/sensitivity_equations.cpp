@@ -95,15 +95,9 @@ CallbackError SensitivityEquations::linearize(const std::vector<Jet>& jets, int 
 bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, int count,
                                                   std::vector<SensitivityRows>& rows) {
   if (!formulas_.are_there()) return false;
-  const std::size_t size = index(extension_.n()) * index(extension_.jet_order() + 1);
-  lanes_of_t_.resize(1);
-  lanes_of_jets_.resize(size);
-  for (int l = 0; l < lane_count; ++l) {
-    const Jet& jet = jets[index(std::min(l, count - 1))];
-    lanes_of_t_[0].lane[l] = jet.t;
-    for (std::size_t k = 0; k < size; ++k) lanes_of_jets_[k].lane[l] = jet.x[k];
-  }
-  if (!formulas_.evaluate_side_by_side(count, lanes_of_t_.data(), lanes_of_jets_.data(), extension_.highest_level()))
+  lanes_.load(jets, count, extension_.n(), extension_.jet_order());
+  if (!formulas_.evaluate_side_by_side(count, lanes_.t.data(), lanes_.coefficients.data(),
+                                       extension_.highest_level()))
     return false;
   for (int i = 0; i < count; ++i)
     take_formulas([&](std::size_t e, std::size_t k) { return formulas_.of_lanes(e)[k].lane[i]; }, rows[index(i)]);

@@ -14,6 +14,7 @@
 #include "extension/state_matrix.h"
 #include "linalg/matrix.h"
 #include "problem/parameter_series.h"
+#include "system/jet_lanes.h"
 
 namespace sfdae::core {
 
@@ -55,7 +56,7 @@ class SensitivityEquations {
   std::vector<int> row_;
   std::vector<int> slope_limits_;
   std::vector<double> F_p_, entries_;
-  LaneArray lanes_of_t_, lanes_of_jets_;
+  JetLanes lanes_;
 };
 
 // Where the unknowns of steps are: slots as StateChoice has them, with x_j in place of x_j' for the states.
