@@ -64,9 +64,9 @@ Outcome outcome(const Case& c, int structure) {
   options.rtol = options.atol = c.tolerance;
   sfdae::Solver solver(pendulum, options);
   const double cosine = std::cos(c.angle), sine = std::sin(c.angle), length = c.length * (1.0 + c.off);
-  sfdae::Point point{0.0, {length * cosine, length * sine, -c.speed * sine, c.speed * cosine, c.force}, {}};
+  sfdae::Point point{12.5, {length * cosine, length * sine, -c.speed * sine, c.speed * cosine, c.force}, {}};
   try {
-    const int status = solver.start(point, 1.0);
+    const int status = solver.start(point, 13.0);
     const std::vector<double>& x = point.x;
     const double moved = std::hypot(x[0] - c.length * cosine, x[1] - c.length * sine) / c.length;
     const double turned =
