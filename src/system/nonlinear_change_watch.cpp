@@ -60,7 +60,7 @@ void NonlinearChangeWatch::start(double direction) {
   expected_.reset();
   next_failure_ = failures_before_look;
   first_ = system_.jet();
-  for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_};
+  for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_, false};
   search_.course().start(first_);
   has_within_ = has_end_ = false;
   // Determinants of bases are needed rarely: memory for the first one, so that no later step allocates.
@@ -143,11 +143,12 @@ std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
     older = last;
     last = now;
   }
-  return find_passed();
+  return find_passed(was_turned);
 }
 
 // Small steps may have gone through a singular point with values that are too inaccurate to be searched there.
-std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
+std::optional<LocatedChange> NonlinearChangeWatch::find_passed(bool is_turned) {
+  for (Fall& fall : falls_) fall.has_turned |= is_turned;
   if (!has_end_) return std::nullopt;
   const Jet& jet = system_.jet();
   for (std::size_t i = 0; i < 2; ++i) {
@@ -157,15 +158,21 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
     const bool has_dipped = fall.highest > 0.0 && fall.lowest <= dip * std::min(fall.highest, now);
     if (now < fall.highest && !has_dipped) continue;
     const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= dip &&
-                              search_.kept(jet, fall.at_lowest) <= dip &&
-                              !witness().is_regular_at(fall.at_lowest, fall.at_highest, jet);
+                              search_.kept(jet, fall.at_lowest) <= dip && has_passed_zero(fall, jet);
     const double t = fall.at_lowest.t;
     fall.highest = fall.lowest = now;
+    fall.has_turned = false;
     fall.at_highest = fall.at_lowest = jet;
     constexpr SingularPart parts[] = {SingularPart::constraints, SingularPart::differential};
     if (is_confirmed) return LocatedChange{t, t, {}, 0.0, parts[i]};
   }
   return std::nullopt;
+}
+
+// What has fallen and risen may be as small as it became for a while, as where diodes block: it has another sign behind a zero.
+bool NonlinearChangeWatch::has_passed_zero(const Fall& fall, const Jet& now) {
+  if (!witness().speaks()) return fall.has_turned;
+  return !witness().keeps_signs(fall.at_lowest, fall.at_highest, now);
 }
 
 std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample* older, const SingularitySample& last,

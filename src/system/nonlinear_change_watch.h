@@ -34,11 +34,20 @@ class NonlinearChangeWatch final : public ChangeWatch {
   void archive(Archive& archive, double direction) override;
 
  private:
+  // the singular point, by the last look
+  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
+  struct Fall {
+    double highest = 0.0, lowest = 0.0;
+    Jet at_highest, at_lowest;
+    bool has_turned = false;  // a sign, from one sample to another
+  };
+
   bool is_after(double t, double then) const { return (t - then) * direction_ > 0.0; }
   void take_samples();
   bool is_suspicious(const SingularitySample& now);
   bool is_short(double t_last) const;
-  std::optional<LocatedChange> find_passed();
+  std::optional<LocatedChange> find_passed(bool is_turned);
+  bool has_passed_zero(const Fall& fall, const Jet& now);
   std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
                                     const SingularitySample& now);
   std::optional<LocatedChange> change_at(double t, double t_last);
@@ -60,13 +69,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool is_within_sure_ = false;          // its jet has converged
   double next_look_ = 0.0;               // a value that goes straight on is zero then
   int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
-  std::optional<double> expected_;       // the singular point, by the last look
-  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
-  struct Fall {
-    double highest = 0.0, lowest = 0.0;
-    Jet at_highest, at_lowest;
-  };
-  Fall falls_[2];
+  std::optional<double> expected_;       Fall falls_[2];
   Jet first_;  // of the integration
   // What the structure says; made when it is asked for first.
   std::optional<StructuralWitness> witness_;

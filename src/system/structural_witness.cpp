@@ -34,16 +34,23 @@ StructuralWitness::StructuralWitness(const AnalyzedEquations& equations, const J
   determinants_ = std::make_unique<BlockDeterminants>(*structure_, *jacobian_, evaluator);
 }
 
+bool StructuralWitness::measure(const Jet& jet, const Jet& before, const Jet& after) {
+  return determinants_ && determinants_->measure(before.t, before.x.data(), before_) &&
+         determinants_->measure(after.t, after.x.data(), after_) &&
+         determinants_->measure(jet.t, jet.x.data(), here_);
+}
+
+bool StructuralWitness::keeps_signs(const Jet& jet, const Jet& before, const Jet& after) {
+  if (!measure(jet, before, after)) return false;
+  for (std::size_t k = 0; k < here_.size(); ++k)
+    if (here_[k].sign == 0 || here_[k].sign != before_[k].sign || here_[k].sign != after_[k].sign) return false;
+  return true;
+}
+
 bool StructuralWitness::is_regular_at(const Jet& jet, const Jet& before, const Jet& after) {
-  if (!determinants_) return false;
-  if (!determinants_->measure(before.t, before.x.data(), before_) ||
-      !determinants_->measure(after.t, after.x.data(), after_) || !determinants_->measure(jet.t, jet.x.data(), here_))
-    return false;
-  for (std::size_t k = 0; k < here_.size(); ++k) {
-    const BlockDeterminants::Value &here = here_[k], &left = before_[k], &right = after_[k];
-    const bool is_same_sign = here.sign != 0 && here.sign == left.sign && here.sign == right.sign;
-    if (!is_same_sign || !(here.log2 >= std::min(left.log2, right.log2) + std::log2(not_fallen))) return false;
-  }
+  if (!keeps_signs(jet, before, after)) return false;
+  for (std::size_t k = 0; k < here_.size(); ++k)
+    if (!(here_[k].log2 >= std::min(before_[k].log2, after_[k].log2) + std::log2(not_fallen))) return false;
   return true;
 }
 

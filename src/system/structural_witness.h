@@ -25,12 +25,16 @@ class StructuralWitness {
   // jet, with as many free values as are known.
   StructuralWitness(const AnalyzedEquations& equations, const Jet& jet);
 
+  bool speaks() const { return determinants_ != nullptr; }
   // The system Jacobian is regular wherever the equations can be evaluated: its blocks do not vary.
-  bool is_always_regular() const { return determinants_ && determinants_->count() == 0; }
+  bool is_always_regular() const { return speaks() && determinants_->count() == 0; }
   // It is regular at a consistent jet if it is at `before` and `after`: no determinant has another sign, or has fallen.
   bool is_regular_at(const Jet& jet, const Jet& before, const Jet& after);
+  // No determinant has another sign at a consistent jet than at `before` and `after`, however small it has become.
+  bool keeps_signs(const Jet& jet, const Jet& before, const Jet& after);
 
  private:
+  bool measure(const Jet& jet, const Jet& before, const Jet& after);
   bool is_confirmed_at(const AnalyzedEquations& equations, const Jet& jet);
 
   const Structure* structure_ = nullptr;  // of the problem

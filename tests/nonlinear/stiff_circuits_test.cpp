@@ -145,6 +145,18 @@ Circuit bridge(double junction) {
   return c;
 }
 
+// Without capacitances: nothing but 1 GOhm beside each diode determines where the floating source is while all of them block.
+Circuit leaky_bridge() {
+  Circuit c{"leaky bridge",
+            3,
+            {{Kind::source, 1, 2, 10.0, 50.0}, {Kind::capacitor, 3, 0, 1e-4}, {Kind::resistor, 3, 0, 1e3}}};
+  for (const auto& [a, b] : {std::pair{1, 3}, {2, 3}, {0, 1}, {0, 2}}) {
+    c.elements.push_back({Kind::diode, a, b, 0});
+    c.elements.push_back({Kind::resistor, a, b, 1e9});
+  }
+  return c;
+}
+
 // Dickson's charge pump of three stages, clocks of opposite phase through 1 nF.
 Circuit charge_pump(double junction) {
   Circuit c{"charge pump",
@@ -278,4 +290,10 @@ TEST(StiffCircuits, AreSolvedWhereDiodesTurnOn) {
                              Drive{2.9751507354010826e-15, 158517.92794947303, 3.7417092239734409}})
     expect_solved(driven(rectifier(drive.junction), drive.frequency, drive.phase), drive.frequency,
                   "rectifier, " + std::to_string(drive.junction * 1e15) + " fF");
+}
+
+// The conductances by which ranks are decided fall by eight orders, stay there and rise again, without a zero.
+TEST(StiffCircuits, AreSolvedWhereAllDiodesBlockForAWhile) {
+  for (const double phase : {0.0, 0.05})
+    expect_solved(driven(leaky_bridge(), 50.0, phase), 50.0, "leaky bridge, phase " + std::to_string(phase));
 }
