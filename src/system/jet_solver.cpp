@@ -207,8 +207,8 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
 }
 
-// Which ranks are right shows in what they achieve.
-JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
+// Which ranks are right shows in what they achieve. of_most_ranks: where to write the first trial without noise, or null.
+JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks) {
   // Larger residuals than this part of the coefficients tell nothing about which singular values vanish. Chosen, not
   // measured.
   constexpr double most_dropped = 1e-4;
@@ -239,6 +239,8 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
       if (!equations_.staged_change(keep, change)) continue;
       Trial trial = equations_.try_change(jet, change);
       if (keep) trial.moved = equations_.moved_by_last_change();
+      const bool is_first_of_them = of_most_ranks != nullptr && attempt.noise == 0.0 && !of_most_ranks->valid;
+      if (is_first_of_them) *of_most_ranks = trial;
       // Ranks that mislead move what could stay.
       const bool is_better = keep && is_good(best) ? is_good(trial) && trial.moved < best.moved
                                                    : trial.valid && (!best.valid || trial.norm < best.norm);
@@ -334,8 +336,8 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
     // An undamped step first; it is the last one if rounding lets it gain nothing.
-    Trial trial;
-    if (is_undamped) trial = undamped_trial(jet);
+    Trial trial, of_most_ranks;
+    if (is_undamped) trial = undamped_trial(jet, may_grow ? &of_most_ranks : nullptr);
     const bool converged = is_converged(jet, is_undamped);
     if (!trial.valid || trial.norm > good_reduction * before) {
       ++iteration;
@@ -351,6 +353,8 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
       }
       const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
       if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
+      // What is small beside the residuals of other equations may be all that constraints have.
+      if (of_most_ranks.valid && search_undamped(jet, level, std::move(of_most_ranks))) continue;
       trial.valid = false;
       if (is_far_off) trial = shortened_trial(jet);
       is_undamped = trial.valid;

@@ -36,7 +36,7 @@ class JetSolver {
   void search(Jet& jet, int level, bool may_grow);
   bool accept(Jet& jet, Trial&& trial, int level);
   bool search_undamped(Jet& jet, int level, Trial trial);
-  Trial undamped_trial(const Jet& jet);
+  Trial undamped_trial(const Jet& jet, Trial* of_most_ranks = nullptr);
   Trial shortened_trial(const Jet& jet);
   Trial damped_trial(const Jet& jet, double& damping);
 
