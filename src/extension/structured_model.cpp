@@ -16,6 +16,9 @@ namespace {
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 100.0;
 
+// What the array could not find out, or not find.
+bool is_doubt(int status) { return status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES; }
+
 }  // namespace
 
 StructuredModel::StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem,
@@ -56,7 +59,7 @@ double StructuredModel::array_size() const {
 bool StructuredModel::may_extend(const ModelOptions& options) {
   return options.structure == StructureUse::automatic && !options.for_adjoint && !options.analysis.by_svd &&
          options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
-         problem_.structure() != nullptr && orders_are_possible() && array_size() >= least_array;
+         problem_.structure() != nullptr && orders_are_possible();
 }
 
 // Of Taylor series of the equations, and of those of their derivatives by t.
@@ -71,13 +74,11 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
   options_ = options;
   const bool is_required = options.structure == StructureUse::required || has_differences();
   if (is_required) demand_structure(options);
-  if (is_required || may_extend(options)) {
-    problem_.follow_structure(false);
+  const bool may_be_extended = is_required || may_extend(options);
+  const bool is_extended_first = is_required || (may_be_extended && array_size() >= least_array);
+  if (is_extended_first) {
     try {
-      problem_.allow_differences_in_time(options.differences.allowed);
-      extended_.analyze(point, options, decisions);
-      if (options.for_sensitivities) demand_sensitivities();
-      is_extended_ = true;
+      analyze_extended(point, options, decisions);
       return;
     } catch (const Failure& failure) {
       if (is_required || ends_everything(failure.status()) || n() > most_dense_unknowns) throw;
@@ -85,8 +86,37 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     decisions.clear();
   }
   demand_dense(n());
-  if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
-  else classical_->analyze(point, options, decisions);
+  try {
+    if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
+    else classical_->analyze(point, options, decisions);
+  } catch (const Failure& failure) {
+    if (!may_be_extended || is_extended_first || !is_doubt(failure.status())) throw;
+    if (!settle_doubt(point, options, decisions)) throw;
+  }
+}
+
+void StructuredModel::analyze_extended(const PointOfInterest& point, const ModelOptions& options,
+                                       std::vector<RankDecision>& decisions) {
+  problem_.follow_structure(false);
+  problem_.allow_differences_in_time(options.differences.allowed);
+  extended_.analyze(point, options, decisions);
+  if (options.for_sensitivities) demand_sensitivities();
+  is_extended_ = true;
+}
+
+// Large arrays of uneven units may be beyond double precision where the few equations that structure asks for are not. These have
+// certificates of their own; without one the array's failure stands, with its decisions.
+bool StructuredModel::settle_doubt(const PointOfInterest& point, const ModelOptions& options,
+                                   std::vector<RankDecision>& decisions) {
+  std::vector<RankDecision> of_extension;
+  try {
+    analyze_extended(point, options, of_extension);
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    return false;
+  }
+  decisions = std::move(of_extension);
+  return true;
 }
 
 // Equations that are replaced have them by the whole array alone.

@@ -73,6 +73,9 @@ class StructuredModel final : public Model {
     return serves_nonlinear_ ? static_cast<Model&>(*nonlinear_) : *classical_;
   }
   bool may_extend(const ModelOptions& options);
+  void analyze_extended(const PointOfInterest& point, const ModelOptions& options,
+                        std::vector<RankDecision>& decisions);
+  bool settle_doubt(const PointOfInterest& point, const ModelOptions& options, std::vector<RankDecision>& decisions);
   void analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
                             std::vector<RankDecision>& decisions);
   void make_nonlinear();
