@@ -80,8 +80,9 @@ Jet between(const Jet& from, const Jet& to, double part) {
   return jet;
 }
 
-// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones.
-void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
+// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones. The first component
+// that would have to change; -1: none.
+int violated_component(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
   // Of a component, or of what is largest in the units of the equations; consistent jets are better by orders of
   // magnitude. Chosen: one of 6000 random starts had 0.1.
   constexpr double consistent = 1e-6, rounding = 1e-8;
@@ -92,14 +93,19 @@ void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet
   for (int i = 0; i < jet.n; ++i) {
     const double allowed = std::max({consistent * std::fabs(jet.x[index(i)]), tolerances[index(i)],
                                      rounding * largest * constraints.point().units[i]});
-    if (std::fabs(violation[index(i)]) <= allowed) continue;
-    throw Failure(
-        SFDAE_NO_CONSISTENT_VALUES,
-        format("no consistent values were found near the guess at t = %.15g; in what was found constraints "
-               "are violated, by which x[%d] would have to change by %.3g. Give a better guess, or fix fewer "
-               "components.",
-               jet.t, i, violation[index(i)]));
+    if (!(std::fabs(violation[index(i)]) <= allowed)) return i;
   }
+  return -1;
+}
+
+void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
+  const int violated = violated_component(constraints, jet, request);
+  if (violated < 0) return;
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                format("no consistent values were found near the guess at t = %.15g; in what was found constraints "
+                       "are violated, by which x[%d] would have to change by %.3g. Give a better guess, or fix fewer "
+                       "components.",
+                       jet.t, violated, constraints.violation()[index(violated)]));
 }
 
 // The change of a consistent jet toward the values wanted.
@@ -182,11 +188,13 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   "the characteristic values known (" + describe(analysis.values) +
                       format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
+  // A jet that was found with other values of parameters may be nearer than any that is consistent.
+  const bool begins_nearer = keeps && violated_component(constraints, result.jet, request) < 0;
   for (int iteration = 0; iteration < most; ++iteration) {
     Jet full = result.jet;
     const double change = constraints.move(request, target, full);
     if (iteration > 0 && change > before && !keeps) break;
-    if (change > no_change && !approach.advance(full, keeps || iteration > 0, result.jet)) break;
+    if (change > no_change && !approach.advance(full, begins_nearer || iteration > 0, result.jet)) break;
     if (change < accuracy) break;
     before = change;
   }

@@ -369,6 +369,31 @@ TEST_P(HybridSensitivities, GoThroughModesThatAreLeftAtOnce) {
   }
 }
 
+// ---- Values that stay --------------------------------------------------------------------------------------------
+
+// x_1 (r x_0 + 2) = 2 after t = 1, with a number before: the values after are those before, and r moves them.
+TEST_P(HybridSensitivities, AreThoseOfConstraintsThatBeginToDependOnAParameter) {
+  System system;
+  for (const bool is_second : {false, true}) {
+    sfdae::NonlinearProblem problem(2, 2);
+    problem.equations = [is_second](const Expression& t, auto x, auto xdot, auto F) {
+      F[0] = xdot[0] + 0.0 * t;
+      F[1] = x[1] * ((is_second ? sfdae::parameter(t, "r", 3.0) : 3.0 + 0.0 * t) * x[0] + 2.0) - 2.0;
+    };
+    system.add(problem, solver_options(1e-9, GetParam()));
+  }
+  sfdae::Transition transition;
+  transition.to = 1;
+  transition.kind = SFDAE_TRANSITION_TIME;
+  transition.time = 1.0;
+  system.hybrid.add_transition(transition);
+  system.hybrid.set_sensitivities(by({"r"}));
+  Point point{0.0, {1.0, 0.4}, {}};
+  system.hybrid.start(0, point, 2.0);
+  system.hybrid.advance(2.0, point);
+  EXPECT_NEAR(system.hybrid.sensitivities(2.0).S(1, 0), -2.0 / 25.0, 1e-9);
+}
+
 // ---- Steps that say little ---------------------------------------------------------------------------------------
 
 // x' = rate x passes 1 soon after the start, at t = wait, and jumps to x^2 + sin 2t: steps before it are as short.
