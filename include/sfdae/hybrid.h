@@ -146,21 +146,26 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
 /** Asks for `count` sensitivities S_j = dx/dp_j, 0 (none any more) ... 10000, from the next sfdae_start_hybrid on: as
  * sfdae_set_sensitivities, with the same arguments, over all modes and transitions. A run under way ends. Add the modes first.
  *
- * parameters: each is one of those of one mode at least; the equations of modes that do not have it do not depend on it. A
- * parameter that several modes have is one and the same (with sfdae_set_parameter give it one value in all of them). directions:
- * at the start. options: not the adjoint.
+ * parameters: each is one of those of one mode, or surface of a switch, at least; the equations of modes that do not have it do
+ * not depend on it. A parameter that several modes have is one and the same (with sfdae_set_parameter give it one value in all
+ * of them; where values differ, all move by the same amount). directions: at the start. options: not the adjoint.
  *
  * At a transition at t, where its function g(t, x) is zero, or at a fixed time (dt/dp = 0), or at once after another one (with its dt/dp),
  *
- *     dt/dp = -g_x S / (g_t + g_x x'),   S after = (M_x S + M_p) + (M_t + M_x x'_before - x'_after) dt/dp
+ *     dt/dp = -(g_x S + g_p) / (g_t + g_x x'),   S after = (M_x S + M_p) + (M_t + M_x x'_before - x'_after) dt/dp
  *
  * M(t, x, p): the values after it, by the rule of sfdae_jump or your jump function. S after is consistent with the constraints of the
  * mode that begins, hidden ones too. Derivatives of g and M are differences of fourth order: both functions are called with values
- * nearby, too, and g with x' that mean nothing. They depend on parameters through x alone: one that is in them otherwise has to be
- * an unknown, p' = 0, with its unit vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the transition).
+ * nearby, too, and g with x' that mean nothing. Your functions depend on parameters through x alone, g_p = 0: one that is in them
+ * otherwise has to be an unknown, p' = 0, with its unit vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from
+ * the transition). Surfaces of switches are formulas: g_p is that of their parameters.
  *
- * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode has, modes that are given by callbacks, switches (sfdae_add_switch):
- * there are no sensitivities of sliding. After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
+ * Along surfaces S has n rows, too, as s stays inside. Where factors of equations in two modes are the same by the values of
+ * parameters only, m1 x' and m2 x' with m1 = m2, there are sensitivities by these if the equation has one x' alone;
+ * else sfdae_start_hybrid fails (SFDAE_ILLEGAL_ARGUMENT names the equation). Give such parameters one name in both modes.
+ *
+ * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks. After that
+ * sfdae_set_sensitivities refuses the solvers of modes, as it does always.
  * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g or M has no
  * derivative. Where two transitions are due at once, or a guard is about to change, the one that happens counts. */
 SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,

@@ -149,9 +149,14 @@ def test_motion_along_a_surface():
 def test_parameters_of_a_surface():
     # Along x - y = 1/2.
     system = sliding(lambda t, x, gap=0.5: x[0] - x[1] - gap, rtol=1e-9, atol=1e-9)
+    system.set_sensitivities(["gap"])
     system.start("left", 0, [1.2, 1], 1)
     x = system.advance(1).x
     assert x[0] - x[1] == pytest.approx(0.5, abs=1e-8)
+    # It is met after (gap - 0.2) / 5, and x' is -6/17 along it.
+    S, _ = system.sensitivities(1)
+    assert S[:, 0] == pytest.approx([(2 + 6 / 17) / 5, (2 + 6 / 17) / 5 - 1], abs=1e-8)
+    assert system.passage_sensitivities == pytest.approx([0.2], abs=1e-8)
 
 
 def test_what_a_surface_returns():

@@ -26,7 +26,7 @@ std::string sfdae_hybrid::name_of(int mode) const {
 
 bool sfdae_hybrid::is_running() const {
   return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration &&
-         !(mode().surface != nullptr && mode().surface->is_outdated());
+         !(mode().surface != nullptr && is_outdated(*this, *mode().surface));
 }
 
 namespace sfdae::core {

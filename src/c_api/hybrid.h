@@ -67,7 +67,8 @@ struct HybridRun {
   std::vector<sfdae_passage> passages;
   std::vector<double> before, after, impulse;  // of the last one
   std::optional<double> accumulation;
-  // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these.
+  // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these, width() of
+  // them for each parameter.
   std::vector<double> shifts, moved;
   double time_before = 0.0;  // in which x is known to change little, before that
   CallResult warning;        // the first one of the call
@@ -136,10 +137,14 @@ CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
 CallResult choose_mode(sfdae_hybrid& hybrid, const HybridTransition& transition, int& to);
 // Before a sliding mode begins other than by its switch: the part of the mode above. Fails where the surface does not attract.
 CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode);
-// Surfaces and sliding modes for the values that parameters have now.
+// The equations of its sliding mode are made of other values of parameters, or for derivatives by others, than they are now.
+bool is_outdated(const sfdae_hybrid& hybrid, const Switch& surface);
+// Surfaces and sliding modes for what they are now; their solvers are asked for sensitivities.
 CallResult update_switches(sfdae_hybrid& hybrid);
 // Before a mode is entered: if it slides, with the options of its modes.
 void take_options_of_modes(sfdae_hybrid& hybrid, int mode);
+// Those of the start, width() x count.
+std::vector<double> directions_at_start(const sfdae_hybrid& hybrid);
 // Asks the solvers of all modes for what the system was asked for, or for none.
 CallResult ask_for_sensitivities(sfdae_hybrid& hybrid);
 // How the time of a transition moves with the parameters, and x there. at_once: with the transition before.

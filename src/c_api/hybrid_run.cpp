@@ -305,6 +305,8 @@ CallResult set_events_of(sfdae_hybrid& hybrid, int k) {
     if (hybrid.transitions[index(number)].surface != nullptr) directions.push_back(1);
   const int status =
       sfdae_set_events(mode.solver, static_cast<int>(directions.size()), evaluate_watched, directions.data(), &mode);
+  // With sensitivities no function may depend on x'.
+  if (mode.solver->events) mode.solver->events->tries_without_slopes = hybrid.sensitivities.has_value();
   return status < 0 ? of_mode(hybrid, k, status) : CallResult{};
 }
 
@@ -315,7 +317,7 @@ CallResult set_transition_events(sfdae_hybrid& hybrid) {
     if (result.status < 0) return result;
   }
   hybrid.events_are_set = true;
-  // With sensitivities no function may depend on x'.
+  // Set before with sensitivities, or without.
   for (HybridMode& mode : hybrid.modes)
     if (mode.solver->events) mode.solver->events->tries_without_slopes = hybrid.sensitivities.has_value();
   return {};
@@ -336,7 +338,7 @@ CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& poin
   if (point.xdot != nullptr) std::copy_n(point.xdot, n, run.xdot.begin());
   if (hybrid.sensitivities) {
     run.shifts.assign(hybrid.sensitivities->names.size(), 0.0);
-    run.moved = hybrid.sensitivities->directions;
+    run.moved = directions_at_start(hybrid);
   }
   hybrid.run = std::move(run);
   for (HybridMode& each : hybrid.modes) each.left = {};

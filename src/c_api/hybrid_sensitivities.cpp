@@ -2,8 +2,9 @@
 //
 // At a transition at t, g(t, x) = 0, time and values move with a parameter p by
 //
-//     dt/dp = -g_x S / (g_t + g_x x'),   dx/dp = S + x' dt/dp
+//     dt/dp = -(g_x S + g_p) / (g_t + g_x x'),   dx/dp = S + x' dt/dp
 //
+// with g_p of surfaces of switches, which are formulas; other functions know no parameters.
 // The map to the values after it, M(t, x, p), is differentiated along these; S after is the derivative less x' after times
 // dt/dp, made consistent with the equations of the mode that begins [GFB99].
 //
@@ -31,6 +32,8 @@ using Vector = std::vector<double>;
 constexpr double first_step = 1e-3;
 // What else than x moves a map counts for that part of it, where derivatives are looked at for whether they are 0. (Chosen.)
 constexpr double minor = 1e-3;
+// What moves less than that, of what else moves a map, may be rounding errors alone: those of values at rest. (Chosen.)
+constexpr double negligible = 1e-6;
 
 // What values of x are measured by: themselves, or the size at which the absolute tolerance begins to count.
 Vector sizes_of(const Tolerances& tolerances, const Vector& x, std::size_t n) {
@@ -84,6 +87,15 @@ class ParameterShift {
   double value_ = 0.0;
 };
 
+// Columns with other numbers of rows: those that are left out were the last ones, those that are added are 0.
+Vector with_rows(int rows, const Vector& columns, int wanted) {
+  const std::size_t from = index(rows), to = index(wanted), count = columns.size() / from;
+  Vector result(to * count, 0.0);
+  for (std::size_t j = 0; j < count; ++j)
+    std::copy_n(columns.data() + j * from, std::min(from, to), result.data() + j * to);
+  return result;
+}
+
 // The function of a transition at the point of the run, and how it changes.
 class TransitionRate {
  public:
@@ -91,7 +103,7 @@ class TransitionRate {
       : hybrid_(hybrid),
         run_(hybrid.run),
         given_(given),
-        n_(index(hybrid.n())),
+        n_(index(hybrid.mode().solver->model.n())),
         sizes_(sizes_of(hybrid.mode().solver->options.model.tolerances, run_.x, n_)),
         time_(time_of(*hybrid.mode().solver)) {}
 
@@ -190,10 +202,24 @@ class TransitionRate {
   double time_, size_ = std::numeric_limits<double>::min();
 };
 
+// Of the surface of a switch, where it is one.
+CallResult change_by_parameters(const sfdae_hybrid& hybrid, const HybridTransition& transition, Vector& changes) {
+  if (transition.surface == nullptr) return {};
+  const HybridRun& run = hybrid.run;
+  try {
+    changes =
+        transition.surface->change_by(hybrid.sensitivities->names, transition.given.function, run.t, run.x.data());
+  } catch (const Failure& failure) {
+    return {failure.status(), std::string("the surface of a switch: ") + failure.what()};
+  }
+  return {};
+}
+
 // dt/dp of an event.
-CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const sfdae_transition& given, const Vector& S) {
+CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const HybridTransition& transition, const Vector& S) {
   HybridRun& run = hybrid.run;
-  const std::size_t n = index(hybrid.n());
+  const sfdae_transition& given = transition.given;
+  const std::size_t n = index(hybrid.width());
   TransitionRate function(hybrid, given);
   bool has_slopes = false;
   CallResult result = function.has_slopes(has_slopes);
@@ -208,9 +234,12 @@ CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const sfdae_transition& gi
   bool is_tangent = false;
   result = function.with_time(rate);
   if (result.status >= 0) result = function.is_tangent(rate, is_tangent);
+  Vector by_parameters(run.shifts.size(), 0.0);
+  if (result.status >= 0) result = change_by_parameters(hybrid, transition, by_parameters);
   for (std::size_t j = 0; j < run.shifts.size() && result.status >= 0; ++j) {
     double change = 0.0;
     result = function.along(S.data() + j * n, change);
+    change += by_parameters[j];
     run.shifts[j] = rate != 0.0 ? -change / rate : 0.0;
     is_tangent = is_tangent || rate == 0.0 || !std::isfinite(run.shifts[j]);
   }
@@ -241,6 +270,10 @@ CallResult values_after(sfdae_hybrid& hybrid, const sfdae_transition& given, dou
 
 }  // namespace
 
+Vector directions_at_start(const sfdae_hybrid& hybrid) {
+  return with_rows(hybrid.n(), hybrid.sensitivities->directions, hybrid.width());
+}
+
 CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
   const auto& wanted = hybrid.sensitivities;
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
@@ -254,7 +287,8 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
     SensitivityRequest request;
     for (const std::string& name : wanted->names)
       request.parameters.push_back(name.empty() ? -1 : solver.model.evaluator()->find_parameter(name).value_or(-1));
-    request.directions.assign(wanted->directions.size(), 0.0);
+    request.directions.assign(index(solver.model.n()) * wanted->names.size(), 0.0);
+    request.last_follows = hybrid.modes[index(k)].surface != nullptr;
     request.options = wanted->options;
     const auto& asked = solver.sensitivities;
     if (asked && asked->parameters == request.parameters && asked->options == request.options) continue;
@@ -266,18 +300,20 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
 CallResult find_shifts(sfdae_hybrid& hybrid, const HybridTransition& transition, bool at_once) {
   if (!hybrid.sensitivities) return {};
   HybridRun& run = hybrid.run;
-  const std::size_t n = index(hybrid.n());
-  Vector S(hybrid.sensitivities->directions.size());
+  const int rows = hybrid.mode().solver->model.n();
+  const std::size_t n = index(hybrid.width());
+  Vector S(index(rows) * run.shifts.size());
   const int status = sfdae_get_sensitivities(hybrid.mode().solver, run.t, S.data(), nullptr);
   if (status < 0) return of_mode(hybrid, run.mode, status);
+  S = with_rows(rows, S, hybrid.width());
   if (transition.given.kind == SFDAE_TRANSITION_TIME) {
     std::fill(run.shifts.begin(), run.shifts.end(), 0.0);
   } else if (!at_once) {
-    CallResult result = find_shifts_of_event(hybrid, transition.given, S);
+    CallResult result = find_shifts_of_event(hybrid, transition, S);
     if (result.status < 0) return result;
   }
   for (std::size_t j = 0; j < run.shifts.size(); ++j)
-    for (std::size_t i = 0; i < n; ++i) S[i + j * n] += run.xdot[i] * run.shifts[j];
+    for (std::size_t i = 0; i < index(hybrid.n()); ++i) S[i + j * n] += run.xdot[i] * run.shifts[j];
   run.moved = std::move(S);
   run.time_before = time_of(*hybrid.mode().solver);
   return {};
@@ -287,14 +323,17 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
   if (!hybrid.sensitivities) return {};
   HybridRun& run = hybrid.run;
   sfdae_solver& solver = *hybrid.modes[index(given.to)].solver;
-  const std::size_t n = index(hybrid.n());
-  Vector sizes = sizes_of(solver.options.model.tolerances, run.before, n);
-  const Vector sizes_after = sizes_of(solver.options.model.tolerances, run.after, n);
-  for (std::size_t i = 0; i < n; ++i) sizes[i] = std::max(sizes[i], sizes_after[i]);
+  const std::size_t n = index(hybrid.n()), rows = index(solver.model.n()), stride = index(hybrid.width());
+  Vector sizes = sizes_of(solver.options.model.tolerances, run.before, rows);
+  const Vector sizes_after = sizes_of(solver.options.model.tolerances, run.after, rows);
+  for (std::size_t i = 0; i < rows; ++i) sizes[i] = std::max(sizes[i], sizes_after[i]);
+  // The part of a mode, where there is one, is found anew.
+  const Vector sizes_before(sizes.begin(), sizes.begin() + hybrid.n());
   for (std::size_t j = 0; j < run.shifts.size(); ++j) {
     const int parameter = given.jump == nullptr ? solver.sensitivities->parameters[j] : -1;
-    double* const D = run.moved.data() + j * n;
-    const double pace = speed(D, sizes);
+    double* const D = run.moved.data() + j * stride;
+    std::fill(D + n, D + stride, 0.0);
+    const double pace = speed(D, sizes_before);
     double others = std::fabs(run.shifts[j]) / run.time_before;
     if (parameter >= 0) {
       const double value = std::fabs(solver.model.evaluator()->parameter(parameter));
@@ -302,8 +341,9 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
     }
     if (pace == 0.0 && others == 0.0) continue;
     // What D is the sum of may cancel.
-    const double parts = std::max(pace, std::fabs(run.shifts[j]) * speed(run.xdot.data(), sizes));
-    const Differencing how{sizes, first_step / std::max(pace, others), parts > 0.0 ? parts : minor * others};
+    const double parts = std::max(pace, std::fabs(run.shifts[j]) * speed(run.xdot.data(), sizes_before));
+    const Differencing how{sizes, first_step / std::max(pace, others),
+                           parts > 0.0 ? std::max(parts, negligible * others) : minor * others};
     const auto values = [&](double s, Vector& after) {
       Vector before(run.before);
       for (std::size_t i = 0; i < n; ++i) before[i] += s * D[i];
@@ -319,15 +359,16 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
           format("the values after the transition at t = %.15g, from %s to %s, have no derivative by those before "
                  "it: sensitivities after it do not exist.",
                  run.t, hybrid.name_of(given.from).c_str(), hybrid.name_of(given.to).c_str())};
-    std::copy_n(derivative.value.begin(), n, D);
+    std::copy_n(derivative.value.begin(), rows, D);
   }
   return {};
 }
 
 void begin_sensitivities(sfdae_hybrid& hybrid, int mode) {
   if (!hybrid.sensitivities) return;
-  SensitivityRequest& request = *hybrid.modes[index(mode)].solver->sensitivities;
-  request.directions = hybrid.run.moved;
+  sfdae_solver& solver = *hybrid.modes[index(mode)].solver;
+  SensitivityRequest& request = *solver.sensitivities;
+  request.directions = with_rows(hybrid.width(), hybrid.run.moved, solver.model.n());
   request.shifts = hybrid.run.shifts;
 }
 

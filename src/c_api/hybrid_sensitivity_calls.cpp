@@ -15,8 +15,6 @@ constexpr int most_sensitivities = 10000;
 
 CallResult check_modes(const sfdae_hybrid& hybrid) {
   if (hybrid.modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode first.");
-  if (!hybrid.switches.empty())
-    return illegal_argument("there are no sensitivities of hybrid systems with switches, along surfaces.");
   for (std::size_t k = 0; k < hybrid.modes.size(); ++k)
     if (hybrid.modes[k].solver->model.evaluator() == nullptr)
       return illegal_argument(hybrid.name_of(static_cast<int>(k)) +
@@ -31,8 +29,11 @@ CallResult read_names(const sfdae_hybrid& hybrid, int count, const char* const* 
     const auto has_it = [&](const HybridMode& mode) {
       return mode.solver->model.evaluator()->find_parameter(names[j]).has_value();
     };
-    if (std::none_of(hybrid.modes.begin(), hybrid.modes.end(), has_it))
-      return illegal_argument(format("parameters[%d]: there is no parameter \"%.60s\" in any mode.", j, names[j]));
+    const auto surface_has_it = [&](const std::unique_ptr<Switch>& each) { return each->has_parameter(names[j]); };
+    if (std::none_of(hybrid.modes.begin(), hybrid.modes.end(), has_it) &&
+        std::none_of(hybrid.switches.begin(), hybrid.switches.end(), surface_has_it))
+      return illegal_argument(
+          format("parameters[%d]: there is no parameter \"%.60s\" in any mode or surface.", j, names[j]));
     wanted.names[index(j)] = names[j];
   }
   return {};
@@ -59,6 +60,26 @@ CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const*
 
 bool has_sensitivities(const sfdae_hybrid& hybrid) {
   return hybrid.is_running() && hybrid.mode().solver->integration->sensitivities() != nullptr;
+}
+
+// Without those of the part of a mode, the last unknown along surfaces.
+CallResult sensitivities_at(sfdae_hybrid& hybrid, double t, double* S, double* Sdot) {
+  sfdae_solver* solver = hybrid.mode().solver;
+  const std::size_t n = index(hybrid.n()), rows = index(solver->model.n());
+  int status = SFDAE_OK;
+  if (rows == n || S == nullptr) {
+    status = sfdae_get_sensitivities(solver, t, S, Sdot);
+    return status < 0 ? of_mode(hybrid, hybrid.run.mode, status) : CallResult{};
+  }
+  const std::size_t count = hybrid.sensitivities->names.size();
+  std::vector<double> values(rows * count), slopes(Sdot != nullptr ? rows * count : 0);
+  status = sfdae_get_sensitivities(solver, t, values.data(), Sdot != nullptr ? slopes.data() : nullptr);
+  if (status < 0) return of_mode(hybrid, hybrid.run.mode, status);
+  for (std::size_t j = 0; j < count; ++j) {
+    std::copy_n(values.data() + j * rows, n, S + j * n);
+    if (Sdot != nullptr) std::copy_n(slopes.data() + j * rows, n, Sdot + j * n);
+  }
+  return {};
 }
 
 CallResult no_sensitivities() {
@@ -90,8 +111,7 @@ int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* 
 int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot) {
   return guarded(hybrid, [&]() -> CallResult {
     if (!has_sensitivities(*hybrid)) return no_sensitivities();
-    const int status = sfdae_get_sensitivities(hybrid->mode().solver, t, S, Sdot);
-    return status < 0 ? of_mode(*hybrid, hybrid->run.mode, status) : CallResult{};
+    return sensitivities_at(*hybrid, t, S, Sdot);
   });
 }
 

@@ -114,6 +114,11 @@ std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const Consist
         "there are no sensitivities of these equations: prescribed components, or linear equations with more or "
         "fewer equations than unknowns.");
   ConsistencyRequest request = solver.options.model.request_at(x.data());
+  if (wanted.last_follows && request.kind == InitialValues::accept) {
+    request.kind = InitialValues::nearest;
+    request.keeps_differentiated = true;
+    request.weights.clear();
+  }
   if (request.differentiated_stay()) request = request.trusting_digits(x.data());
   std::vector<double> S(wanted.directions.size());
   system->start(request, directions_at(wanted, found.xdot).data(), S.data());

@@ -17,6 +17,8 @@ struct SensitivityRequest {
   std::vector<double> directions;  // n x count
   // Empty, or dt/dp of the start: directions are derivatives at the time that moves, and x' goes on after it.
   std::vector<double> shifts;
+  // Directions say nothing of the last unknown: what is differentiated stays at the start, even where values have to be accepted.
+  bool last_follows = false;
   SensitivityOptions options;
   bool by_adjoint = false;
   long max_kept_steps = 0;  // of the adjoint; 0: all

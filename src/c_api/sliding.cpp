@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "c_api/expressions.h"
@@ -17,6 +18,8 @@ namespace {
 
 // Of margins of a transition: what g may differ by and still be that of the surface.
 constexpr double margins_of_surface = 16.0;
+// Of the part of the mode above, times the largest of the others: squares of changes are below rounding. (Chosen.)
+constexpr double free_weight = 1e8;
 
 bool is_prescribed(const AnyModel& kind) {
   if (kind.linear != nullptr) return !kind.linear->problem().prescribed().empty();
@@ -45,7 +48,9 @@ SolverOptions with_part(SolverOptions options, int n) {
   options.model.tolerances.rtol.push_back(tolerance);
   options.model.tolerances.atol.push_back(tolerance);
   if (!options.model.consistency.fixed.empty()) options.model.consistency.fixed.push_back(0);
-  if (!options.model.consistency.weights.empty()) options.model.consistency.weights.push_back(1.0);
+  // Its changes, divided by their weight, count for nothing: it follows from the others.
+  std::vector<double>& weights = options.model.consistency.weights;
+  if (!weights.empty()) weights.push_back(free_weight * *std::max_element(weights.begin(), weights.end()));
   static_cast<Acceptance&>(options.integration) = options.model;
   options.integration.events = nullptr;
   options.integration.continuation = nullptr;
@@ -76,7 +81,7 @@ CallResult values_in(sfdae_hybrid& hybrid, int mode, Switch& surface, double* va
 Switch::Switch(const Modes& its_modes, sfdae_solver& below, sfdae_solver& above,
                std::shared_ptr<const Record> surface)
     : modes_(its_modes), below_(below), above_(above), given_(std::move(surface)), jet_(3 * index(given_->n())) {
-  update();
+  update({});
 }
 
 std::vector<double> Switch::values_of_parameters() const {
@@ -88,20 +93,48 @@ std::vector<double> Switch::values_of_parameters() const {
   return values;
 }
 
-bool Switch::is_outdated() const { return values_of_parameters() != parameters_; }
+bool Switch::is_outdated(const Names& wanted) const {
+  return wanted != names_ || values_of_parameters() != parameters_;
+}
 
-void Switch::update() {
+void Switch::update(const Names& wanted) {
   const TaylorEvaluator below = formulas_of(below_, "below"), above = formulas_of(above_, "above");
   std::vector<double> parameters = values_of_parameters();
-  std::shared_ptr<const Record> surface = surface_of_modes(*given_, below, above);
-  AnyModel model = make_model(sliding_equations(below, above, *surface));
+  Names names(wanted);
+  const TaylorEvaluator given = surface_in_modes(given_, below, above);
+  const KeptParameters kept(names, below, above, given);
+  std::shared_ptr<const Record> surface = surface_of_modes(given, kept);
+  AnyModel model = make_model(sliding_equations(below, above, *surface, kept));
   auto solver = std::make_unique<sfdae_solver>(std::move(model), with_part(below_.options, n()));
   auto evaluator = std::make_unique<TaylorEvaluator>(std::move(surface));
+  std::vector<int> all(index(evaluator->num_parameters()));
+  std::iota(all.begin(), all.end(), 0);
+  auto by_parameters = std::make_unique<ParameterDerivatives>(*evaluator, all);
   // Nothing fails from here on.
   solver->hybrid = below_.hybrid;
   solver_ = std::move(solver);
   surface_ = std::move(evaluator);
+  surface_by_parameters_ = std::move(by_parameters);
   parameters_.swap(parameters);
+  names_.swap(names);
+}
+
+bool Switch::has_parameter(const std::string& name) const {
+  const std::vector<Parameter>& list = given_->parameters();
+  return std::any_of(list.begin(), list.end(), [&](const Parameter& parameter) { return parameter.name == name; });
+}
+
+std::vector<double> Switch::change_by(const Names& parameters, sfdae_event_function function, double t,
+                                      const double* x) {
+  std::vector<double> changes(parameters.size(), 0.0);
+  const bool is_above = function == leaves_above;
+  if (!is_above && function != leaves_below) return changes;
+  std::fill(jet_.begin(), jet_.end(), 0.0);
+  std::copy_n(x, index(n()), jet_.begin());
+  const Matrix g_p = surface_by_parameters_->at(t, jet_.data());
+  for (std::size_t j = 0; j < parameters.size(); ++j)
+    if (const auto k = surface_->find_parameter(parameters[j])) changes[j] = is_above ? -g_p(0, *k) : g_p(0, *k);
+  return changes;
 }
 
 void Switch::take_options() {
@@ -187,12 +220,17 @@ CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode) {
   return {};
 }
 
+bool is_outdated(const sfdae_hybrid& hybrid, const Switch& surface) {
+  static const Switch::Names none;
+  return surface.is_outdated(hybrid.sensitivities ? hybrid.sensitivities->names : none);
+}
+
 CallResult update_switches(sfdae_hybrid& hybrid) {
   for (const std::unique_ptr<Switch>& each : hybrid.switches) {
-    if (!each->is_outdated()) continue;
+    if (!is_outdated(hybrid, *each)) continue;
     const int mode = each->modes().sliding;
     try {
-      each->update();
+      each->update(hybrid.sensitivities ? hybrid.sensitivities->names : Switch::Names());
     } catch (const Failure& failure) {
       return {failure.status(), hybrid.name_of(mode) + ": " + failure.what()};
     }
@@ -205,7 +243,11 @@ CallResult update_switches(sfdae_hybrid& hybrid) {
     hybrid.events_are_set = were_set;
     hybrid.run.mode = present;
   }
-  return {};
+  const auto has_to_be_asked = [&](const std::unique_ptr<Switch>& each) {
+    return each->solver()->sensitivities.has_value() != hybrid.sensitivities.has_value();
+  };
+  const bool is_any = std::any_of(hybrid.switches.begin(), hybrid.switches.end(), has_to_be_asked);
+  return is_any ? ask_for_sensitivities(hybrid) : CallResult{};
 }
 
 void take_options_of_modes(sfdae_hybrid& hybrid, int mode) {
@@ -269,9 +311,6 @@ extern "C" int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfda
     const CallResult checked = check_switch(*hybrid, below, above, name);
     if (checked.status != SFDAE_OK) return checked;
     if (surface == nullptr) return illegal_argument("surface is NULL.");
-    if (hybrid->sensitivities)
-      return illegal_argument(
-          "there are no sensitivities along surfaces: call sfdae_set_hybrid_sensitivities with count = 0 first.");
     const int added = static_cast<int>(hybrid->modes.size());
     try {
       sfdae_solver &first = *hybrid->modes[index(below)].solver, &second = *hybrid->modes[index(above)].solver;

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "c_api/solver.h"
+#include "problem/parameter_derivatives.h"
 #include "sfdae/hybrid.h"
 
 namespace sfdae::core {
@@ -21,15 +23,21 @@ class Switch {
 
   const Modes& modes() const { return modes_; }
   sfdae_solver* solver() const { return solver_.get(); }  // of the sliding mode
-  // The modes have other values of parameters than its equations.
-  bool is_outdated() const;
+  // Names of parameters by which derivatives are wanted; "" and names that there are not count for nothing.
+  using Names = std::vector<std::string>;
+  // The modes have other values of parameters than its equations, or these have not the parameters that are wanted.
+  bool is_outdated(const Names& wanted) const;
   // Makes them anew, with a new solver. Throws Failure, and nothing has changed then.
-  void update();
+  void update(const Names& wanted);
   // Options and breakpoints become those that the solvers of the modes have now.
   void take_options();
 
   // g and its rate at a point; xdot may be null, then g alone. False: it cannot be evaluated there.
   bool evaluate(double t, const double* x, const double* xdot, double* values);
+  // Of the record of the surface, whatever the modes have.
+  bool has_parameter(const std::string& name) const;
+  // Derivatives of the function of one of the four transitions by parameters, t and x staying as they are. Throws Failure.
+  std::vector<double> change_by(const Names& parameters, sfdae_event_function function, double t, const double* x);
   // Of the four transitions: beyond the surface from below, from above; the part of the mode above below 0, above 1.
   static sfdae_event_function condition(int k);
 
@@ -45,7 +53,9 @@ class Switch {
   sfdae_solver &below_, &above_;
   std::shared_ptr<const Record> given_;  // the surface, with parameters
   std::vector<double> parameters_;       // of both modes, as the solver has them
+  Names names_;                          // that were wanted
   std::unique_ptr<TaylorEvaluator> surface_;
+  std::unique_ptr<ParameterDerivatives> surface_by_parameters_;
   std::unique_ptr<sfdae_solver> solver_;
   std::vector<double> jet_;
 };

@@ -47,8 +47,14 @@ std::vector<int> copy_nodes(const Record& record, Recorder& recorder) {
 }
 
 std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives derivatives, Recorder& recorder) {
-  return copy_all(evaluator.record(), recorder, [&](const Node& node) {
-    if (node.operation == Operation::parameter) return recorder.constant(evaluator.parameter(node.a));
+  return copy_with([&](int parameter) { return recorder.constant(evaluator.parameter(parameter)); },
+                   evaluator.record(), derivatives, recorder);
+}
+
+std::vector<int> copy_with(const std::function<int(int parameter)>& node_of, const Record& record,
+                           Derivatives derivatives, Recorder& recorder) {
+  return copy_all(record, recorder, [&](const Node& node) {
+    if (node.operation == Operation::parameter) return node_of(node.a);
     return derivatives == Derivatives::zero ? recorder.constant(0.0) : recorder.derivative(node.a);
   });
 }

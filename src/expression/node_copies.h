@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "expression/record.h"
@@ -15,5 +16,8 @@ std::vector<int> copy_nodes(const Record& record, Recorder& recorder);
 // With the numbers that parameters have now in their place, and 0 in that of x' unless it is wanted.
 enum class Derivatives { kept, zero };
 std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives derivatives, Recorder& recorder);
+// With nodes of the caller's in place of parameters, which he is asked for by their numbers.
+std::vector<int> copy_with(const std::function<int(int parameter)>& node_of, const Record& record,
+                           Derivatives derivatives, Recorder& recorder);
 
 }  // namespace sfdae::core

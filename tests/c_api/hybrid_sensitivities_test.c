@@ -43,8 +43,8 @@ static int level(double t, const double* x, const double* xdot, double* g, void*
 
 static int surface(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
                    sfdae_expression* g, void* user) {
-  (void)record, (void)t, (void)xdot, (void)user;
-  g[0] = sfdae_subtract(x[0], sfdae_number(1));
+  (void)t, (void)xdot, (void)user;
+  g[0] = sfdae_subtract(x[0], sfdae_parameter(record, "h", 1));
   return 0;
 }
 
@@ -121,6 +121,34 @@ static void values_are_those_of_the_formulas(void) {
   CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
 }
 
+/* x = k t to the surface x = h, along which both modes keep it. */
+static void values_are_those_along_a_surface(void) {
+  sfdae_solver *first = solver_of(rising), *second = solver_of(decaying);
+  sfdae_hybrid* hybrid;
+  const char* const names[] = {"h", "k", "r"};
+  double x = 0, t = 0, S[3] = {5, 5, 5}, Sdot[3], dt[3];
+  int mode, along;
+  CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, first, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, second, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, surface, NULL, "along", &along), SFDAE_OK);
+  CHECK_STATUS(sfdae_set_hybrid_sensitivities(hybrid, 3, names, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 1, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.9, &t, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_current_mode(hybrid, &mode), SFDAE_OK);
+  CHECK(mode == along && fabs(x - 1) < 1e-8);
+  CHECK_STATUS(sfdae_get_hybrid_sensitivities(hybrid, 0.9, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_hybrid_sensitivities(hybrid, NAN, S, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(S[0] == 5 && S[1] == 5 && S[2] == 5);
+  CHECK_STATUS(sfdae_get_hybrid_sensitivities(hybrid, 0.9, S, Sdot), SFDAE_OK);
+  CHECK(fabs(S[0] - 1) < 1e-8 && fabs(S[1]) < 1e-8 && fabs(S[2]) < 1e-8 && fabs(Sdot[0]) < 1e-7);
+  CHECK_STATUS(sfdae_get_passage_sensitivities(hybrid, dt), SFDAE_OK);
+  CHECK(fabs(dt[0] - 0.5) < 1e-8 && fabs(dt[1] + 0.25) < 1e-8 && fabs(dt[2]) < 1e-8);
+  CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&first), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
+}
+
 static void mistakes_are_named(void) {
   sfdae_solver *first = solver_of(rising), *second = solver_of(decaying), *callbacks = solver_of(NULL);
   sfdae_hybrid* hybrid;
@@ -162,15 +190,12 @@ static void mistakes_are_named(void) {
   CHECK_STATUS(sfdae_set_hybrid_sensitivities(hybrid, 1, &name, NULL, &how), SFDAE_OK);
   CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 1, &x, NULL), SFDAE_OK);
 
-  /* Sliding, and modes that are functions, in both orders. */
-  REFUSED(sfdae_add_switch(hybrid, 0, 1, surface, NULL, NULL, NULL));
-  CHECK(strstr(sfdae_get_hybrid_message(hybrid), "surfaces") != NULL);
+  /* Modes that are functions, in both orders. */
   CHECK_STATUS(sfdae_add_mode(hybrid, callbacks, "callbacks", NULL), SFDAE_OK);
   REFUSED(sfdae_start_hybrid(hybrid, 0, 0, 1, &x, NULL));
   CHECK(strstr(sfdae_get_hybrid_message(hybrid), "callbacks") != NULL);
   REFUSED(sfdae_set_hybrid_sensitivities(hybrid, 1, &name, NULL, NULL));
   CHECK_STATUS(sfdae_set_hybrid_sensitivities(hybrid, 0, NULL, NULL, NULL), SFDAE_OK);
-  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, surface, NULL, NULL, NULL), SFDAE_OK);
   REFUSED(sfdae_set_hybrid_sensitivities(hybrid, 1, &name, NULL, NULL));
   CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
   CHECK_STATUS(sfdae_destroy(&first), SFDAE_OK);
@@ -180,6 +205,7 @@ static void mistakes_are_named(void) {
 
 int main(void) {
   values_are_those_of_the_formulas();
+  values_are_those_along_a_surface();
   mistakes_are_named();
   return failures > 0;
 }
