@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/index.h"
@@ -19,6 +20,8 @@ using Vector = std::vector<double>;
 // Changes of the iteration relative to x: it converges quadratically, and ends with the second of them.
 constexpr double converged = 1e-7, no_change = 1e-14;
 constexpr int most_iterations = 50;
+// Changes that grow by more are overshoots: a part of the last one is made instead, a quarter of it first, down to this one. (Chosen.)
+constexpr double most_growth = 2.0, shortest = 1e-3;
 // Of what is added up in an equation at another point: its factors are not the same there. Iterations leave less.
 // (Chosen.)
 constexpr double same_factors = 1e-6;
@@ -52,6 +55,15 @@ Vector difference(const Vector& a, const double* b) {
   return result;
 }
 
+// Relative to x, in the units of the equations.
+double relative_change(const Vector& dx, const LinearizedConstraints& constraints, const Jet& jet,
+                       const Units& units) {
+  const double size = constraints.size_of(jet);
+  double largest = 0.0;
+  for (int i = 0; i < jet.n; ++i) largest = std::max(largest, std::fabs(dx[index(i)]) / units[i]);
+  return size > 0.0 ? largest / size : largest;
+}
+
 Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
               const Vector& before) {
   const int mu = known.analysis.values.mu;
@@ -62,6 +74,10 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
   LinearizedConstraints constraints(problem, known);
   constraints.follow_inputs();
   const Vector inputs_after = with_inputs(problem, start.t, before);
+  // The last change and where it began.
+  Jet last = found.jet;
+  Vector step;
+  double part = 1.0, last_change = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     constraints.linearize(found.jet);
     if (!constraints.has_known_ranks()) break;
@@ -74,7 +90,18 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     found.rounding = rounding_of_impulses(point, size);
     found.jump =
         jump_by_impulses({point, found.data, mu, inputs, size}, difference(before, found.jet.x.data()), &found.theta);
-    const double change = constraints.move_by(found.jump.x, found.jet);
+    const double change = relative_change(found.jump.x, constraints, found.jet, known.units);
+    if (change > most_growth * last_change && part > shortest) {
+      part *= 0.25;
+      for (double& each : step) each *= 0.25;
+      found.jet = last;
+      constraints.linearize(found.jet);
+      constraints.move_by(step, found.jet);
+      solver.solve(found.jet, mu);
+      continue;
+    }
+    last = found.jet, step = found.jump.x, last_change = change, part = 1.0;
+    constraints.move_by(found.jump.x, found.jet);
     if (change > no_change) solver.solve(found.jet, mu);
     if (change > converged) continue;
     found.jump.x.assign(found.jet.x.data(), found.jet.x.data() + problem.n());

@@ -110,7 +110,7 @@ double acceleration(const Sample& sample, int mode, const std::array<double, n>&
 Course course_of(const Family& family, const Parameters& q) {
   const Sample sample = family.at(q);
   Course course;
-  Reference reference(sample, 2e-3);
+  Reference reference(sample, 1e-3);
   for (int k = 0; k <= outputs; ++k) {
     if (!reference.advance(sample.time * k / outputs)) break;
     course.y.push_back(mixed(sample, reference.values()));
@@ -129,7 +129,7 @@ struct Exact {
   std::array<std::vector<Values>, 3> S, dt;  // dt: of the last change
 };
 Exact exact_course(const Family& family) {
-  constexpr double step = 1e-3;
+  constexpr double step = 2e-4;
   Exact exact;
   exact.course = course_of(family, in_use);
   for (std::size_t j = 0; j < 3; ++j) {
@@ -244,20 +244,21 @@ TEST(RandomSlidingSensitivities, AgreeWithDifferencesOfFilippovsSolutions) {
   std::mt19937 random(77);
   std::vector<Family> families;
   std::vector<Exact> exact;
-  for (int k = 0; k < count; ++k) {
+  for (int k = 0; k < 864; ++k) {
     const Sample at_zero = random_sample(random), by_p = random_sample(random);
+    // The last two: iterations for the values at the beginning along the surface overshoot.
+    if (k >= count && k != 731 && k != 863) continue;
     families.push_back({at_zero, by_p, k % 2 == 1});
     exact.push_back(exact_course(families.back()));
   }
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
     int compared = 0, sliding = 0, of_index_2 = 0, crossing = 0, failed = 0, wrong = 0;
     std::vector<double> errors, errors_of_times;
-    for (int k = 0; k < count; ++k) {
-      const auto i = static_cast<std::size_t>(k);
+    for (std::size_t i = 0; i < families.size(); ++i) {
       const Outcome outcome = run(families[i], exact[i], method, 1e-7);
       if (!outcome.failure.empty()) {
         ++failed;
-        std::printf("%d: %s\n", k, outcome.failure.c_str());
+        std::printf("%zu: %s\n", i, outcome.failure.c_str());
         continue;
       }
       compared += outcome.compared;
@@ -268,7 +269,7 @@ TEST(RandomSlidingSensitivities, AgreeWithDifferencesOfFilippovsSolutions) {
       errors_of_times.push_back(outcome.error_of_times);
       if (outcome.error > allowed || outcome.error_of_times > allowed) {
         ++wrong;
-        std::printf("%d: %.3g tolerances, times %.3g, %zu changes\n", k, outcome.error, outcome.error_of_times,
+        std::printf("%zu: %.3g tolerances, times %.3g, %zu changes\n", i, outcome.error, outcome.error_of_times,
                     exact[i].course.changes.back().size());
       }
     }
