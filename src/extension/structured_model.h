@@ -39,6 +39,7 @@ class StructuredModel final : public Model {
   void finish_restore() override;
   DaeSystem* system() override { return active().system(); }
   void forget_system() override;
+  std::shared_ptr<const DaeSystem> shared_system() override { return active().shared_system(); }
   double certify() override { return active().certify(); }
   std::unique_ptr<ChangeWatch> change_watch() override { return active().change_watch(); }
   std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override {

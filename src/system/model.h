@@ -131,6 +131,8 @@ class Model {
   // Null before an analysis.
   virtual DaeSystem* system() = 0;
   virtual void forget_system() = 0;
+  // The same, for what outlives the analysis: steps that are kept.
+  virtual std::shared_ptr<const DaeSystem> shared_system() = 0;
   // A certificate for the ranks of the analysis: the smallest relative change of the data that gives others, about.
   // Throws Failure: SFDAE_RANK_UNCLEAR where it does not confirm them.
   virtual double certify() = 0;
@@ -180,6 +182,7 @@ class ModelOf : public Model {
  public:
   System* system() override { return system_.get(); }
   void forget_system() override { system_.reset(); }
+  std::shared_ptr<const DaeSystem> shared_system() override { return system_; }
   void restore(const ModelOptions& options, Archive& archive) override {
     replaced_ = archived_system(options, archive);
     std::swap(system_, replaced_);
@@ -208,7 +211,7 @@ class ModelOf : public Model {
   virtual ConsistentPoint make_consistent(System& system, const PointOfInterest& point,
                                           const ModelOptions& options) = 0;
 
-  std::unique_ptr<System> system_, replaced_;
+  std::shared_ptr<System> system_, replaced_;
 };
 
 // x' of the point into it; `system` is there. Throws Failure if it is not finite.

@@ -129,7 +129,7 @@ bool NonlinearModel::moves_least(const PointOfInterest& point, const ModelOption
   constexpr double negligible = 1e-6, margin = 1.01;
   const double move = largest_move(point, options);
   if (move <= negligible) return true;
-  std::unique_ptr<NonlinearSystem> followed = std::move(system_);
+  std::shared_ptr<NonlinearSystem> followed = std::move(system_);
   const std::vector<double> guess = guess_;
   problem_->follow_structure(false);
   std::vector<RankDecision> ignored;
