@@ -14,8 +14,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Weights of points that steps yet to be read depend on.
-constexpr std::size_t window = max_bdf_order + 1;
+// Weights of points that steps yet to be read depend on, one that is interpolated within the last one, too.
+constexpr std::size_t window = max_bdf_order + 2;
+// Of redundant equations differentiated by parameters, as forward sensitivities have it.
+constexpr double contradiction = 1e-6;
 
 bool is_zero(ConstView a) {
   for (int j = 0; j < a.cols; ++j)
@@ -85,6 +87,7 @@ void DiscreteAdjoint::start(const Integrator& integrator) {
     pieces_.back().kept.make_room();
   }
   origin_ = times_.size();
+  last_ = step;
   pieces_.back().kept.add(step, tried_points_);
   ++pieces_.back().count;
   ++kept_points_;
@@ -164,7 +167,64 @@ void DiscreteAdjoint::commit(Integrator& integrator) {
   ++pieces_.back().count;
   ++kept_points_;
   times_.push_back(tried_.t);
+  last_ = tried_;
   note(AttemptEnd::taken);
+}
+
+// A piece of its own, which is none that steps are made again of.
+void DiscreteAdjoint::end_within(const Integrator& integrator, double t,
+                                 const std::function<const double*(double)>& move_to) {
+  const StepState state = integrator.stepper->state();
+  StepPiece piece;
+  piece.first = times_.size();
+  piece.origin = origin_;
+  piece.count = 1;
+  KeptStep step;
+  tried_points_.clear();
+  if (last_.method != nullptr) {
+    const double from = state.t - state.last.h;
+    step.t = t;
+    step.h = t - from;
+    step.method = last_.method;
+    step.is_within = true;
+    for (int i = 0; i < step.method->s; ++i)
+      tried_points_.push_back(
+          system_->point(move_to(i + 1 == step.method->s ? t : from + step.method->c[index(i)] * step.h)));
+  } else {
+    const int points = static_cast<int>(times_.size() - origin_);
+    step = interpolation_at(t, std::min(last_.order, points - 1), &times_.back());
+  }
+  piece.kept.make_room();
+  piece.kept.add(step, tried_points_);
+  make_room_for_one(times_);
+  pieces_.push_back(std::move(piece));
+  times_.push_back(t);
+}
+
+void DiscreteAdjoint::drop_all() {
+  for (; next_to_drop_ < pieces_.size() && !keeps_all(); ++next_to_drop_) close(pieces_[next_to_drop_]);
+}
+
+TangentSpace DiscreteAdjoint::tangent_space() {
+  const KeptPoint here = system_->point(nullptr);
+  TangentSpace space;
+  const PointStatus status = system_->find_tangent_space(here, space);
+  demand(status, here.jet.t);
+  if (space.inconsistency > contradiction)
+    throw Failure(
+        SFDAE_INCONSISTENT_EQUATIONS,
+        format("redundant equations contradict each other at t = %.15g once a parameter is changed: relative "
+               "residual %.3g of their derivatives by parameters. Gradients do not exist.",
+               here.jet.t, space.inconsistency));
+  return space;
+}
+
+void DiscreteAdjoint::demand(PointStatus status, double t) const {
+  if (status == PointStatus::callback_error) system_->callback_error().raise();
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_SINGULAR, format("the equations of the sensitivities at t = %.15g are singular: the "
+                                         "characteristic values that are known do not hold there.",
+                                         t));
 }
 
 AdjointWork DiscreteAdjoint::work() const {
@@ -228,17 +288,14 @@ struct DiscreteAdjoint::Backward {
 void DiscreteAdjoint::read_back(const KeptStep& step, const KeptPoint* points, std::size_t k, Backward& backward) {
   const View here = backward.weights[k % window];
   const AdjointValues values{here, backward.gradient};
-  PointStatus status;
+  PointStatus status = PointStatus::ok;
   if (step.method != nullptr) status = system_->step_back(*step.method, step.h, points, values);
+  else if (step.is_interpolated()) status = PointStatus::ok;
   else if (step.order > 0) status = system_->step_back(*points, step.c, values);
   else status = system_->restore_back(*points, values);
-  if (status == PointStatus::callback_error) system_->callback_error().raise();
-  if (status != PointStatus::ok)
-    throw Failure(SFDAE_SINGULAR, format("the equations of the sensitivities at t = %.15g are singular: the "
-                                         "characteristic values that are known do not hold there.",
-                                         step.t));
-  for (int i = 0; i < std::max(step.order, 1); ++i) {
-    const View before = backward.weights[(k - 1 - index(i)) % window];
+  demand(status, step.t);
+  for (int i = 0; i < step.num_before(); ++i) {
+    const View before = backward.weights[(k - 1 - index(step.num_skipped() + i)) % window];
     const double part = step.order > 0 ? step.rest[index(i)] : 1.0;
     for (int q = 0; q < here.cols; ++q)
       for (int r = 0; r < here.rows; ++r) before(r, q) += part * here(r, q);
@@ -252,7 +309,7 @@ void DiscreteAdjoint::read_piece(const StepPiece& piece, const KeptSteps& steps,
     backward.add_weights(k);
     // Later steps say nothing about earlier points.
     if (k == 0 || is_zero(backward.weights[k % window])) continue;
-    backward.move_to(times_[k - 1]);
+    backward.move_to(times_[k - 1 - index(steps.step(i).num_skipped())]);
     read_back(steps.step(i), steps.points(i), k, backward);
   }
 }

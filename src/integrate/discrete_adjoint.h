@@ -39,6 +39,15 @@ class DiscreteAdjoint final : public Companion {
   StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
   void commit(Integrator& integrator) override;
 
+  // The integration ends at t, within the last step: one more point. move_to(t): the system of x is moved to a point there, and its x'
+  // returned. Nothing has changed where that throws.
+  void end_within(const Integrator& integrator, double t, const std::function<const double*(double)>& move_to);
+  // No more steps follow: those that can be made again are dropped.
+  void drop_all();
+  // Where the system of x stands. Throws Failure.
+  TangentSpace tangent_space();
+  const std::vector<double>& values_at_start() const { return S_; }
+
   // The last point with that time: the start, or the end of a step.
   std::optional<std::size_t> point_at(double t) const;
   // The time nearest to t that there is such a point at.
@@ -58,6 +67,7 @@ class DiscreteAdjoint final : public Companion {
   AdjointWork work() const;
 
  private:
+  void demand(PointStatus status, double t) const;
   bool keeps_all() const { return length_of_pieces_ == 0; }
   void begin_piece(Integrator& integrator, const IntegrationOptions& options);
   void drop_pieces();
@@ -72,7 +82,7 @@ class DiscreteAdjoint final : public Companion {
   std::deque<StepPiece> pieces_;
   std::size_t kept_points_ = 0, next_to_drop_ = 0;  // of all pieces; a piece
   std::size_t origin_ = 0;                          // the point at which the history of BDF starts
-  KeptStep tried_;
+  KeptStep tried_, last_;                           // the step that was tried, or taken, last
   std::vector<KeptPoint> tried_points_;
   std::vector<double> xdot_;
   long repeated_steps_ = 0;

@@ -70,6 +70,11 @@ class Integration {
     int functionals;
   };
   CallResult gradient(const WeightedTimes& weighted, double* gradient);
+  // With the adjoint: the last point becomes the one at t, within the last step, and no step follows any more. space: there. Throws
+  // Failure.
+  CallResult end_at(double t, TangentSpace& space);
+  // Evaluations are those of a step from the last point.
+  void keep_to_last_piece();
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
@@ -104,6 +109,9 @@ class Integration {
   }
 
  private:
+  double start_of_last_step() const;
+  bool is_outside_last_step(double t) const;
+  void return_to_last_point();
   CallResult run(double tout, bool one_step);
   // An attempt has come to that end.
   void note(AttemptEnd end) {

@@ -23,21 +23,32 @@ void Integration::archive_sensitivities(Archive& archive) {
   if (auto* carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->archive(archive, integrator_);
 }
 
-CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot) {
+double Integration::start_of_last_step() const {
   const StepState state = integrator_.stepper->state();
-  const double start = state.t - state.last.h;
-  const double place = beside_kink(options_, integrator_, t);
-  if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
-    return result_outside_last_step(t, start, state.t);
+  return state.t - state.last.h;
+}
+
+bool Integration::is_outside_last_step(double t) const {
+  return (t - start_of_last_step()) * integrator_.direction < 0.0 ||
+         (integrator_.stepper->state().t - t) * integrator_.direction < 0.0;
+}
+
+// Whatever has been asked for since: checkpoints know nothing of that.
+void Integration::return_to_last_point() {
+  DaeSystem& system = integrator_.system;
+  if (system.move_to(integrator_.stepper->state().t) == PointStatus::callback_error) system.callback_error().raise();
+}
+
+CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot) {
+  const double last = integrator_.stepper->state().t, place = beside_kink(options_, integrator_, t);
+  if (is_outside_last_step(place)) return result_outside_last_step(t, start_of_last_step(), last);
   Sensitivities& sensitivities = dynamic_cast<Sensitivities&>(*companion_);
-  if (Sdot == nullptr && place == state.t) {
+  if (Sdot == nullptr && place == last) {
     sensitivities.copy_last(S);
     return {};
   }
-  // From the point accepted last, whatever has been asked for since: checkpoints know nothing of that.
-  DaeSystem& system = integrator_.system;
-  if (system.move_to(state.t) == PointStatus::callback_error) system.callback_error().raise();
-  const std::size_t n = index(system.unknowns());
+  return_to_last_point();
+  const std::size_t n = index(integrator_.system.unknowns());
   std::vector<double> x(n), xdot(n);
   const auto move = [&](double at, Slopes slopes) {
     output_.evaluate_aside(integrator_, {at, true, slopes}, options_, x.data(), xdot.data());
@@ -73,10 +84,36 @@ CallResult Integration::gradient(const WeightedTimes& weighted, double* gradient
   try {
     adjoint.gradient({points, weighted.weights, weighted.functionals}, move_to, gradient);
   } catch (...) {
-    move_to(integrator_.stepper->state().t);
+    keep_to_last_piece();
     throw;
   }
-  move_to(integrator_.stepper->state().t);
+  keep_to_last_piece();
+  return {};
+}
+
+void Integration::keep_to_last_piece() {
+  const double t = integrator_.stepper->state().t;
+  keep_to_piece(options_, integrator_.system, {t, t, integrator_.direction}, start_);
+}
+
+CallResult Integration::end_at(double t, TangentSpace& space) {
+  const double place = beside_kink(options_, integrator_, t);
+  if (is_outside_last_step(place))
+    return result_outside_last_step(t, start_of_last_step(), integrator_.stepper->state().t);
+  DiscreteAdjoint& adjoint = dynamic_cast<DiscreteAdjoint&>(*companion_);
+  return_to_last_point();
+  const std::size_t n = index(integrator_.system.unknowns());
+  std::vector<double> x(n), xdot(n);
+  const auto move_to = [&](double at) -> const double* {
+    output_.evaluate_aside(integrator_, {at, true, Slopes::wanted}, options_, x.data(), xdot.data());
+    return xdot.data();
+  };
+  if (place != integrator_.stepper->state().t) {
+    adjoint.end_within(integrator_, place, move_to);
+    output_.evaluate_aside(integrator_, {place, true, Slopes::none}, options_, x.data(), nullptr);
+  }
+  space = adjoint.tangent_space();
+  adjoint.drop_all();
   return {};
 }
 

@@ -62,6 +62,20 @@ KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t po
   return step;
 }
 
+KeptStep interpolation_at(double t, int degree, const double* newest) {
+  KeptStep step;
+  step.t = t;
+  step.order = degree;
+  step.is_within = true;
+  for (int i = 0; i <= degree; ++i) {
+    double value = 1.0;
+    for (int j = 0; j <= degree; ++j)
+      if (j != i) value *= (t - newest[-j]) / (newest[-i] - newest[-j]);
+    step.rest[index(i)] = value;
+  }
+  return step;
+}
+
 void keep_points(const PointKeeper& keeper, const TriedStep& tried, std::vector<double>& xdot,
                  std::vector<KeptPoint>& points) {
   points.clear();

@@ -17,9 +17,17 @@ struct KeptStep {
   double t = 0.0, h = 0.0;  // its end; its size
   int order = 0;            // of BDF; 0: none, or Radau
   double c = 0.0;           // D_h S = c S + sum_i rest_i S_i, the newest point before first
-  std::array<double, max_bdf_order> rest{};
+  std::array<double, max_bdf_order + 1> rest{};
   const StageMethod* method = nullptr;  // of Radau
-  std::size_t first_kept = 0;           // of its points
+  // A point within the last step, at the end of all: of BDF S = sum_i rest_i S_i over order + 1 points, its differential part at least;
+  // of Radau a step from where the last one began.
+  bool is_within = false;
+  std::size_t first_kept = 0;  // of its points
+
+  bool is_interpolated() const { return is_within && method == nullptr; }
+  // How many points before it says something about, and those that are newer than these.
+  int num_before() const { return is_interpolated() ? order + 1 : order > 0 ? order : 1; }
+  int num_skipped() const { return is_within && method != nullptr ? 1 : 0; }
 };
 
 class KeptSteps {
@@ -46,6 +54,8 @@ class KeptSteps {
 // Of a step that was tried: `newest`: the time of the point before, those of earlier ones in front of it, as many as the history
 // has. Throws Failure.
 KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t points);
+// Of a point at t within the last step of BDF; newest: the time of its end.
+KeptStep interpolation_at(double t, int degree, const double* newest);
 // Its points, one or all stages. xdot: n values, changed.
 void keep_points(const PointKeeper& keeper, const TriedStep& tried, std::vector<double>& xdot,
                  std::vector<KeptPoint>& points);

@@ -33,6 +33,14 @@ struct AdjointValues {
   View weights, gradient;
 };
 
+// All S at a point: S = basis z + offset, z = coordinates S, one column of the offset for each parameter, in the user's units. Without
+// constraints z = S, and basis and coordinates, which are unit matrices then, are empty.
+struct TangentSpace {
+  Matrix basis, coordinates, offset;  // n x d, d x n, n x count
+  double inconsistency = 0.0;         // contradiction of redundant equations, relative
+  bool is_whole() const { return basis.cols() == 0 && coordinates.cols() == 0; }
+};
+
 // A system of x, and what is kept of the points that it is moved to.
 class PointKeeper {
  public:
@@ -65,6 +73,9 @@ class AdjointSystem : public PointKeeper {
                                 const AdjointValues& values) = 0;
   // Of S with F2 = 0 and the differential part of a guess: the weights become those of the guess.
   virtual PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) = 0;
+
+  // Where the equations are linearized as they are at the point.
+  virtual PointStatus find_tangent_space(const KeptPoint& point, TangentSpace& space) = 0;
 
   virtual const CallbackError& callback_error() const = 0;
 };

@@ -7,6 +7,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "system/sensitivity_point.h"
 
 namespace sfdae::core {
 
@@ -201,6 +202,43 @@ PointStatus NonlinearAdjoint::restore_back(const KeptPoint& point, const Adjoint
   status = add_gradient(at, point, {none, s}, values.gradient);
   to_user(of_guess, values.weights);
   return status;
+}
+
+// basis = T2, coordinates = (Z1^T E T2)^-1 Z1^T E, offset = (I - basis coordinates) xp.
+PointStatus NonlinearAdjoint::find_tangent_space(const KeptPoint& point, TangentSpace& space) {
+  SensitivityPoint at;
+  const int n = unknowns();
+  space.offset = Matrix(n, count());
+  at.take_kind(system_.analyzed_equations());
+  if (at.is_ordinary()) return PointStatus::ok;
+  const PointStatus status = at.linearize(system_.analyzed_equations(), parameters_,
+                                          {point.jet, nullptr, system_.linearization().ranks()}, arena_);
+  callback_error_ = at.callback_error();
+  if (status != PointStatus::ok) return status;
+  const int d = at.d();
+  const Arena::Frame frame(arena_);
+  const View G = arena_.matrix(d, d), C = arena_.matrix(d, n), z = arena_.matrix(d, count()),
+             xp = arena_.matrix(n, count());
+  int* pivots = arena_.integers(d + 1);
+  multiply(1.0, Op::plain, at.ZE(), Op::plain, at.T2(), 0.0, G);
+  copy(at.ZE(), C);
+  copy(at.xp(), xp);
+  if (!factor_lu(G, pivots)) return PointStatus::singular;
+  solve_lu(G, pivots, C);
+  multiply(1.0, Op::plain, C, Op::plain, xp, 0.0, z);
+  multiply(-1.0, Op::plain, at.T2(), Op::plain, z, 1.0, xp);
+  space.inconsistency = at.inconsistency();
+  space.basis = Matrix(n, d);
+  space.coordinates = Matrix(d, n);
+  for (int i = 0; i < n; ++i) {
+    const double unit = system_.units()[i];
+    for (int j = 0; j < d; ++j) {
+      space.basis(i, j) = unit * at.T2()(i, j);
+      space.coordinates(j, i) = C(j, i) / unit;
+    }
+    for (int j = 0; j < count(); ++j) space.offset(i, j) = unit * xp(i, j);
+  }
+  return PointStatus::ok;
 }
 
 }  // namespace sfdae::core

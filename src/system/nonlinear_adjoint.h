@@ -30,6 +30,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
                         const AdjointValues& values) override;
   PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) override;
+  PointStatus find_tangent_space(const KeptPoint& point, TangentSpace& space) override;
   const CallbackError& callback_error() const override { return callback_error_; }
 
  private:
