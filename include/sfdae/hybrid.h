@@ -118,7 +118,8 @@ SFDAE_API int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, doubl
 
 /** Integrates to tout across all transitions on the way, those at tout included, and returns there: sfdae_advance of the
  * solvers, with the same arguments, warnings and failures. After failures of a transition itself (those of sfdae_jump and
- * sfdae_start) t and x are those before it and the integration has ended; after others sfdae_advance_hybrid goes on.
+ * sfdae_start) t and x are those before it and the integration has ended, as it has where memory is missing; after others
+ * sfdae_advance_hybrid goes on.
  *
  * Events are found as sfdae_set_events says. In a mode without differential equations (d = 0) steps are as long as tout
  * allows: limit max_step of its solver.

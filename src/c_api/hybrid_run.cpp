@@ -127,7 +127,7 @@ void list_transitions(sfdae_hybrid& hybrid) {
 }
 
 // at_once: where the mode begins.
-CallResult pass(sfdae_hybrid& hybrid, int number, bool at_once) {
+CallResult go_over(sfdae_hybrid& hybrid, int number, bool at_once) {
   HybridRun& run = hybrid.run;
   HybridTransition& transition = hybrid.transitions[index(number)];
   sfdae_transition given = transition.given;
@@ -163,6 +163,16 @@ CallResult pass(sfdae_hybrid& hybrid, int number, bool at_once) {
       {sizeof(sfdae_passage), run.t, number, given.from, given.to, impulse, where, largest, changed});
   note_passage(transition, run.t);
   return check_accumulation(hybrid, transition);
+}
+
+// Where memory is missing the integration ends, too: going on it would miss the transition.
+CallResult pass(sfdae_hybrid& hybrid, int number, bool at_once) {
+  try {
+    return go_over(hybrid, number, at_once);
+  } catch (...) {
+    hybrid.run.mode = -1;
+    throw;
+  }
 }
 
 // Whether the guard, if there is one, is > 0 at the point reached.
@@ -351,7 +361,9 @@ CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& poin
   return result.status < 0 ? result : std::exchange(hybrid.run.warning, {});
 }
 
-CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes) {
+namespace {
+
+CallResult advance_modes(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes) {
   HybridRun& run = hybrid.run;
   run.warning = {};
   CallResult updated = update_switches(hybrid);
@@ -381,6 +393,20 @@ CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transiti
     } else if (status != SFDAE_EVENT && run.t == tout) {
       return std::exchange(run.warning, {});
     }
+  }
+}
+
+}  // namespace
+
+// Where memory is missing the run ends: what has happened in the last step would be missed.
+CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes) {
+  try {
+    CallResult result = advance_modes(hybrid, tout, stops_at_transition, wants_slopes);
+    if (result.status == SFDAE_OUT_OF_MEMORY) hybrid.run.mode = -1;
+    return result;
+  } catch (...) {
+    hybrid.run.mode = -1;
+    throw;
   }
 }
 

@@ -41,6 +41,14 @@ struct HybridCourse {
   int restore() { return sfdae_restore_hybrid_checkpoint(hybrid, checkpoint.data(), checkpoint.size()); }
 };
 
+// After a call that ran out of memory: whether what was under way goes on, which the test's results have to show then, or has ended.
+template <class Course>
+bool goes_on(Course& run, int k) {
+  const int status = run.call(k);
+  EXPECT_TRUE(status >= 0 || status == SFDAE_NOT_STARTED) << sfdae_get_hybrid_message(run.hybrid);
+  return status >= 0;
+}
+
 // A test has course(), a new one; look(course) after the call that ran out of memory, repair(course, k) before that one is made again,
 // and compare(course) at the end.
 //

@@ -63,9 +63,8 @@ struct InHybridSystems {
 
   Course course() const { return {}; }
   void look(const Course&) const {}
-  // What was under way may have ended.
   void repair(Course& run, int k) const {
-    if (k != 4 && k != 7) return;
+    if ((k != 4 && k != 7) || goes_on(run, k)) return;
     run.x[0] = run.x[1] = run.t = 0;
     EXPECT_EQ(run.call(3), SFDAE_OK);
   }
