@@ -28,31 +28,32 @@ module sfdae_c
     c_get_checkpoint_length, c_get_current_mode, c_get_decision, c_get_derivative_array, &
     c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, &
     c_get_event_sensitivities, c_get_events, c_get_extended_system, c_get_gradient, &
-    c_get_hybrid_checkpoint_length, c_get_hybrid_message, c_get_hybrid_sensitivities, &
-    c_get_hybrid_statistics, c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, &
-    c_get_multibody_report, c_get_num_decisions, c_get_num_passages, c_get_parameter, &
-    c_get_passage, c_get_passage_sensitivities, c_get_passage_values, c_get_poles, &
-    c_get_projectors, c_get_projectors_at, c_get_sensitivities, c_get_sensitivity_statistics, &
-    c_get_singular_point, c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, &
-    c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, &
-    c_get_transfer, c_get_zeros, c_greater, c_greater_equal, c_impact, c_initial_report_init, &
-    c_interpolate, c_jump, c_less, c_less_equal, c_linear_problem_init, c_linearization_init, &
-    c_linearize, c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, c_min, &
-    c_mode_init, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, &
-    c_negate, c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
-    c_pass_singular_points, c_passage_init, c_power, c_record_hybrid, c_record_solution, c_report, &
-    c_report_hybrid, c_request_stop, c_request_stop_hybrid, c_restore_checkpoint, &
-    c_restore_hybrid_checkpoint, c_save_checkpoint, c_save_hybrid_checkpoint, c_save_solution, &
-    c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, &
-    c_set_hybrid_sensitivities, c_set_options, c_set_parameter, c_set_sensitivities, c_sign, &
-    c_sin, c_singular_point_init, c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, &
-    c_start_hybrid, c_statistics_init, c_status_name, c_step, c_structure_init, c_subtract, &
-    c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, c_version, &
-    address_of_ensemble_monitor_function, address_of_equations_function, &
-    address_of_event_function, address_of_external_function, address_of_jump_function, &
-    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
-    address_of_multibody_equations_function, address_of_position_function, &
-    address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
+    c_get_hybrid_checkpoint_length, c_get_hybrid_gradient, c_get_hybrid_message, &
+    c_get_hybrid_sensitivities, c_get_hybrid_statistics, c_get_initial_report, c_get_jet, &
+    c_get_jump, c_get_mode, c_get_multibody_report, c_get_num_decisions, c_get_num_passages, &
+    c_get_parameter, c_get_passage, c_get_passage_sensitivities, c_get_passage_values, &
+    c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_sensitivity_statistics, c_get_singular_point, c_get_solution_accuracy, &
+    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_get_structure, c_get_transfer, c_get_zeros, c_greater, &
+    c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, &
+    c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, &
+    c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, c_multibody_problem_init, &
+    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
+    c_options_init, c_or, c_parameter, c_pass_singular_points, c_passage_init, c_power, &
+    c_record_hybrid, c_record_solution, c_report, c_report_hybrid, c_request_stop, &
+    c_request_stop_hybrid, c_restore_checkpoint, c_restore_hybrid_checkpoint, c_save_checkpoint, &
+    c_save_hybrid_checkpoint, c_save_solution, c_sensitivity_options_init, &
+    c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, c_set_hybrid_sensitivities, &
+    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_singular_point_init, &
+    c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, &
+    c_status_name, c_step, c_structure_init, c_subtract, c_table, c_tan, c_tanh, &
+    c_time_derivative, c_transition_init, c_version, address_of_ensemble_monitor_function, &
+    address_of_equations_function, address_of_event_function, address_of_external_function, &
+    address_of_jump_function, address_of_linear_equations_function, address_of_matrix_function, &
+    address_of_monitor_function, address_of_multibody_equations_function, &
+    address_of_position_function, address_of_total_derivative_function, &
+    address_of_vector_function, address_of_velocity_function
 
   abstract interface
 
@@ -729,6 +730,18 @@ module sfdae_c
       integer(c_size_t), intent(inout) :: length
       integer(c_int) :: c_get_hybrid_checkpoint_length
     end function c_get_hybrid_checkpoint_length
+
+    function c_get_hybrid_gradient(hybrid, num_times, t, num_functionals, weights, gradient) &
+      bind(c, name="sfdae_get_hybrid_gradient")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_int), value :: num_times
+      real(c_double), intent(in) :: t(*)
+      integer(c_int), value :: num_functionals
+      real(c_double), intent(in) :: weights(*)
+      real(c_double), intent(inout) :: gradient(*)
+      integer(c_int) :: c_get_hybrid_gradient
+    end function c_get_hybrid_gradient
 
     function c_get_hybrid_message(hybrid) bind(c, name="sfdae_get_hybrid_message")
       import :: c_ptr

@@ -8,8 +8,8 @@ module sfdae_hybrids
     address_of_jump_function, c_add_mode, c_add_switch, c_add_transition, c_advance_hybrid, &
     c_advance_to_transition, c_create_hybrid, c_destroy_hybrid, c_get_accumulation, &
     c_get_current_mode, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
-    c_get_hybrid_sensitivities, c_get_hybrid_statistics, c_get_mode, c_get_num_passages, &
-    c_get_passage, c_get_passage_sensitivities, c_get_passage_values, c_mode_init, &
+    c_get_hybrid_gradient, c_get_hybrid_sensitivities, c_get_hybrid_statistics, c_get_mode, &
+    c_get_num_passages, c_get_passage, c_get_passage_sensitivities, c_get_passage_values, c_mode_init, &
     c_passage_init, c_record_hybrid, c_report_hybrid, c_request_stop_hybrid, &
     c_restore_hybrid_checkpoint, c_save_hybrid_checkpoint, c_start_hybrid, c_statistics_init, &
     c_transition_init
@@ -116,6 +116,7 @@ module sfdae_hybrids
     procedure :: set_sensitivities => hybrid_set_sensitivities
     procedure :: get_sensitivities => hybrid_get_sensitivities
     procedure :: get_passage_sensitivities => hybrid_get_passage_sensitivities
+    procedure :: get_gradient => hybrid_get_gradient
     procedure :: get_current_mode => hybrid_get_current_mode
     procedure :: get_mode => hybrid_get_mode
     procedure :: get_num_passages => hybrid_get_num_passages
@@ -462,6 +463,32 @@ contains
     call check_parameters(self, "dt", size(dt, kind=c_int), status)
     if (status == sfdae_ok) status = c_get_passage_sensitivities(self%handle, dt)
   end subroutine hybrid_get_passage_sensitivities
+
+  !> Gradients of functionals, with dae_sensitivities%adjoint: sum over k of S(t(k))^T w_k, one
+  !> column for each functional.
+  recursive subroutine hybrid_get_gradient(self, t, weights, gradient, status)
+    class(dae_hybrid), intent(inout) :: self
+    !> Points in time: the start, or where advance has gone to; at a transition that after it.
+    real(c_double), contiguous, intent(in) :: t(:)
+    !> n rows; a column for each point in time, for one functional after the other.
+    real(c_double), contiguous, intent(in) :: weights(:, :)
+    !> The number of parameters x that of functionals.
+    real(c_double), contiguous, intent(inout) :: gradient(:, :)
+    !> sfdae_not_started without the adjoint.
+    integer(c_int), intent(out) :: status
+    integer(c_int) :: points, functionals
+
+    points = size(t, kind=c_int)
+    functionals = size(gradient, 2, c_int)
+    call check_call(self, status)
+    call check_size(self, "a column of weights", size(weights, 1, c_int), self%num_unknowns, "n", &
+      status)
+    call check_size(self, "a row of weights", size(weights, 2, c_int), points * functionals, &
+      "number of points times that of functionals", status)
+    call check_parameters(self, "a column of gradient", size(gradient, 1, c_int), status)
+    if (status == sfdae_ok) status = c_get_hybrid_gradient(self%handle, points, t, functionals, &
+      weights, gradient)
+  end subroutine hybrid_get_gradient
 
   !> Refuses a call with an array of another size.
   subroutine check_size(self, name, found, expected, symbol, status)

@@ -149,7 +149,8 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  *
  * parameters: each is one of those of one mode, or surface of a switch, at least; the equations of modes that do not have it do
  * not depend on it. A parameter that several modes have is one and the same (with sfdae_set_parameter give it one value in all
- * of them; where values differ, all move by the same amount). directions: at the start. options: not the adjoint.
+ * of them; where values differ, all move by the same amount). directions: at the start. options: with adjoint = 1 steps are kept
+ * for sfdae_get_hybrid_gradient, and S is not computed.
  *
  * At a transition at t, where its function g(t, x) is zero, or at a fixed time (dt/dp = 0), or at once after another one (with its dt/dp),
  *
@@ -165,7 +166,12 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  * parameters only, m1 x' and m2 x' with m1 = m2, there are sensitivities by these if the equation has one x' alone;
  * else sfdae_start_hybrid fails (SFDAE_ILLEGAL_ARGUMENT names the equation). Give such parameters one name in both modes.
  *
- * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks. After that
+ * With the adjoint both maps are differentiated by all that S may be there, which are d + count directions (d of the mode that ends),
+ * in all of which they need a derivative. max_kept_steps counts for the mode that the system is in: of visits that have ended
+ * there are checkpoints then, and the steps that take less memory than these.
+ *
+ * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks; switches with
+ * the adjoint. After that
  * sfdae_set_sensitivities refuses the solvers of modes, as it does always.
  * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g or M has no
  * derivative. Where two transitions are due at once, or a guard is about to change, the one that happens counts. */
@@ -173,12 +179,24 @@ SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, co
                                              const double* directions, const sfdae_sensitivity_options* options);
 
 /** S and S' at t: sfdae_get_sensitivities for the mode that the system is in. After a transition at t they are those after it.
- * SFDAE_NOT_STARTED: there is no run, or none with sensitivities. */
+ * SFDAE_NOT_STARTED: there is no run, or none with sensitivities, or with the adjoint. */
 SFDAE_API int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot);
 
 /** dt[j] = dt/dp_j of the last transition, `count` numbers. SFDAE_NOT_STARTED: there was none since the start, or there are no
  * sensitivities. */
 SFDAE_API int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt);
+
+/** Gradients of functionals of the solution, with the option adjoint: sfdae_get_gradient, with the same arguments, back through all
+ * modes and transitions since sfdae_start_hybrid, the times of transitions included.
+ *
+ * t: the start, or points that sfdae_advance_hybrid has gone to; at the time of a transition x is that after it (after all of
+ * them, if there are several), and so it is where sfdae_advance_to_transition has returned. That is a point of time that does not
+ * move with the parameters: w^T S, S after the transition.
+ *
+ * The parameters of modes have the values that they had while steps were made, or SFDAE_ILLEGAL_ARGUMENT. SFDAE_NOT_STARTED: there is no run,
+ * or none with the adjoint. Other failures: those of sfdae_get_gradient. */
+SFDAE_API int sfdae_get_hybrid_gradient(sfdae_hybrid* hybrid, int num_times, const double* t, int num_functionals,
+                                        const double* weights, double* gradient);
 
 /* ---- Inspection ------------------------------------------------------------------------------ */
 

@@ -166,6 +166,22 @@ class Hybrid {
     return dt;
   }
 
+  /// Gradients of functionals with weights at these times, see sfdae_get_hybrid_gradient: one column for each. weights: n rows, a
+  /// column for each time, for one functional after the other.
+  Matrix gradient(const std::vector<double>& times, const Matrix& weights) {
+    const int points = static_cast<int>(times.size());
+    const int functionals = points > 0 ? weights.columns() / points : 0;
+    detail::require_size(detail::size(weights.rows()), static_cast<int>(num_unknowns()), "weights");
+    detail::require_size(detail::size(weights.columns()), points * functionals, "columns of weights",
+                         "points in time");
+    Matrix gradient(num_sensitivities_, functionals);
+    double nothing = 0;
+    checked(sfdae_get_hybrid_gradient(hybrid_, points, times.empty() ? &nothing : times.data(), functionals,
+                                      weights.columns() > 0 ? weights.data() : &nothing,
+                                      num_sensitivities_ > 0 ? gradient.data() : &nothing));
+    return gradient;
+  }
+
   /// What the last call had to say.
   std::string message() const { return sfdae_get_hybrid_message(hybrid_); }
 

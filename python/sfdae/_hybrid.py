@@ -13,7 +13,7 @@ from ._modes import Jump
 from ._points import Point
 from ._problem import Problem
 from ._recorded_solution import RecordedSolution
-from ._sensitivities import _Request
+from ._sensitivities import _gradient, _Request
 from ._solver import Solver
 from ._status import Error, Status
 from ._structs import Struct, filled
@@ -201,12 +201,16 @@ class Hybrid:
         directions: Any = None,
         error_test: bool = False,
         scales: Any = None,
+        adjoint: bool = False,
+        max_kept_steps: int = 0,
     ) -> None:
         """Asks for derivatives of the solution from the next start() on, over all modes and
         transitions: see Solver.set_sensitivities. The names are those of parameters of some mode,
         or of unknowns: then by their start values. None: no sensitivities any more.
         """
-        request = _Request(self._problem, names, directions, error_test, scales)
+        request = _Request(
+            self._problem, names, directions, error_test, scales, adjoint, max_kept_steps
+        )
         self._call(lib.sfdae_set_hybrid_sensitivities, *request.arguments)
         self._num_sensitivities = request.count
 
@@ -230,6 +234,18 @@ class Hybrid:
         dt = np.empty(max(self._num_sensitivities, 1))
         self._call(lib.sfdae_get_passage_sensitivities, _address(dt))
         return dt
+
+    def gradient(self, t: Any, weights: Any) -> np.ndarray:
+        """Gradients of functionals by the adjoint, back over all transitions, for
+        set_sensitivities(..., adjoint=True): see Solver.gradient. At the time of a transition
+        weights are those of x after it.
+        """
+        return _gradient(
+            lambda *arguments: self._call(lib.sfdae_get_hybrid_gradient, *arguments),
+            (self._problem.num_unknowns, self._num_sensitivities),
+            t,
+            weights,
+        )
 
     # ---- Inspection ------------------------------------------------------------------------------
 

@@ -54,6 +54,32 @@ class _Request:
         self._alive = (c_names, columns, sizes)
 
 
+def _gradient(call: Any, shape: tuple[int, int], t: Any, weights: Any) -> np.ndarray:
+    """What sfdae_get_gradient or sfdae_get_hybrid_gradient say. shape: n and the number of
+    parameters; t, weights: see Sensitivities.gradient.
+    """
+    n, count = shape
+    times = np.ascontiguousarray(np.atleast_1d(np.array(t, dtype=float)))
+    given = np.array(weights, dtype=float)
+    if given.ndim == 1 and len(times) == 1:
+        given = given[:, np.newaxis]
+    one = given.ndim == 2
+    if one:
+        given = given[np.newaxis]
+    if given.ndim != 3 or given.shape[1:] != (n, len(times)):
+        raise ValueError(
+            f"weights has the shape {np.shape(weights)}; it must be ({n}, {len(times)}), or a number "
+            "of functionals before that"
+        )
+    columns = np.ascontiguousarray(np.swapaxes(given, 1, 2))
+    result = np.zeros((len(columns), max(count, 1)))
+    times_, columns_, result_ = (
+        ffi.cast("double*", array.ctypes.data) for array in (times, columns, result)
+    )
+    call(len(times), times_, len(columns), columns_, result_)
+    return result[0, :count] if one else result[:, :count]
+
+
 class Sensitivities(Inspection):
     """The methods of a Solver that are about sensitivities."""
 
@@ -123,30 +149,12 @@ class Sensitivities(Inspection):
         ndarray
             p numbers, or f x p.
         """
-        n, count = self.problem.num_unknowns, self._num_sensitivities
-        times = np.ascontiguousarray(np.atleast_1d(np.array(t, dtype=float)))
-        given = np.array(weights, dtype=float)
-        if given.ndim == 1 and len(times) == 1:
-            given = given[:, np.newaxis]
-        one = given.ndim == 2
-        if one:
-            given = given[np.newaxis]
-        if given.ndim != 3 or given.shape[1:] != (n, len(times)):
-            raise ValueError(
-                f"weights has the shape {np.shape(weights)}; it must be ({n}, {len(times)}), or a number "
-                "of functionals before that"
-            )
-        columns = np.ascontiguousarray(np.swapaxes(given, 1, 2))
-        result = np.zeros((len(columns), max(count, 1)))
-        self._call(
-            lib.sfdae_get_gradient,
-            len(times),
-            self._pointer(times),
-            len(columns),
-            self._pointer(columns),
-            self._pointer(result),
+        return _gradient(
+            lambda *arguments: self._call(lib.sfdae_get_gradient, *arguments),
+            (self.problem.num_unknowns, self._num_sensitivities),
+            t,
+            weights,
         )
-        return result[0, :count] if one else result[:, :count]
 
     def event_sensitivities(self, t: float, g_t: float, g_x: Any, g_p: Any = None) -> np.ndarray:
         """dt_e/dp of an event g(t, x, p) = 0 at t, from the partial derivatives of g."""

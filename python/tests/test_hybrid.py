@@ -92,6 +92,15 @@ def test_sensitivities_go_over_transitions():
     assert Sdot[0] == pytest.approx(S[1], abs=1e-8)
     assert system.sensitivities(1, slopes=False)[1] is None
     assert system.passage_sensitivities == pytest.approx([slope], abs=1e-8)
+    system.set_sensitivities(system.solvers["flight"].problem.names[:1], adjoint=True)
+    system.start("flight", 0, [2, 0], 1)
+    system.advance(1)
+    assert system.gradient([1], [[1], [0]]) == pytest.approx(S[0], abs=1e-7)
+    assert system.gradient([0, 1], [[[1, 0], [0, 0]], [[0, 0], [0, 1]]])[1] == pytest.approx(
+        S[1], abs=1e-7
+    )
+    with pytest.raises(ValueError, match="shape"):
+        system.gradient([1], [[1, 0]])
     with pytest.raises(sfdae.Error, match="sfdae_set_hybrid_sensitivities"):
         system.solvers["flight"].set_sensitivities([])
     system.set_sensitivities([])

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "c_api/hybrid_adjoint.h"
 #include "c_api/sliding.h"
 #include "c_api/solver.h"
 #include "integrate/solution_pieces.h"
@@ -51,6 +52,8 @@ struct HybridSensitivities {
   std::vector<std::string> names;  // of parameters; empty: of start values alone
   std::vector<double> directions;  // n x count, at the start
   SensitivityOptions options;
+  bool by_adjoint = false;  // with so many steps kept of a visit, 0: all
+  long max_kept_steps = 0;
 };
 
 // A run across modes. t, x, xdot: the point reached, with the part of the mode above in the end where there are switches.
@@ -68,7 +71,7 @@ struct HybridRun {
   std::vector<double> before, after, impulse;  // of the last one
   std::optional<double> accumulation;
   // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these, width() of
-  // them for each parameter.
+  // them for each parameter. With the adjoint by all columns that S is a combination of.
   std::vector<double> shifts, moved;
   double time_before = 0.0;  // in which x is known to change little, before that
   CallResult warning;        // the first one of the call
@@ -91,6 +94,7 @@ struct sfdae_hybrid {
   std::deque<sfdae::core::HybridTransition> transitions;
   std::vector<std::unique_ptr<sfdae::core::Switch>> switches;
   std::optional<sfdae::core::HybridSensitivities> sensitivities;
+  sfdae::core::KeptVisits kept;  // of the run, with the adjoint
   bool events_are_set = false;
   std::weak_ptr<sfdae::core::SolutionPieces> solution;
   sfdae::core::HybridRun run;

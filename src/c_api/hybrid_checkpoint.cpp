@@ -166,6 +166,8 @@ int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoi
   return guarded(hybrid, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+    if (hybrid->sensitivities && hybrid->sensitivities->by_adjoint)
+      return illegal_argument("checkpoints cannot hold the steps that are kept for the adjoint.");
     try {
       return restore(*hybrid, checkpoint, length);
     } catch (const OtherSensitivities&) {

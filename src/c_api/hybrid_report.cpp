@@ -63,6 +63,23 @@ int number_of(const sfdae_hybrid& hybrid, const sfdae_solver& solver) {
   return static_cast<int>(std::find_if(hybrid.modes.begin(), hybrid.modes.end(), is_its) - hybrid.modes.begin());
 }
 
+// Of the present visit and those that have ended.
+std::string adjoint_report(const sfdae_hybrid& hybrid) {
+  if (!hybrid.sensitivities || !hybrid.sensitivities->by_adjoint) return "";
+  AdjointWork all;
+  const auto add = [&all](const Integration* integration) {
+    if (integration == nullptr || integration->adjoint() == nullptr) return;
+    const AdjointWork work = integration->adjoint()->work();
+    all.kept_steps += work.kept_steps;
+    all.checkpoints += work.checkpoints;
+    all.repeated_steps += work.repeated_steps;
+    all.bytes += work.bytes;
+  };
+  for (const KeptVisit& visit : hybrid.kept.visits) add(visit.integration.get());
+  add(hybrid.mode().solver->integration.get());
+  return report_of(static_cast<int>(hybrid.sensitivities->names.size()), all);
+}
+
 std::string passages_report(const sfdae_hybrid& hybrid) {
   const HybridRun& run = hybrid.run;
   const std::size_t count = run.passages.size();
@@ -111,7 +128,8 @@ std::string report_of(const sfdae_hybrid& hybrid) {
   if (run.mode >= 0) {
     text += format("At t = %.10g in %s since t = %.10g\n", run.t, hybrid.name_of(run.mode).c_str(), run.entered);
     text += timed_transitions(hybrid) + breakpoints_report(*hybrid.mode().solver);
-    if (hybrid.sensitivities)
+    text += adjoint_report(hybrid);
+    if (hybrid.sensitivities && !hybrid.sensitivities->by_adjoint)
       text += format("  %zu sensitivities are carried over transitions\n", hybrid.sensitivities->names.size());
   }
   text += passages_report(hybrid);

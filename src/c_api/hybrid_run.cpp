@@ -136,6 +136,7 @@ CallResult go_over(sfdae_hybrid& hybrid, int number, bool at_once) {
   CallResult result = find_shifts(hybrid, transition, at_once);
   count_short_visit(run);
   leave(hybrid);
+  if (result.status >= 0) keep_visit(hybrid, at_once);
   if (result.status >= 0)
     result =
         transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : prepare_sliding(hybrid, given.to);
@@ -351,6 +352,7 @@ CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& poin
     run.moved = directions_at_start(hybrid);
   }
   hybrid.run = std::move(run);
+  hybrid.kept = {};
   for (HybridMode& each : hybrid.modes) each.left = {};
   for (HybridTransition& each : hybrid.transitions) each.passages.clear();
   result = prepare_sliding(hybrid, mode);

@@ -268,6 +268,21 @@ CallResult values_after(sfdae_hybrid& hybrid, const sfdae_transition& given, dou
   return status < 0 ? of_mode(hybrid, given.to, status) : CallResult{};
 }
 
+// Whatever columns there were of transitions.
+bool asks_for_the_same(const SensitivityRequest& asked, const SensitivityRequest& wanted) {
+  const auto end = asked.parameters.end() - asked.num_of_values;
+  return std::equal(asked.parameters.begin(), end, wanted.parameters.begin(), wanted.parameters.end()) &&
+         asked.options == wanted.options && asked.by_adjoint == wanted.by_adjoint &&
+         asked.max_kept_steps == wanted.max_kept_steps;
+}
+
+// With the adjoint there are columns of values before a transition, beside those of parameters.
+void match_columns(const sfdae_hybrid& hybrid, SensitivityRequest& request) {
+  const std::size_t columns = hybrid.run.shifts.size();
+  request.parameters.resize(columns, -1);
+  request.num_of_values = static_cast<int>(columns - hybrid.sensitivities->names.size());
+}
+
 }  // namespace
 
 Vector directions_at_start(const sfdae_hybrid& hybrid) {
@@ -290,8 +305,9 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
     request.directions.assign(index(solver.model.n()) * wanted->names.size(), 0.0);
     request.last_follows = hybrid.modes[index(k)].surface != nullptr;
     request.options = wanted->options;
-    const auto& asked = solver.sensitivities;
-    if (asked && asked->parameters == request.parameters && asked->options == request.options) continue;
+    request.by_adjoint = wanted->by_adjoint;
+    request.max_kept_steps = wanted->max_kept_steps;
+    if (solver.sensitivities && asks_for_the_same(*solver.sensitivities, request)) continue;
     take_sensitivities(solver, std::move(request));
   }
   return {};
@@ -303,9 +319,14 @@ CallResult find_shifts(sfdae_hybrid& hybrid, const HybridTransition& transition,
   const int rows = hybrid.mode().solver->model.n();
   const std::size_t n = index(hybrid.width());
   Vector S(index(rows) * run.shifts.size());
-  const int status = sfdae_get_sensitivities(hybrid.mode().solver, run.t, S.data(), nullptr);
-  if (status < 0) return of_mode(hybrid, run.mode, status);
-  S = with_rows(rows, S, hybrid.width());
+  if (hybrid.sensitivities->by_adjoint) {
+    CallResult found = find_columns(hybrid, at_once, S);
+    if (found.status < 0) return found;
+  } else {
+    const int status = sfdae_get_sensitivities(hybrid.mode().solver, run.t, S.data(), nullptr);
+    if (status < 0) return of_mode(hybrid, run.mode, status);
+    S = with_rows(rows, S, hybrid.width());
+  }
   if (transition.given.kind == SFDAE_TRANSITION_TIME) {
     std::fill(run.shifts.begin(), run.shifts.end(), 0.0);
   } else if (!at_once) {
@@ -323,6 +344,7 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
   if (!hybrid.sensitivities) return {};
   HybridRun& run = hybrid.run;
   sfdae_solver& solver = *hybrid.modes[index(given.to)].solver;
+  match_columns(hybrid, *solver.sensitivities);
   const std::size_t n = index(hybrid.n()), rows = index(solver.model.n()), stride = index(hybrid.width());
   Vector sizes = sizes_of(solver.options.model.tolerances, run.before, rows);
   const Vector sizes_after = sizes_of(solver.options.model.tolerances, run.after, rows);
@@ -368,6 +390,7 @@ void begin_sensitivities(sfdae_hybrid& hybrid, int mode) {
   if (!hybrid.sensitivities) return;
   sfdae_solver& solver = *hybrid.modes[index(mode)].solver;
   SensitivityRequest& request = *solver.sensitivities;
+  match_columns(hybrid, request);
   request.directions = with_rows(hybrid.width(), hybrid.run.moved, solver.model.n());
   request.shifts = hybrid.run.shifts;
 }

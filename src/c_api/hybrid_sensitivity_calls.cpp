@@ -52,8 +52,10 @@ CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const*
   SensitivityRequest request;
   checked = read_sensitivity_options(count, options, request);
   if (checked.status != SFDAE_OK) return checked;
-  if (request.by_adjoint)
-    return illegal_argument("adjoint = 1 is for single problems: steps are not kept over transitions.");
+  if (request.by_adjoint && !hybrid.switches.empty())
+    return illegal_argument("adjoint = 1 is not for hybrid systems with switches: ask for S in place of gradients.");
+  wanted.by_adjoint = request.by_adjoint;
+  wanted.max_kept_steps = request.max_kept_steps;
   wanted.options = std::move(request.options);
   return {};
 }
@@ -82,7 +84,9 @@ CallResult sensitivities_at(sfdae_hybrid& hybrid, double t, double* S, double* S
   return {};
 }
 
-CallResult no_sensitivities() {
+CallResult no_sensitivities(const sfdae_hybrid& hybrid) {
+  if (hybrid.sensitivities && hybrid.sensitivities->by_adjoint)
+    return {SFDAE_NOT_STARTED, "with adjoint = 1 there are gradients in place of S: call sfdae_get_hybrid_gradient."};
   return {SFDAE_NOT_STARTED,
           "there are no sensitivities: call sfdae_set_hybrid_sensitivities and sfdae_start_hybrid first."};
 }
@@ -103,6 +107,7 @@ int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* 
     }
     // Nothing fails from here on.
     hybrid->sensitivities = std::move(wanted);
+    hybrid->kept = {};
     hybrid->run.mode = -1;
     return {};
   });
@@ -110,7 +115,7 @@ int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* 
 
 int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot) {
   return guarded(hybrid, [&]() -> CallResult {
-    if (!has_sensitivities(*hybrid)) return no_sensitivities();
+    if (!has_sensitivities(*hybrid)) return no_sensitivities(*hybrid);
     return sensitivities_at(*hybrid, t, S, Sdot);
   });
 }
@@ -118,7 +123,7 @@ int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, do
 int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt) {
   return guarded(hybrid, [&]() -> CallResult {
     if (dt == nullptr) return illegal_argument("dt is NULL.");
-    if (!has_sensitivities(*hybrid)) return no_sensitivities();
+    if (!has_sensitivities(*hybrid)) return no_sensitivities(*hybrid);
     const HybridRun& run = hybrid->run;
     if (run.forgotten == 0 && run.passages.empty())
       return {SFDAE_NOT_STARTED, "there was no transition since the start."};

@@ -133,14 +133,18 @@ std::string sensitivities_report(const sfdae_solver& solver) {
     return format(
         "  %d sensitivities: %ld linearizations, %ld factorizations, %ld error test failures, %ld outputs\n", s.count,
         s.linearizations, s.factorizations, s.error_test_failures, s.outputs);
-  std::string text =
-      format("  adjoint of %d parameters: %ld steps kept in %.2g MB", s.count, s.kept_steps, s.kept_bytes / 1e6);
-  if (s.checkpoints > 0)
-    text += format(", with %ld checkpoints; %ld steps made again", s.checkpoints, s.repeated_steps);
-  return text + "\n";
+  return report_of(s.count, solver.integration->adjoint()->work());
 }
 
 }  // namespace
+
+std::string report_of(int count, const AdjointWork& work) {
+  std::string text = format("  adjoint of %d parameters: %ld steps kept in %.2g MB", count, work.kept_steps,
+                            static_cast<double>(work.bytes) / 1e6);
+  if (work.checkpoints > 0)
+    text += format(", with %ld checkpoints; %ld steps made again", work.checkpoints, work.repeated_steps);
+  return text + "\n";
+}
 
 std::string report_of(const sfdae_solver& solver) {
   const int m = solver.model.m(), n = solver.model.n();

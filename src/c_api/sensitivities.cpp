@@ -66,6 +66,17 @@ CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* 
   return {};
 }
 
+CallResult check_functionals(const GivenFunctionals& given) {
+  if (given.num_times < 1 || given.num_functionals < 1)
+    return illegal_argument(format("num_times = %d, num_functionals = %d; both must be positive.", given.num_times,
+                                   given.num_functionals));
+  for (int k = 0; k < given.num_times; ++k)
+    if (!std::isfinite(given.t[k])) return illegal_argument(format("t[%d] is %g.", k, given.t[k]));
+  if (!all_finite(given.weights, index(given.n) * index(given.num_times) * index(given.num_functionals)))
+    return illegal_argument("weights has entries that are not finite.");
+  return {};
+}
+
 void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request) {
   const bool wanted = request.has_value();
   const bool by_adjoint = wanted && request->by_adjoint;
@@ -153,21 +164,6 @@ bool has_sensitivities(const sfdae_solver& solver) {
   return solver.integration && solver.integration->sensitivities() != nullptr;
 }
 
-CallResult check_functionals(const sfdae_solver& solver, int num_times, const double* t, int num_functionals,
-                             const double* weights) {
-  if (!solver.integration || solver.integration->adjoint() == nullptr)
-    return {SFDAE_NOT_STARTED,
-            "no steps are kept: call sfdae_set_sensitivities with the option adjoint = 1, and sfdae_start, first."};
-  if (num_times < 1 || num_functionals < 1)
-    return illegal_argument(
-        format("num_times = %d, num_functionals = %d; both must be positive.", num_times, num_functionals));
-  for (int k = 0; k < num_times; ++k)
-    if (!std::isfinite(t[k])) return illegal_argument(format("t[%d] is %g.", k, t[k]));
-  if (!all_finite(weights, index(solver.model.n()) * index(num_times) * index(num_functionals)))
-    return illegal_argument("weights has entries that are not finite.");
-  return {};
-}
-
 }  // namespace
 
 extern "C" {
@@ -238,7 +234,12 @@ int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int
   return guarded(solver, [&]() -> CallResult {
     if (t == nullptr || weights == nullptr || gradient == nullptr)
       return illegal_argument("t, weights and gradient must not be NULL.");
-    const CallResult checked = check_functionals(*solver, num_times, t, num_functionals, weights);
+    if (solver->hybrid != nullptr)
+      return illegal_argument("the solver is a mode of a hybrid system: call sfdae_get_hybrid_gradient.");
+    if (!solver->integration || solver->integration->adjoint() == nullptr)
+      return {SFDAE_NOT_STARTED,
+              "no steps are kept: call sfdae_set_sensitivities with the option adjoint = 1, and sfdae_start, first."};
+    const CallResult checked = check_functionals({solver->model.n(), num_times, t, num_functionals, weights});
     if (checked.status != SFDAE_OK) return checked;
     const std::vector<double> times(t, t + num_times);
     return solver->integration->gradient({times, weights, num_functionals}, gradient);
@@ -258,7 +259,7 @@ int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivi
     result.outputs = work.outputs;
   } else if (solver->integration && solver->integration->adjoint() != nullptr) {
     const DiscreteAdjoint& adjoint = *solver->integration->adjoint();
-    result.count = adjoint.count();
+    result.count = adjoint.count() - solver->sensitivities->num_of_values;
     const AdjointWork work = adjoint.work();
     result.kept_steps = work.kept_steps;
     result.kept_bytes = static_cast<double>(work.bytes);

@@ -265,6 +265,9 @@ CallResult check_switch(const sfdae_hybrid& hybrid, int below, int above, const 
   if (checked.status == SFDAE_OK) checked = check_mode(hybrid, "above", above);
   if (checked.status == SFDAE_OK) checked = check_name(hybrid, name);
   if (checked.status != SFDAE_OK) return checked;
+  if (hybrid.sensitivities && hybrid.sensitivities->by_adjoint)
+    return illegal_argument(
+        "there is no adjoint along surfaces: call sfdae_set_hybrid_sensitivities without the option adjoint first.");
   if (below == above) return illegal_argument(format("below = above = %d: they must be two modes.", below));
   for (const int mode : {below, above})
     if (hybrid.modes[index(mode)].surface != nullptr)

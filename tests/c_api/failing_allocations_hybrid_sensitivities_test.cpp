@@ -97,9 +97,8 @@ struct WithSensitivities {
       EXPECT_EQ(value, C);
     }
   }
-  // What was under way may have ended.
   void repair(Course& run, int k) const {
-    if (k != Course::first_advance && k != Course::second_advance) return;
+    if ((k != Course::first_advance && k != Course::second_advance) || goes_on(run, k)) return;
     run.x[0] = 1.0;
     run.x[1] = run.x[2] = run.t = 0.0;
     EXPECT_EQ(run.call(Course::start), SFDAE_OK);
@@ -108,6 +107,52 @@ struct WithSensitivities {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(run.x[i], expected.x[i], 1e-4);
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(run.S[i], expected.S[i], 1e-4);
     for (int j = 0; j < 2; ++j) EXPECT_NEAR(run.dt[j], expected.dt[j], 1e-4);
+  }
+};
+
+// By the adjoint: of earlier visits there are checkpoints.
+struct AdjointCourse : Course {
+  double gradient[4] = {};
+
+  explicit AdjointCourse(int method) : Course(method) {}
+  static constexpr int count = 6;
+  int call(int k) {
+    static const char* const names[] = {"C", nullptr};
+    static const double directions[] = {0, 0, 0, 1, 0, 0}, times[] = {1.6, 2.5};
+    static const double weights[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0};
+    switch (k) {
+      case 0: {
+        sfdae_sensitivity_options how;
+        sfdae_sensitivity_options_init(&how, sizeof how);
+        how.adjoint = 1;
+        how.max_kept_steps = 3;
+        return sfdae_set_hybrid_sensitivities(hybrid, 2, names, directions, &how);
+      }
+      case start:
+      case first_advance: return Course::call(k);
+      case 3: return sfdae_advance_hybrid(hybrid, 2.5, &t, x, nullptr);
+      default: return sfdae_get_hybrid_gradient(hybrid, 2, times, 2, weights, gradient);
+    }
+  }
+};
+
+struct WithAdjoint {
+  int method;
+  const AdjointCourse& expected;
+
+  AdjointCourse course() const { return AdjointCourse(method); }
+  void look(const AdjointCourse& run) const { WithSensitivities{method, expected}.look(run); }
+  void repair(AdjointCourse& run, int k) const {
+    if ((k != 2 && k != 3) || goes_on(run, k)) return;
+    run.x[0] = 1.0;
+    run.x[1] = run.x[2] = run.t = 0.0;
+    EXPECT_EQ(run.call(Course::start), SFDAE_OK);
+    if (k == 3) {
+      EXPECT_EQ(run.call(Course::first_advance), SFDAE_OK);
+    }
+  }
+  void compare(const AdjointCourse& run) const {
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(run.gradient[i], expected.gradient[i], 1e-4);
   }
 };
 
@@ -125,6 +170,16 @@ TEST_P(Methods, WithSensitivitiesOfHybridSystems) {
   sfdae_get_num_passages(expected.hybrid, &passages);
   EXPECT_EQ(passages, 3);
   let_allocations_fail(WithSensitivities{GetParam(), expected}, Course::count, stride_of_faults(24));
+}
+
+TEST_P(Methods, WithTheAdjointOfHybridSystems) {
+  AdjointCourse expected(GetParam());
+  for (int k = 0; k < AdjointCourse::count; ++k)
+    ASSERT_EQ(expected.call(k), SFDAE_OK) << k << ": " << sfdae_get_hybrid_message(expected.hybrid);
+  long passages = 0;
+  sfdae_get_num_passages(expected.hybrid, &passages);
+  EXPECT_EQ(passages, 3);
+  let_allocations_fail(WithAdjoint{GetParam(), expected}, AdjointCourse::count, stride_of_faults(60));
 }
 
 }  // namespace

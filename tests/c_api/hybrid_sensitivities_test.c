@@ -149,6 +149,75 @@ static void values_are_those_along_a_surface(void) {
   CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
 }
 
+/* The same by the adjoint: x at 0.25, at the transition, and at the end. */
+static void gradients_are_those_of_the_formulas(void) {
+  sfdae_solver *first = solver_of(rising), *second = solver_of(decaying);
+  sfdae_hybrid* hybrid;
+  sfdae_sensitivity_options how;
+  sfdae_sensitivity_statistics work;
+  const char* const names[] = {"k", "r", NULL};
+  const double directions[] = {0, 0, 1}, nan = NAN;
+  double x = 0, t = 0, times[] = {0.25, 0.5, 0.9}, weights[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, gradient[9], S[3];
+  double untouched = 7, early = -1, beside = 0.3;
+  size_t length;
+  char text[4096];
+  CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, first, "rises", NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, second, "decays", NULL), SFDAE_OK);
+  add_level(hybrid);
+  sfdae_sensitivity_options_init(&how, sizeof how);
+  how.adjoint = 1;
+  CHECK_STATUS(sfdae_set_hybrid_sensitivities(hybrid, 3, names, directions, &how), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 1, times, 1, weights, &untouched), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 1, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.25, &t, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_to_transition(hybrid, 0.9, &t, &x, NULL), SFDAE_EVENT);
+  CHECK(fabs(t - 0.5) < 1e-8);
+  times[1] = t;
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.9, &t, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 3, times, 3, weights, gradient), SFDAE_OK);
+  CHECK(fabs(gradient[0] - 0.25) < 1e-8 && fabs(gradient[1]) < 1e-12 && fabs(gradient[2] - 1) < 1e-8);
+  /* x after the transition, at a time that does not move: (x'_before - x'_after) dt + S. */
+  CHECK(fabs(gradient[3] + 0.75) < 1e-7 && fabs(gradient[4]) < 1e-7 && fabs(gradient[5] + 1.5) < 1e-7);
+  CHECK(fabs(gradient[6] + 0.75 * x) < 1e-7 && fabs(gradient[7] + 0.4 * x) < 1e-7 &&
+        fabs(gradient[8] + 1.5 * x) < 1e-7);
+  CHECK_STATUS(sfdae_report_hybrid(hybrid, text, sizeof text, NULL), SFDAE_OK);
+  CHECK(strstr(text, "adjoint of 3 parameters") != NULL);
+  sfdae_sensitivity_statistics_init(&work, sizeof work);
+  CHECK_STATUS(sfdae_get_sensitivity_statistics(second, &work), SFDAE_OK);
+  CHECK(work.count == 3 && work.kept_steps > 0);
+
+  CHECK_STATUS(sfdae_get_hybrid_gradient(NULL, 1, times, 1, weights, &untouched), SFDAE_ILLEGAL_ARGUMENT);
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, NULL, 1, weights, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, times, 1, NULL, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, times, 1, weights, NULL));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 0, times, 1, weights, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, times, 0, weights, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &nan, 1, weights, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, times, 1, &nan, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &early, 1, weights, &untouched));
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &beside, 1, weights, &untouched));
+  CHECK(strstr(sfdae_get_hybrid_message(hybrid), "nearest") != NULL);
+  CHECK_STATUS(sfdae_get_gradient(second, 1, times, 1, weights, &untouched), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strstr(sfdae_message(second), "sfdae_get_hybrid_gradient") != NULL);
+  CHECK_STATUS(sfdae_get_hybrid_sensitivities(hybrid, 0.9, S, NULL), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_get_passage_sensitivities(hybrid, S), SFDAE_NOT_STARTED);
+  REFUSED(sfdae_get_hybrid_checkpoint_length(hybrid, &length));
+  REFUSED(sfdae_restore_hybrid_checkpoint(hybrid, weights, 9));
+  /* A value of its own for the mode that was left: its steps were others. */
+  CHECK_STATUS(sfdae_set_parameter(first, "k", 3), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 1, times + 1, 1, weights, &untouched), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strstr(sfdae_get_hybrid_message(hybrid), "other values") != NULL);
+  CHECK(untouched == 7);
+  CHECK_STATUS(sfdae_set_parameter(first, "k", 2), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 3, times, 3, weights, gradient), SFDAE_OK);
+  CHECK(fabs(gradient[6] + 0.75 * x) < 1e-7);
+  REFUSED(sfdae_add_switch(hybrid, 0, 1, surface, NULL, NULL, NULL));
+  CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&first), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
+}
+
 static void mistakes_are_named(void) {
   sfdae_solver *first = solver_of(rising), *second = solver_of(decaying), *callbacks = solver_of(NULL);
   sfdae_hybrid* hybrid;
@@ -174,6 +243,7 @@ static void mistakes_are_named(void) {
   CHECK(strstr(sfdae_get_hybrid_message(hybrid), "\"q\"") != NULL);
   REFUSED(sfdae_set_hybrid_sensitivities(hybrid, 1, &name, &nan, NULL));
   sfdae_sensitivity_options_init(&how, sizeof how);
+  how.max_kept_steps = 1;
   how.adjoint = 1;
   REFUSED(sfdae_set_hybrid_sensitivities(hybrid, 1, &name, NULL, &how));
   CHECK_STATUS(sfdae_set_hybrid_sensitivities(NULL, 1, &name, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
@@ -206,6 +276,7 @@ static void mistakes_are_named(void) {
 int main(void) {
   values_are_those_of_the_formulas();
   values_are_those_along_a_surface();
+  gradients_are_those_of_the_formulas();
   mistakes_are_named();
   return failures > 0;
 }

@@ -131,7 +131,7 @@ IN_FORTRAN = {
     "get_hybrid_statistics": "get_statistics", "report_hybrid": "report",
     "get_hybrid_checkpoint_length": "save_checkpoint", "save_hybrid_checkpoint": "save_checkpoint",
     "restore_hybrid_checkpoint": "restore_checkpoint", "set_hybrid_sensitivities": "set_sensitivities",
-    "get_hybrid_sensitivities": "get_sensitivities",
+    "get_hybrid_sensitivities": "get_sensitivities", "get_hybrid_gradient": "get_gradient",
     "create_descriptor": "create", "destroy_descriptor": "destroy", "descriptor_message": "message",
     "get_descriptor_sizes": "get_sizes", "get_descriptor_matrices": "get_matrices",
 }

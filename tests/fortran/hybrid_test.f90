@@ -187,6 +187,7 @@ contains
     type(dae_sensitivities) :: wanted
     integer(c_int) :: status
     real(dp) :: t, x(2), s(2, 1), sdot(2, 1), dt(1), wrong(2, 2), first, slope
+    real(dp) :: weights(2, 2), gradient(1, 2)
 
     call hybrid%set_sensitivities(wanted, status)
     call check_status(status, sfdae_illegal_argument, "before create")
@@ -216,6 +217,21 @@ contains
     call check(status == sfdae_ok .and. abs(dt(1) - slope) < 1.0e-5_dp, "dt/dh")
     call hybrid%get_sensitivities(1.0_dp, wrong, status)
     call check_status(status, sfdae_illegal_argument, "too many columns")
+    ! The same by the adjoint: both components at the end, as functionals.
+    wanted%adjoint = .true.
+    call hybrid%set_sensitivities(wanted, status)
+    call check_status(status, sfdae_ok, "the adjoint")
+    x = [h, 0.0_dp]
+    call hybrid%start(1, 0.0_dp, 1.0_dp, x, status)
+    call hybrid%advance(1.0_dp, t, x, status)
+    weights = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+    call hybrid%get_gradient([1.0_dp], weights, gradient, status)
+    call check_status(status, sfdae_ok, "get_gradient")
+    call check(maxval(abs(gradient(1, :) - s(:, 1))) < 1.0e-4_dp, "gradients are rows of S")
+    call hybrid%get_gradient([1.0_dp], weights(:1, :), gradient, status)
+    call check_status(status, sfdae_illegal_argument, "too few weights")
+    call hybrid%get_gradient([1.0_dp], weights, wrong, status)
+    call check_status(status, sfdae_illegal_argument, "too many parameters")
     wanted%parameter_names = ["mass"]
     call hybrid%set_sensitivities(wanted, status)
     call check_status(status, sfdae_illegal_argument, "an unknown name")
