@@ -277,6 +277,65 @@ TEST_P(HybridGradients, HaveWeightsAtPointsThatWereReturned) {
   EXPECT_LE(difference(gradients[1], gradients[0]), 1e3 * tolerance);
 }
 
+// mu = 1, driven by a table with kinks at t = 0.5 and 1.25; x_0 jumps, at the first kink and at zeros of a function, from one visit to the
+// next.
+System driven(const sfdae::Options& options) {
+  System system;
+  for (int k = 0; k < 2; ++k) {
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [k](const Expression& t, auto x, auto xdot, auto F) {
+      const Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
+                       p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
+      F[0] = xdot[0] + p * x[0] * x[0] - x[1];
+      F[1] = xdot[1] + x[2] + 0.5 * k * p * x[1];
+      F[2] = x[1] + q * sin(x[0]) - input;
+    };
+    system.add(problem, options);
+  }
+  sfdae::Transition timed, there, back;
+  timed.to = there.to = back.from = 1;
+  timed.kind = SFDAE_TRANSITION_TIME;
+  timed.time = 0.5;
+  there.kind = back.kind = SFDAE_TRANSITION_ZERO;
+  there.direction = -1;
+  back.direction = 1;
+  there.function = back.function = [](double t, auto x, auto) { return std::sin(7.0 * t - 0.6) + 0.1 * x[0]; };
+  timed.jump = there.jump = back.jump = [](double t, auto x) { x[0] = 0.5 * x[0] + 0.3 + 0.1 * t; };
+  for (const sfdae::Transition& transition : {timed, there, back}) system.hybrid.add_transition(transition);
+  return system;
+}
+
+TEST_P(HybridGradients, StayOnTheirSideOfKinks) {
+  const Journey journey{by({"p", "q", ""}, unit_directions(3, 3, 2, {0})), {0.5, 0.2, 0.0}, 1.95, 4};
+  expect_forward_gradient(driven, journey, 1e-9, 1e-6);
+}
+
+// A gradient leaves the run as it was, in every bit, and may be asked for as often as wanted.
+TEST_P(HybridGradients, DisturbNothing) {
+  const Matrix weights = weights_for(3, 1);
+  Vector x[2], gradients[2];
+  for (int often : {0, 1}) {
+    System system = driven(solver_options(1e-7, GetParam()));
+    sfdae::Sensitivities wanted = by({"p", "q", ""}, unit_directions(3, 3, 2, {0}));
+    wanted.adjoint = true;
+    system.hybrid.set_sensitivities(wanted);
+    Point point{0.0, {0.5, 0.2, 0.0}, {}};
+    system.hybrid.start(0, point, 1.95);
+    for (double t : {0.2, 0.45, 0.5, 0.8, 1.2, 1.25, 1.6, 1.95}) {
+      system.hybrid.advance(t, point);
+      x[often].insert(x[often].end(), point.x.begin(), point.x.end());
+      if (often == 1) system.hybrid.gradient({t}, weights);
+    }
+    for (double t : {1.95, 0.5, 1.25, 0.2, 1.95}) {
+      const Matrix gradient = system.hybrid.gradient({t}, weights);
+      gradients[often].insert(gradients[often].end(), gradient.data(), gradient.data() + 3);
+    }
+  }
+  EXPECT_EQ(x[0], x[1]);
+  EXPECT_EQ(gradients[0], gradients[1]);
+  for (int j = 0; j < 3; ++j) EXPECT_EQ(gradients[0][std::size_t(j)], gradients[0][std::size_t(12 + j)]);
+}
+
 // The steps of earlier visits are made again, too.
 TEST_P(HybridGradients, AreTheSameInEveryBitWithFewStepsKept) {
   const Matrix weights = weights_for(4, 4);
