@@ -351,6 +351,7 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
   for (std::size_t i = 0; i < rows; ++i) sizes[i] = std::max(sizes[i], sizes_after[i]);
   // The part of a mode, where there is one, is found anew.
   const Vector sizes_before(sizes.begin(), sizes.begin() + hybrid.n());
+  Vector here;
   for (std::size_t j = 0; j < run.shifts.size(); ++j) {
     const int parameter = given.jump == nullptr ? solver.sensitivities->parameters[j] : -1;
     double* const D = run.moved.data() + j * stride;
@@ -365,7 +366,7 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
     // What D is the sum of may cancel.
     const double parts = std::max(pace, std::fabs(run.shifts[j]) * speed(run.xdot.data(), sizes_before));
     const Differencing how{sizes, first_step / std::max(pace, others),
-                           parts > 0.0 ? std::max(parts, negligible * others) : minor * others};
+                           parts > 0.0 ? std::max(parts, negligible * others) : minor * others, &here};
     const auto values = [&](double s, Vector& after) {
       Vector before(run.before);
       for (std::size_t i = 0; i < n; ++i) before[i] += s * D[i];

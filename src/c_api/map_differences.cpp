@@ -34,22 +34,32 @@ CallResult finite_values(const MapAlong& values, double s, Vector& to) {
 
 // Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
 // step there. The derivative is none then. Such differences as rounding errors are none.
-CallResult find_kink(const MapAlong& values, const Vector& sizes, DerivativeAlong& derivative) {
+// above, below: values at the step of the derivative. here: values at 0, empty where they are not known yet.
+CallResult find_kink(const MapAlong& values, const Differencing& how, Vector above, Vector below,
+                     DerivativeAlong& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
+  const Vector& sizes = how.sizes;
   const std::size_t n = sizes.size();
-  Vector here(n), above(n), below(n);
-  CallResult result = finite_values(values, 0.0, here);
+  Vector own_here(n);
+  Vector& here = how.here != nullptr ? *how.here : own_here;
+  CallResult result;
+  if (how.here == nullptr || here.empty()) {
+    here.resize(n);
+    result = finite_values(values, 0.0, here);
+    if (result.status < 0) here.clear();
+  }
   double before = 0.0;
   for (double step : {derivative.step, much_smaller * derivative.step}) {
-    if (result.status >= 0) result = finite_values(values, step, above);
-    if (result.status >= 0) result = finite_values(values, -step, below);
+    const bool is_known = step == derivative.step;
+    if (result.status >= 0 && !is_known) result = finite_values(values, step, above);
+    if (result.status >= 0 && !is_known) result = finite_values(values, -step, below);
     if (result.status < 0) return result;
     double difference = 0.0;
     for (std::size_t i = 0; i < n; ++i)
       difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
     // That of a kink is smaller with smaller steps, too.
     if (difference <= rounding) break;
-    const bool is_kink = step < derivative.step && difference / step > still_there * before;
+    const bool is_kink = !is_known && difference / step > still_there * before;
     if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
     before = difference / step;
   }
@@ -82,11 +92,16 @@ class Differences {
     }
     DerivativeAlong found = difference(step);
     goes_on = found.error < best.error;
-    if (goes_on) best = std::move(found);
+    if (goes_on) {
+      best = std::move(found);
+      above = at_[0];
+      below = at_[1];
+    }
     return {};
   }
 
   DerivativeAlong best;
+  Vector above, below;  // of it
   CallResult failure;
 
  private:
@@ -137,7 +152,8 @@ CallResult differentiate_along(const MapAlong& values, const Differencing& how, 
   if (result.status < 0) return result;
   if (differences.has_failed()) return std::move(differences.failure);
   derivative = std::move(differences.best);
-  return find_kink(values, how.sizes, derivative);
+  if (derivative.value.empty()) return {};  // it overflows: there is none
+  return find_kink(values, how, std::move(differences.above), std::move(differences.below), derivative);
 }
 
 }  // namespace sfdae::core

@@ -25,6 +25,8 @@ struct Differencing {
   const std::vector<double>& sizes;
   double step;
   double least = 0.0;
+  // Values at 0, which several directions have in common: empty until one of them has asked. Null: there is one direction only.
+  std::vector<double>* here = nullptr;
 };
 
 // d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values, larger where
