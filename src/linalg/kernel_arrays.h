@@ -56,6 +56,19 @@ void raise_sizes(const double* x, double unit, int count, double* sizes) {
   for (; i < count; ++i) sizes[i] = larger_of(unit * size_of(x[i]), sizes[i]);
 }
 
+// Products are rounded before they are subtracted: differences that vanish do so with every instruction set.
+void subtract(const double* x, double s, const double* y, int count, double* difference) {
+  const V factor = Lanes::all(-s);
+  int i = 0;
+  for (; i + width <= count; i += width)
+    Lanes::store_anywhere(difference + i, Lanes::product(Lanes::load_anywhere(y + i), factor));
+  for (; i < count; ++i) difference[i] = -s * y[i];
+  for (i = 0; i + width <= count; i += width)
+    Lanes::store_anywhere(difference + i,
+                          Lanes::sum(Lanes::load_anywhere(x + i), Lanes::load_anywhere(difference + i)));
+  for (; i < count; ++i) difference[i] = x[i] + difference[i];
+}
+
 }  // namespace
 
 }  // namespace sfdae::core::kernels

@@ -193,6 +193,7 @@ void pad(const double* a, int lda, Padded to, double* squares) {
 }  // namespace sfdae::core::kernels
 
 #include "linalg/kernel_arrays.h"
+#include "linalg/kernel_products.h"
 #include "linalg/kernel_qr.h"
 
 namespace sfdae::core::kernels {
@@ -200,13 +201,14 @@ namespace sfdae::core::kernels {
 namespace {
 
 constexpr Loops made{Lanes::name,
-                     {largest_size, all_finite, scale_entries, raise_sizes},
+                     {largest_size, all_finite, scale_entries, raise_sizes, subtract},
                      pad,
                      factor_columns,
                      factor_panel,
                      renew_norms,
                      apply_reflections,
-                     triangular_factor};
+                     triangular_factor,
+                     Lanes::multiplies ? multiply : nullptr};
 
 }  // namespace
 

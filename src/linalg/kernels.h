@@ -61,7 +61,29 @@ struct ArrayLoops {
   double (*scale_entries)(double* x, const double* factors, int count);
   // sizes_i := max(sizes_i, unit |x_i|)
   void (*raise_sizes)(const double* x, double unit, int count, double* sizes);
+  // difference_i := x_i - s y_i
+  void (*subtract)(const double* x, double s, const double* y, int count, double* difference);
 };
+
+// op(A): a matrix of any alignment, or its transpose.
+struct Operand {
+  const double* data;
+  ptrdiff_t ld;
+  bool is_transposed;
+};
+
+// C := alpha op(A) op(B) + beta C, C rows x cols, the sums of `inner` products in their order.
+struct Product {
+  double alpha;
+  Operand a, b;
+  int inner;
+  double beta;
+  double* c;
+  ptrdiff_t ldc;
+  int rows, cols;
+};
+// So many at most where A is transposed: it is copied, a few rows at a time.
+inline constexpr int most_transposed = 128;
 
 // Q^T C takes the first reflection first, Q C the last; to_identity: Q C where C begins with the identity, whose first p
 // columns reflection p leaves alone.
@@ -85,6 +107,8 @@ struct Loops {
   void (*apply_reflections)(Padded V, const double* tau, Order order, Padded C);
   // T of Q = I - V T V^T from S = V^T V, upper triangular; zeros below.
   void (*triangular_factor)(Padded S, const double* tau, Padded T);
+  // nullptr: BLAS is as fast.
+  void (*multiply)(const Product& product);
 };
 
 // nullptr where the processor, or this build, does not have it.

@@ -14,11 +14,18 @@ struct Lanes {
   using V = __m256d;
   static constexpr int width = 4;
   static constexpr const char* name = "avx2";
+  static constexpr bool multiplies = true;
   static V zero() { return _mm256_setzero_pd(); }
   static V all(double x) { return _mm256_set1_pd(x); }
   static V load(const double* x) { return _mm256_load_pd(x); }
   static V load_anywhere(const double* x) { return _mm256_loadu_pd(x); }
   static void store(double* x, V v) { _mm256_store_pd(x, v); }
+  // The first `count` numbers alone are read or written; zeros behind them.
+  static __m256i first_places(int count) {
+    return _mm256_cmpgt_epi64(_mm256_set1_epi64x(count), _mm256_set_epi64x(3, 2, 1, 0));
+  }
+  static V load_first(const double* x, int count) { return _mm256_maskload_pd(x, first_places(count)); }
+  static void store_first(double* x, int count, V v) { _mm256_maskstore_pd(x, first_places(count), v); }
   static void store_anywhere(double* x, V v) { _mm256_storeu_pd(x, v); }
   static V size(V a) { return _mm256_andnot_pd(all(-0.0), a); }
   // An exponent of all ones carries into the sign bit when one is added to it.
@@ -66,6 +73,17 @@ struct Lanes {
     const V ab = _mm256_hadd_pd(a, b), cd = _mm256_hadd_pd(c, d);
     const V crossed = _mm256_permute2f128_pd(ab, cd, 0x21), kept = _mm256_blend_pd(ab, cd, 0xc);
     _mm256_storeu_pd(to, _mm256_add_pd(crossed, kept));
+  }
+  // to(p, q) := x(q, p), both 4 x 4
+  static void transpose_four(const double* x, ptrdiff_t ld, double* to, ptrdiff_t ld_to) {
+    const __m256d a = _mm256_loadu_pd(x), b = _mm256_loadu_pd(x + ld);
+    const __m256d c = _mm256_loadu_pd(x + 2 * ld), d = _mm256_loadu_pd(x + 3 * ld);
+    const __m256d even_ab = _mm256_unpacklo_pd(a, b), odd_ab = _mm256_unpackhi_pd(a, b);
+    const __m256d even_cd = _mm256_unpacklo_pd(c, d), odd_cd = _mm256_unpackhi_pd(c, d);
+    _mm256_storeu_pd(to, _mm256_permute2f128_pd(even_ab, even_cd, 0x20));
+    _mm256_storeu_pd(to + ld_to, _mm256_permute2f128_pd(odd_ab, odd_cd, 0x20));
+    _mm256_storeu_pd(to + 2 * ld_to, _mm256_permute2f128_pd(even_ab, even_cd, 0x31));
+    _mm256_storeu_pd(to + 3 * ld_to, _mm256_permute2f128_pd(odd_ab, odd_cd, 0x31));
   }
 };
 

@@ -16,6 +16,8 @@ struct Lanes {
   };
   static constexpr int width = 2;
   static constexpr const char* name = "portable";
+  // BLAS is made for the processor.
+  static constexpr bool multiplies = false;
   static V zero() { return {0.0, 0.0}; }
   static V all(double x) { return {x, x}; }
   static V load(const double* x) { return {x[0], x[1]}; }
@@ -25,6 +27,12 @@ struct Lanes {
     x[1] = v.y;
   }
   static void store_anywhere(double* x, V v) { store(x, v); }
+  // The first `count` numbers alone are read or written; zeros behind them.
+  static V load_first(const double* x, int count) { return {x[0], count > 1 ? x[1] : 0.0}; }
+  static void store_first(double* x, int count, V v) {
+    x[0] = v.x;
+    if (count > 1) x[1] = v.y;
+  }
   static V size(V a) { return {fabs(a.x), fabs(a.y)}; }
   // An exponent of all ones carries into the sign bit when one is added to it.
   using Carries = uint64_t;
@@ -56,6 +64,11 @@ struct Lanes {
     to[1] = total(b);
     to[2] = total(c);
     to[3] = total(d);
+  }
+  // to(p, q) := x(q, p), both 4 x 4
+  static void transpose_four(const double* x, ptrdiff_t ld, double* to, ptrdiff_t ld_to) {
+    for (int p = 0; p < 4; ++p)
+      for (int q = 0; q < 4; ++q) to[p + q * ld_to] = x[q + p * ld];
   }
 };
 

@@ -27,6 +27,8 @@ using kernels::round_up;
 // Measured crossovers, docs/decisions/37-dense-kernels.md.
 // Up to so many rows plain loops win.
 constexpr int tiny_rows = 12;
+// And where so few rows have fewer columns.
+constexpr int few_columns = 12;
 // Reflections in a block, and in a panel of a pivoted factorization, where the first pass over the matrix is as long as
 // all others together.
 constexpr int block = 16;
@@ -239,7 +241,7 @@ void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena, double ne
 
 void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena) {
   if (c.rows == 0 || c.cols == 0 || count == 0) return;
-  if (c.rows <= tiny_rows || c.cols == 1) {
+  if (c.cols == 1 || (c.rows <= tiny_rows && c.cols < few_columns)) {
     for (int step = 0; step < count; ++step) {
       const int p = op == Op::transposed ? step : count - 1 - step;
       small::apply_reflector(&factors(p, p), tau[p], c.block(p, 0, c.rows - p, c.cols));

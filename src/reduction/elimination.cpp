@@ -9,6 +9,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "linalg/kernels_in_use.h"
 #include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
@@ -104,12 +105,9 @@ void add_block(const Elimination& of, int p, int j, ConstView W, View result) {
   const Arena::Frame frame(of.arena);
   const View F = of.arena.matrix(data.m, data.n);
   const double part = 1.0 / j;
-  for (int col = 0; col < data.n; ++col) {
-    const double* e = data.E(p).column(col);
-    const double* a = data.A(p - 1).column(col);
-    double* to = F.column(col);
-    for (int row = 0; row < data.m; ++row) to[row] = e[row] - part * a[row];
-  }
+  const auto subtract = kernels::loops().arrays.subtract;
+  for (int col = 0; col < data.n; ++col)
+    subtract(data.E(p).column(col), part, data.A(p - 1).column(col), data.m, F.column(col));
   multiply(1.0, Op::plain, W, Op::plain, F, 1.0, result);
 }
 

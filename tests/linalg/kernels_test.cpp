@@ -298,6 +298,62 @@ TEST_P(EveryInstructionSet, EveryPlaceIsCheckedForValuesThatAreNotFinite) {
   }
 }
 
+// Of the entries of a larger array, which are none of its business: what lies beside A and B is NaN.
+TEST_P(EveryInstructionSet, ProductsAreThoseOfPlainSums) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr int gap = 3;
+  const auto framed = [&](const Matrix& a) {
+    Matrix frame(a.rows() + gap, a.cols());
+    fill(frame, nan);
+    copy(a, frame.view().top(a.rows()));
+    return frame;
+  };
+  struct Factors {
+    double alpha, beta;
+  };
+  for (const int rows : {1, 2, 5, 8, 11, 12, 16, 17, 23, 24, 31, 33, 50})
+    for (const int cols : {1, 2, 3, 5, 8, 9, 14, 17})
+      for (const int inner : {1, 4, 7, 16, 30, 112, 113})
+        for (const auto& [alpha, beta] : {Factors{1.0, 0.0}, Factors{-1.0, 1.0}, Factors{-0.3, 0.7}}) {
+          const Matrix A = random_matrix(rows, inner, 3), B = random_matrix(inner, cols, 5);
+          const Matrix C = random_matrix(rows, cols, 7), AB = times(A, B);
+          for (const Op op_a : {Op::plain, Op::transposed})
+            for (const Op op_b : {Op::plain, Op::transposed}) {
+              const Matrix a = framed(op_a == Op::plain ? A : transpose(A));
+              const Matrix b = framed(op_b == Op::plain ? B : transpose(B));
+              Matrix c = framed(C);
+              if (beta == 0.0) fill(c.view().top(rows), nan);
+              multiply(alpha, op_a, a.view().top(a.rows() - gap), op_b, b.view().top(b.rows() - gap), beta,
+                       c.view().top(rows));
+              double worst = 0.0;
+              for (int j = 0; j < cols; ++j) {
+                for (int i = 0; i < rows; ++i) {
+                  const double error = std::fabs(c(i, j) - (alpha * AB(i, j) + (beta == 0.0 ? 0.0 : beta * C(i, j))));
+                  worst = error <= worst ? worst : error;  // NaN counts
+                }
+                for (int i = rows; i < rows + gap; ++i) ASSERT_TRUE(std::isnan(c(i, j)));
+              }
+              ASSERT_LE(worst, rounding(inner)) << rows << " x " << inner << " x " << cols;
+            }
+        }
+}
+
+// Rounding errors of products that are not made would be taken for values.
+TEST_P(EveryInstructionSet, DifferencesOfRoundedProductsVanish) {
+  const double third = 1.0 / 3.0;
+  for (int count = 0; count < 40; ++count) {
+    const std::vector<double> y = sfdae_test::random_vector(count + 1, 17);
+    std::vector<double> x(y.size()), difference(y.size(), 1.0);
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const volatile double product = third * y[i];
+      x[i] = product;
+    }
+    kernels::loops().arrays.subtract(x.data(), third, y.data(), count, difference.data());
+    for (int i = 0; i < count; ++i) EXPECT_EQ(difference[size(i)], 0.0) << i;
+    EXPECT_EQ(difference.back(), 1.0);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Kernels, EveryInstructionSet,
                          testing::Values(InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512),
                          [](const testing::TestParamInfo<InstructionSet>& set) {
