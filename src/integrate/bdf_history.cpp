@@ -13,6 +13,7 @@ void BdfHistory::resize(std::size_t n, std::size_t size_w) {
 }
 
 void BdfHistory::reserve_x() {
+  if (dx_.back().size() == n_) return;  // the one that is resized last
   for (Table* table : {&x_, &dx_})
     for (std::vector<double>& values : *table) values.resize(n_);
 }

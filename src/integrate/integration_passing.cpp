@@ -35,7 +35,7 @@ std::vector<double> guess_at(const CourseData& data, const SmoothCourse& course,
   const double mirrored = 2.0 * data.t - t;
   for (std::size_t k = 0; k < data.trail.count(); ++k)
     if (std::fabs(data.trail.node(k).t - mirrored) < std::fabs(nearest->t - mirrored)) nearest = &data.trail.node(k);
-  std::vector<double> x = nearest->x;
+  std::vector<double> x(nearest->x.begin(), nearest->x.end());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (course.degrees[i] >= 0) x[i] = course.fit.evaluate(i, course.degrees[i], t).x;
   return x;

@@ -16,7 +16,11 @@ namespace sfdae::core {
 // From the last point before a singular one to the first one after it.
 class Passage {
  public:
-  Passage(SmoothCourse course, Trail::Node before, Trail::Node after)
+  struct Point {
+    double t;
+    std::vector<double> x;
+  };
+  Passage(SmoothCourse course, Point before, Point after)
       : course_(std::move(course)), before_(std::move(before)), after_(std::move(after)) {}
 
   // t lies after the one and before the other.
@@ -26,7 +30,7 @@ class Passage {
 
  private:
   SmoothCourse course_;
-  Trail::Node before_, after_;
+  Point before_, after_;
 };
 
 struct Branches {

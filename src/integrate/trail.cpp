@@ -20,7 +20,8 @@ constexpr std::size_t large_size = 1000, most_large_nodes = 32;
 
 void Trail::start(double t, const double* x, std::size_t n) {
   nodes_.resize(n > large_size ? most_large_nodes : most_nodes);
-  for (Node& node : nodes_) node.x.resize(n);
+  memory_.resize(nodes_.size() * n);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].x = {memory_.data() + i * n, n};
   count_ = 0;
   add(t, x);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace sfdae::core {
@@ -11,8 +12,11 @@ class Trail {
  public:
   struct Node {
     double t = 0.0;
-    std::vector<double> x;
+    std::span<double> x;  // within the memory of the trail
   };
+  Trail() = default;
+  Trail(Trail&&) = default;
+  Trail& operator=(Trail&&) = default;
 
   // Nothing but this point; x: n values. Memory for all that follow is taken here.
   void start(double t, const double* x, std::size_t n);
@@ -29,6 +33,7 @@ class Trail {
   void drop_one();
 
   std::vector<Node> nodes_;
+  std::vector<double> memory_;  // of all nodes in one: for small problems 64 of them would be a tenth of a start
   std::size_t count_ = 0;
 };
 
