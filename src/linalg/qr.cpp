@@ -27,14 +27,19 @@ using kernels::round_up;
 // Measured crossovers, docs/decisions/37-dense-kernels.md.
 // Up to so many rows plain loops win.
 constexpr int tiny_rows = 12;
-// And where so few rows have fewer columns.
-constexpr int few_columns = 12;
-// Reflections in a block, and in a panel of a pivoted factorization, where the first pass over the matrix is as long as
-// all others together.
-constexpr int block = 16;
+// So few columns do not pay for blocks of up to most_at_once reflections, nor, in few rows, for vectors.
+constexpr int few_columns = 8;
+constexpr int most_at_once = 16;
+// Reflections in a panel of a pivoted factorization, where the first pass over the matrix is as long as all others together.
 constexpr int panel = 8;
 // What is left of a pivoted factorization is not worth a panel.
 constexpr int unblocked = 40;
+
+// Reflections in a block; fewer pay where small products are fast (docs/decisions/79-products-and-small-sizes.md).
+int block_for(int rows) {
+  constexpr int most_rows_of_small_blocks = 128;
+  return rows <= most_rows_of_small_blocks && kernels::loops().multiply != nullptr ? 8 : 16;
+}
 
 int leading_dimension(int rows) {
   const int rounded = std::max(round_up(rows), lanes);
@@ -149,7 +154,7 @@ void multiply_upper_triangle(View a, double factor) {
     for (int i = 0; i <= std::min(j, a.rows - 1); ++i) a(i, j) *= factor;
 }
 
-int last_block(int count) { return (count - 1) / block * block; }
+int last_block(int count, int block) { return (count - 1) / block * block; }
 
 }  // namespace
 
@@ -165,7 +170,7 @@ void factor_qr(View a, double* tau, Arena& arena) {
   const kernels::QrWork work = work_for(a, tau, arena);
   const kernels::Loops& loops = kernels::loops();
   loops.pad(a.data, a.ld, work.a, nullptr);
-  const int steps = std::min(a.rows, a.cols);
+  const int steps = std::min(a.rows, a.cols), block = block_for(a.rows);
   const View factors = view(work.a);
   for (int first = 0; first < steps;) {
     const bool is_last = a.cols - first <= unblocked;
@@ -248,10 +253,11 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
     }
     return;
   }
-  if (count <= block)
+  const int block = block_for(c.rows);
+  if (count <= block || (count <= most_at_once && c.cols < few_columns))
     return apply_unblocked(op == Op::plain ? Order::last_to_first : Order::first_to_last, {factors, tau, 0, count}, c,
                            arena);
-  const int last = last_block(count);
+  const int last = last_block(count, block);
   for (int step = 0; step <= last; step += block) {
     const int first = op == Op::transposed ? step : last - step;
     const Arena::Frame frame(arena);
@@ -263,8 +269,10 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
 void form_last_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
   fill(q, 0.0);
   for (int j = 0; j < q.cols; ++j) q(q.rows - q.cols + j, j) = 1.0;
-  if (q.rows <= tiny_rows || count <= block) return apply_q(Op::plain, factors, count, tau, q, arena);
-  for (int first = last_block(count); first >= 0; first -= block) {
+  const int block = block_for(q.rows);
+  if (q.rows <= tiny_rows || count <= block || (count <= most_at_once && q.cols < few_columns))
+    return apply_q(Op::plain, factors, count, tau, q, arena);
+  for (int first = last_block(count, block); first >= 0; first -= block) {
     const int width = std::min(block, count - first), below = q.rows - first - width;
     const Arena::Frame frame(arena);
     const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
@@ -288,8 +296,9 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
       small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
     return;
   }
+  const int block = block_for(q.rows);
   if (count <= block) return apply_unblocked(Order::to_identity, {factors, tau, 0, count}, q, arena);
-  for (int first = last_block(count); first >= 0; first -= block) {
+  for (int first = last_block(count, block); first >= 0; first -= block) {
     const Arena::Frame frame(arena);
     const int width = std::min(block, count - first);
     const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
