@@ -60,8 +60,9 @@ SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* st
  * options: NULL for the defaults. Everything is copied.
  *
  *  - Start values: S(t0) is the derivative of the consistent point that is nearest as the option initial_values says, with
- *    fixed components and weights, for guesses near the consistent x that the start has found. So S fulfils the
- *    linearized constraints, hidden ones too, there and at all outputs.
+ *    fixed components and weights, else in units of the tolerances, for guesses near the consistent x that the start has found.
+ *    (Changes as small as the last of six digits follow values instead: differences of starts have to be larger.) So S fulfils
+ *    the linearized constraints, hidden ones too, there and at all outputs.
  *  - The equations of S have the strangeness index, the matrices and the strangeness-free form of the linearized
  *    equations; they are discretized as x is (BDF and Radau) after each step, with exact derivatives F_x', F_x and F_p.
  *    Their errors are about those of x, relative, without a test of their own unless the options ask for one.

@@ -130,7 +130,6 @@ std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const Consist
     request.keeps_differentiated = true;
     request.weights.clear();
   }
-  if (request.differentiated_stay()) request = request.trusting_digits(x.data());
   std::vector<double> S(wanted.directions.size());
   system->start(request, directions_at(wanted, found.xdot).data(), S.data());
   if (wanted.by_adjoint)

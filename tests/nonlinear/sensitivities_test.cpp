@@ -207,6 +207,44 @@ TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
   }
 }
 
+// Directions that leave the constraints: what is nearest then, from guesses beyond the last of six digits. Values of round numbers
+// beside others, of different sizes.
+TEST_P(RandomSensitivities, StartWhereNearestValuesMove) {
+  constexpr double h = 1e-4;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const TransformedSystem system(seed);
+    Point start{0.0, {}, {}};
+    Matrix unused;
+    system.exact(0.0, start.x, unused);
+    for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", structure " + std::to_string(structure));
+      sfdae::Options options = solver_options(1e-8, GetParam());
+      options.structure = structure;
+      for (int i = 0; i < system.n(); ++i) options.atol_vector.push_back(i % 2 == 0 ? 1e-8 : 1e-10);
+      sfdae::Sensitivities wanted;
+      wanted.parameters = {""};
+      wanted.directions = Matrix(system.n(), 1);
+      for (int i = 0; i < system.n(); ++i) wanted.directions(i, 0) = std::cos(2.0 * i + seed);
+      sfdae::Solver solver(system.problem(), options);
+      solver.set_sensitivities(wanted);
+      Point point = start;
+      solver.start(point, 1.0);
+      const Matrix S0 = solver.sensitivities(0.0).S;
+      std::vector<double> ends[2];
+      for (int side = 0; side < 2; ++side) {
+        Point moved = point;
+        for (int i = 0; i < system.n(); ++i)
+          moved.x[std::size_t(i)] += (side == 0 ? -h : h) * wanted.directions(i, 0);
+        sfdae::Solver(system.problem(), options).start(moved, 1.0);
+        ends[side] = moved.x;
+      }
+      Matrix differences(system.n(), 1);
+      for (std::size_t i = 0; i < ends[0].size(); ++i) differences(int(i), 0) = (ends[1][i] - ends[0][i]) / (2 * h);
+      EXPECT_LE(largest_error(S0, differences), 1e-6);
+    }
+  }
+}
+
 // ---- Other problems --------------------------------------------------------------------------------------------
 
 // x' = -k (x - cos p t) - p sin p t, 0 = y - x^2: x = cos p t whatever k is, dx/dp = -t sin p t.
