@@ -8,6 +8,10 @@
 #include <cstddef>
 #include <limits>
 
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#endif
+
 namespace sfdae::core {
 
 namespace {
@@ -104,6 +108,62 @@ inline void subtract(const Lanes* factors, const PivotRow& p, Lanes* v, Lanes& s
   for (int k = 0; k < versions; ++k) v[k] = most <= small ? none : next[k];
 }
 
+// The pivot row of a step subtracted from all below it in one column.
+struct Subtraction {
+  int step, col;
+  bool is_searched;  // for pivots of later steps
+};
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+// What subtract() and significance_of() do, operation by operation, in two halves for AVX2: GCC 12 moves eight numbers piece
+// by piece.
+__attribute__((target("avx2"), noinline)) void subtract_in_halves(Work& w, const Subtraction& of, const PivotRow& p) {
+  constexpr int half = lane_count / 2;
+  const auto [step, col, is_searched] = of;
+  const __m256d sign = _mm256_set1_pd(-0.0);
+  const __m256d none = _mm256_setzero_pd();
+  for (int g = step / lane_count; g < w.groups; ++g) {
+    if (w.is_active[index(step * w.groups + g)] == 0) continue;
+    const double* factors = w.factors[index((step * w.groups + g) * versions)].lane;
+    double *v = w.values[(col * w.groups + g) * versions].lane, *sums = w.sums[index(col * w.groups + g)].lane;
+    for (int l = 0; l < lane_count; l += half) {
+      __m256d next[versions], most = none;
+      for (int k = 0; k < versions; ++k) {
+        const __m256d factor = _mm256_load_pd(factors + k * lane_count + l);
+        const __m256d change = _mm256_mul_pd(factor, _mm256_set1_pd(p.value[k]));
+        next[k] = _mm256_sub_pd(_mm256_load_pd(v + k * lane_count + l), change);
+        most = _mm256_max_pd(_mm256_andnot_pd(sign, next[k]), most);
+      }
+      const __m256d added = _mm256_mul_pd(_mm256_andnot_pd(sign, _mm256_load_pd(factors + l)), _mm256_set1_pd(p.sum));
+      const __m256d sum = _mm256_add_pd(_mm256_load_pd(sums + l), added);
+      _mm256_store_pd(sums + l, sum);
+      const __m256d is_small = _mm256_cmp_pd(most, _mm256_mul_pd(_mm256_set1_pd(arithmetic), sum), _CMP_LE_OQ);
+      for (int k = 0; k < versions; ++k) {
+        next[k] = _mm256_andnot_pd(is_small, next[k]);
+        _mm256_store_pd(v + k * lane_count + l, next[k]);
+      }
+      if (!is_searched) continue;
+      __m256d move = none;
+      for (int k = 1; k < versions; ++k)
+        move = _mm256_max_pd(_mm256_andnot_pd(sign, _mm256_sub_pd(next[k], next[0])), move);
+      const __m256d size = _mm256_andnot_pd(sign, next[0]);
+      const __m256d least =
+          _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(negligible), size), _mm256_set1_pd(smallest_unit));
+      const __m256d significance = _mm256_div_pd(size, _mm256_max_pd(move, least));
+      const double* counted = places_from[index(std::clamp(step + 1 - g * lane_count, 0, lane_count))].lane + l;
+      _mm256_store_pd(w.significances[index(col * w.groups + g)].lane + l,
+                      _mm256_mul_pd(_mm256_load_pd(counted), significance));
+    }
+  }
+}
+
+#else
+
+inline void subtract_in_halves(Work&, const Subtraction&, const PivotRow&) {}
+
+#endif
+
 // Sums of sizes, significances and the largest entry at first.
 inline double begin(Work& w) {
   Lanes most{};
@@ -170,6 +230,7 @@ inline void make_factors(Work& w, int col) {
 inline void subtract_pivot_row(Work& w, int step, int col, bool is_searched) {
   const PivotRow p = pivot_row_of(w, step, col);
   if (p.is_zero) return;
+  if (w.in_halves) return subtract_in_halves(w, {step, col, is_searched}, p);
   const Lanes* factors = &lanes(w.factors[index(step * w.groups * versions)]);
   Lanes* sums = column_of(w, w.sums, col);
   for (int g = step / lane_count; g < w.groups; ++g) {
@@ -298,6 +359,9 @@ SFDAE_LANE_KERNEL(eliminate, LockstepWork)
 
 }  // namespace
 
-void eliminate_in_lockstep(LockstepWork& work) { run_eliminate(work); }
+void eliminate_in_lockstep(LockstepWork& work) {
+  work.in_halves = instruction_set_of_lanes() == InstructionSet::avx2;
+  run_eliminate(work);
+}
 
 }  // namespace sfdae::core

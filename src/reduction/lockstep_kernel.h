@@ -14,6 +14,7 @@ struct LockstepWork {
   int groups = 0;  // of eight rows
   double tolerance = 0.0;
   ZeroScale scale = ZeroScale::whole_rows;
+  bool in_halves = false;  // with AVX2
 
   // Of the sizes of what was added up in each entry; one block for each group of each column.
   std::vector<LaneBlock> sums;
