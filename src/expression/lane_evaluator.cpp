@@ -284,11 +284,13 @@ struct Pass {
   const Tape& tape;
   const InstructionList *of_parameters, *of_time;  // null: nothing to be done
   const InstructionList& of_state;
+  const InstructionsByOrder& by_order;  // in place of of_state, unless it is empty
   const std::vector<int>& factors;
   const LaneEvaluator::Points& points;
   int stride, order;
   bool with_gradients;
-  const int* limits;  // of the orders of gradients; null: 0
+  const int* limits;        // of the orders of gradients; null: 0
+  const int* value_limits;  // of equations, by_order was made for them; null: the order
   Lanes *slots, *adjoints, *gradients;
   bool is_finite;
 };
@@ -321,6 +323,37 @@ void sweep_back_all(const Pass& pass, LaneMask& bad) {
   }
 }
 
+// Results of order 0 ... K, as the action is told.
+template <class Order, class Action>
+void with_order_up_to(int order, Order K, Action action) {
+  if (order >= K) return action(K);
+  if (order == 1) return action(Fixed<1>());
+  action(Fixed<0>());
+}
+
+template <class Order>
+void load(const Pass& pass, LaneMask& bad, Order K) {
+  for (std::size_t i = 0; i < pass.tape.leaves.size(); ++i) {
+    const Tape::Leaf& leaf = pass.tape.leaves[i];
+    const int order = pass.value_limits == nullptr ? K : pass.by_order.of_leaves[i];
+    for (int k = 0; k <= order; ++k) {
+      const Lanes x = leaf.derivative ? (k + 1) * lanes(pass.points.x[index(k + 1)][leaf.unknown])
+                                      : lanes(pass.points.x[index(k)][leaf.unknown]);
+      note_not_finite(x, bad);
+      pass.slots[leaf.slot * pass.stride + k] = x;
+    }
+  }
+}
+
+template <bool with_slopes, class Order>
+void run_state(const Pass& pass, Order K) {
+  if (pass.by_order.lists.empty()) return execute_all<with_slopes>(pass.of_state, pass.slots, K);
+  pass.by_order.for_each([&](const InstructionList& list, int order) {
+    with_order_up_to(pass.value_limits == nullptr ? K : order, K,
+                     [&](auto own) { execute_all<with_slopes>(list, pass.slots, own); });
+  });
+}
+
 template <class Order>
 void run(Pass& pass, Order K) {
   const Tape& tape = pass.tape;
@@ -336,21 +369,17 @@ void run(Pass& pass, Order K) {
     }
     execute_all<false>(*pass.of_time, slots, K);
   }
-  for (const Tape::Leaf& leaf : tape.leaves)
-    for (int k = 0; k <= K; ++k) {
-      const Lanes x = leaf.derivative ? (k + 1) * lanes(pass.points.x[index(k + 1)][leaf.unknown])
-                                      : lanes(pass.points.x[index(k)][leaf.unknown]);
-      note_not_finite(x, bad);
-      slots[leaf.slot * pass.stride + k] = x;
-    }
+  load(pass, bad, K);
   if (any(bad)) {
     pass.is_finite = false;
     return;
   }
-  if (pass.with_gradients) execute_all<true>(pass.of_state, slots, K);
-  else execute_all<false>(pass.of_state, slots, K);
-  for (const int slot : tape.residuals)
-    for (int k = 0; k <= K; ++k) note_not_finite(slots[slot * pass.stride + k], bad);
+  if (pass.with_gradients) run_state<true>(pass, K);
+  else run_state<false>(pass, K);
+  for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
+    const int order = pass.value_limits == nullptr ? K : pass.value_limits[i];
+    for (int k = 0; k <= order; ++k) note_not_finite(slots[tape.residuals[i] * pass.stride + k], bad);
+  }
   if (pass.with_gradients) sweep_back_all(pass, bad);
   pass.is_finite = !any(bad);
 }
@@ -367,31 +396,40 @@ SFDAE_LANE_KERNEL(evaluate_pass, Pass)
 }  // namespace
 
 bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {
-  return evaluate_all(source, points, order, with_gradients, nullptr);
+  reserve(source, order, limits_);
+  return evaluate_all(source, points, {order, with_gradients, nullptr, false});
 }
 
 bool LaneEvaluator::evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                                      const std::vector<int>& limits) {
-  return evaluate_all(source, points, order, true, limits.data());
+  reserve(source, order, limits_);
+  return evaluate_all(source, points, {order, true, limits.data(), false});
 }
 
-bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients,
-                                 const int* limits) {
+bool LaneEvaluator::evaluate_within(const TaylorEvaluator& source, const Points& points,
+                                    const std::shared_ptr<const OrderLimits>& limits, bool with_gradients) {
+  reserve(source, limits->highest, limits);
+  return evaluate_all(source, points, {limits->highest, with_gradients, limits->of_equations.data(), true});
+}
+
+bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& points, const Wanted& wanted) {
+  const int order = wanted.order;
   assert(order >= 0 && order <= highest_order);
   const QuietArithmetic quiet;
-  if (order >= stride_) reserve(source, order);
   const bool has_new_parameters = parameters_are_new(source);
   const bool has_new_time = has_new_parameters || order > time_order_ || std::memcmp(&t_, points.t, sizeof t_) != 0;
   Pass pass{source.tape(),
             has_new_parameters ? &of_parameters_ : nullptr,
             has_new_time ? &of_time_ : nullptr,
             of_state_,
+            by_order_,
             factors_,
             points,
             stride_,
             order,
-            with_gradients,
-            limits,
+            wanted.with_gradients,
+            wanted.limits,
+            wanted.are_values_within ? wanted.limits : nullptr,
             to_lanes(slots_),
             to_lanes(adjoints_),
             to_lanes(gradients_),
@@ -405,15 +443,21 @@ bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& po
 }
 
 // Room for series of this order in every slot.
-void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
+void LaneEvaluator::reserve(const TaylorEvaluator& source, int order,
+                            const std::shared_ptr<const OrderLimits>& limits) {
+  // Other extensions of the same equations may have limits of their own, which are the same as a rule.
+  const bool are_same = limits == limits_ || (limits && limits_ && limits->of_equations == limits_->of_equations);
+  if (order < stride_ && are_same) return;
   const Tape& tape = source.tape();
-  const int stride = order + 1;
+  const int stride = std::max(order + 1, stride_);
   stride_ = 0;  // until there is memory for all
   LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_adjoints) * index(stride)),
       gradients(tape.targets.size() * index(stride) + 1);
   of_parameters_ = tape.of_parameters.in_offsets(stride);
   of_time_ = tape.of_time.in_offsets(stride);
-  of_state_ = tape.of_state.in_offsets(stride);
+  of_state_ = limits ? InstructionList() : tape.of_state.in_offsets(stride);
+  by_order_ = limits ? InstructionsByOrder(tape, *limits) : InstructionsByOrder();
+  if (limits) by_order_.to_offsets(tape, source.record().n(), stride);
   factors_ = tape.factors;
   values_ = tape.residuals;
   for (auto* slots_of : {&factors_, &values_})
@@ -425,6 +469,7 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   gradients_ = std::move(gradients);
   parameters_.resize(tape.parameters.size());
   time_order_ = -1;
+  limits_ = limits;
   stride_ = stride;
 }
 

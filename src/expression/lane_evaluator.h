@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -40,20 +41,32 @@ class LaneEvaluator {
   bool evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                         const std::vector<int>& limits);
 
+  // Values and coefficients of gradients, those of each equation up to its limit; the highest one is at most highest_order, and
+  // gradients have so many places and one more for each target.
+  bool evaluate_within(const TaylorEvaluator& source, const Points& points,
+                       const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
+
   // Of equation i, coefficient after coefficient.
   const LaneBlock* value(int i) const { return slots_.data() + values_[index(i)]; }
   // Entries of F_x that can differ from zero, in the order of the targets of the tape.
   const LaneBlock* gradients() const { return gradients_.data(); }
 
  private:
-  bool evaluate_all(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients,
-                    const int* limits);
-  void reserve(const TaylorEvaluator& source, int order);
+  struct Wanted {
+    int order;
+    bool with_gradients;
+    const int* limits;       // of the orders of gradients; null: 0
+    bool are_values_within;  // the limits of the instructions
+  };
+  bool evaluate_all(const TaylorEvaluator& source, const Points& points, const Wanted& wanted);
+  void reserve(const TaylorEvaluator& source, int order, const std::shared_ptr<const OrderLimits>& limits);
   bool parameters_are_new(const TaylorEvaluator& source);
 
   int stride_ = 0;  // of slots
   // Slots are offsets.
   InstructionList of_parameters_, of_time_, of_state_;
+  std::shared_ptr<const OrderLimits> limits_;  // that the instructions are ordered by, or null
+  InstructionsByOrder by_order_;               // in place of of_state_ where there are limits
   std::vector<int> factors_, values_;
   LaneArray slots_, adjoints_, gradients_;
   std::vector<double> parameters_;

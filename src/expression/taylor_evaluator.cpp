@@ -103,21 +103,42 @@ bool TaylorEvaluator::entries(double t, const double* jet, int order, const std:
   reserve(order);
   if (!load(t, jet, order)) return false;
   run(t, order, true);
-  const std::size_t length = index(order + 1);
-  for (int i = 0; i < record_->m(); ++i) {
-    const int own = std::min(order, limits[index(i)]);
-    with_order(own, [&](auto G) { sweep_back(i, G); });
-    bool finite = true;
-    for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
-      const double* const from = adjoints_.data() + index(tape_.targets[e].slot) * index(stride_);
-      for (int k = 0; k <= own; ++k) {
-        values[e * length + index(k)] = from[k];
-        finite = finite && std::isfinite(from[k]);
-      }
+  return write_entries(order, limits, values);
+}
+
+bool TaylorEvaluator::values_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
+                                    int more, double* F) {
+  const int order = limits->highest + more;
+  if (order < 0) return true;
+  if (source_) return source_->values(t, jet, order, F);
+  const QuietArithmetic quiet;
+  reserve(order, limits);
+  if (!load_within(t, jet, more)) return false;
+  run_within(t, more, false);
+  const int m = record_->m();
+  const int* const limit = limits->of_equations.data();
+  bool finite = true;
+  for (int i = 0; i < m; ++i) {
+    const double* const from = slots_.data() + index(tape_.residuals[index(i)]) * index(stride_);
+    for (int k = 0; k <= limit[i] + more; ++k) {
+      F[i + k * m] = from[k];
+      finite &= std::isfinite(from[k]);
     }
-    if (!finite) return fail(i, own, own);
   }
+  for (int i = 0; i < m && !finite; ++i)
+    if (!write_value(i, limit[i] + more, F)) return false;
   return true;
+}
+
+bool TaylorEvaluator::entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
+                                     double* values) {
+  const int order = limits->highest;
+  if (source_) return source_->entries(t, jet, order, limits->of_equations, values);
+  const QuietArithmetic quiet;
+  reserve(order, limits);
+  if (!load_within(t, jet, 0)) return false;
+  run_within(t, 0, true);
+  return write_entries(order, limits->of_equations, values);
 }
 
 bool TaylorEvaluator::entries(double t, const double* jet, VaryingEntries& varying, double* values) {
@@ -153,15 +174,25 @@ bool TaylorEvaluator::varying_entries(double t, const double* jet, const Varying
 }
 
 // Room for series of this order in every slot. Never shrinks.
-void TaylorEvaluator::reserve(int order) {
-  if (order < stride_) return;
-  const int stride = order + 1;
+void TaylorEvaluator::reserve(int order, const std::shared_ptr<const OrderLimits>& limits) {
+  // Other extensions of the same equations may have limits of their own, which are the same as a rule.
+  const bool are_same = limits == limits_ || (limits && limits_ && limits->of_equations == limits_->of_equations);
+  if (order < stride_ && are_same) return;
+  const int stride = std::max(order + 1, stride_);
   std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0),
       adjoints(index(tape_.num_adjoints) * index(stride), 0.0);
-  if (stride > 1)
-    program_ = {tape_.of_parameters.in_offsets(stride), tape_.of_time.in_offsets(stride),
-                tape_.of_state.in_offsets(stride), in_offsets(tape_.edges, stride),
-                in_offsets(tape_.factors, stride)};
+  Program program;
+  if (stride > 1) {
+    program = {tape_.of_parameters.in_offsets(stride),
+               tape_.of_time.in_offsets(stride),
+               limits ? InstructionList() : tape_.of_state.in_offsets(stride),
+               limits ? InstructionsByOrder(tape_, *limits) : InstructionsByOrder(),
+               in_offsets(tape_.edges, stride),
+               in_offsets(tape_.factors, stride)};
+    if (limits) program.by_order.to_offsets(tape_, record_->n(), stride);
+  }
+  limits_ = limits;
+  program_ = std::move(program);
   slots_ = std::move(slots);
   adjoints_ = std::move(adjoints);
   stride_ = stride;
@@ -171,30 +202,77 @@ void TaylorEvaluator::reserve(int order) {
   time_order_ = -1;
 }
 
+namespace {
+
+// Taylor coefficients of an unknown, or of its derivative.
+template <class Order>
+bool load_leaf(const Tape::Leaf& leaf, const double* jet, std::size_t n, double* to, Order K) {
+  const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
+  bool finite = true;
+  for (int k = 0; k <= K; ++k) {
+    to[k] = leaf.derivative ? (k + 1) * from[index(k) * n] : from[index(k) * n];
+    finite &= std::isfinite(to[k]);
+  }
+  return finite;
+}
+
+}  // namespace
+
 bool TaylorEvaluator::load(double t, const double* jet, int order) {
   bool finite = std::isfinite(t);
   const std::size_t n = index(record_->n()), stride = index(stride_);
   double* const slots = slots_.data();
   with_order(order, [&](auto K) {
-    for (const Tape::Leaf& leaf : tape_.leaves) {
-      double* const to = slots + index(leaf.slot) * stride;
-      const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
-      for (int k = 0; k <= K; ++k) {
-        to[k] = leaf.derivative ? (k + 1) * from[index(k) * n] : from[index(k) * n];
-        finite &= std::isfinite(to[k]);
-      }
-    }
+    for (const Tape::Leaf& leaf : tape_.leaves)
+      finite &= load_leaf(leaf, jet, n, slots + index(leaf.slot) * stride, K);
   });
-  if (finite) return true;
+  return finite || note_not_finite();
+}
+
+// Without lists of their own there are values of order 0 alone.
+bool TaylorEvaluator::load_within(double t, const double* jet, int more) {
+  if (stride_ == 1) return load(t, jet, 0);
+  bool finite = std::isfinite(t);
+  double* const slots = slots_.data();
+  if (more == 0) {
+    for (const InstructionsByOrder::Load& load : program_.by_order.loads) {
+      slots[load.to] = load.factor * jet[load.from];
+      finite &= std::isfinite(slots[load.to]);
+    }
+    return finite || note_not_finite();
+  }
+  const std::size_t n = index(record_->n());
+  for (std::size_t i = 0; i < tape_.leaves.size(); ++i) {
+    const Tape::Leaf& leaf = tape_.leaves[i];
+    double* const to = slots + index(leaf.slot) * index(stride_);
+    finite &= load_leaf(leaf, jet, n, to, program_.by_order.of_leaves[i] + more);
+  }
+  return finite || note_not_finite();
+}
+
+bool TaylorEvaluator::note_not_finite() {
   failure_ = {EvaluationFailure::Kind::not_finite, -1, "", "t, x or a derivative of x is not finite"};
   return false;
 }
 
 void TaylorEvaluator::run(double t, int order, bool with_slopes) {
   run_before_state(t, order);
-  const InstructionList& of_state = instructions(&Tape::of_state, &Program::of_state);
-  if (with_slopes) execute_all<true>(of_state, slots_.data(), order);
-  else execute_all<false>(of_state, slots_.data(), order);
+  const auto execute = [&](const InstructionList& list) {
+    if (with_slopes) execute_all<true>(list, slots_.data(), order);
+    else execute_all<false>(list, slots_.data(), order);
+  };
+  if (stride_ > 1 && limits_) program_.by_order.for_each([&](const InstructionList& list, int) { execute(list); });
+  else execute(instructions(&Tape::of_state, &Program::of_state));
+}
+
+void TaylorEvaluator::run_within(double t, int more, bool with_slopes) {
+  if (stride_ == 1) return run(t, 0, with_slopes);
+  run_before_state(t, limits_->highest + more);
+  program_.by_order.for_each([&](const InstructionList& list, int order) {
+    if (order + more < 0) return;
+    if (with_slopes) execute_all<true>(list, slots_.data(), order + more);
+    else execute_all<false>(list, slots_.data(), order + more);
+  });
 }
 
 void TaylorEvaluator::run_before_state(double t, int order) {
@@ -220,22 +298,41 @@ void TaylorEvaluator::run_before_state(double t, int order) {
 
 bool TaylorEvaluator::write_values(int order, double* F) {
   if (order < 0) return true;
-  const int m = record_->m();
-  const std::size_t stride = index(stride_);
-  const double* const slots = slots_.data();
-  const int* const residuals = tape_.residuals.data();
   return with_order(order, [&](auto K) {
-    for (int i = 0; i < m; ++i) {
-      const double* const from = slots + index(residuals[i]) * stride;
-      bool finite = true;
-      for (int k = 0; k <= K; ++k) {
-        F[index(i) + index(k) * index(m)] = from[k];
-        finite &= std::isfinite(from[k]);
-      }
-      if (!finite) return fail(i, K, -1);
-    }
+    for (int i = 0; i < record_->m(); ++i)
+      if (!write_value(i, K, F)) return false;
     return true;
   });
+}
+
+template <class Order>
+bool TaylorEvaluator::write_value(int equation, Order order, double* F) {
+  const std::size_t m = index(record_->m());
+  const double* const from = slots_.data() + index(tape_.residuals[index(equation)]) * index(stride_);
+  bool finite = true;
+  for (int k = 0; k <= order; ++k) {
+    F[index(equation) + index(k) * m] = from[k];
+    finite &= std::isfinite(from[k]);
+  }
+  return finite || fail(equation, order, -1);
+}
+
+bool TaylorEvaluator::write_entries(int order, const std::vector<int>& limits, double* values) {
+  const std::size_t length = index(order + 1);
+  for (int i = 0; i < record_->m(); ++i) {
+    const int own = std::min(order, limits[index(i)]);
+    with_order(own, [&](auto G) { sweep_back(i, G); });
+    bool finite = true;
+    for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
+      const double* const from = adjoints_.data() + index(tape_.targets[e].slot) * index(stride_);
+      for (int k = 0; k <= own; ++k) {
+        values[e * length + index(k)] = from[k];
+        finite = finite && std::isfinite(from[k]);
+      }
+    }
+    if (!finite) return fail(i, own, own);
+  }
+  return true;
 }
 
 bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x,

@@ -17,6 +17,7 @@
 
 #include "expression/diagnosis.h"
 #include "expression/equation_source.h"
+#include "expression/order_limits.h"
 #include "expression/record.h"
 #include "expression/tape.h"
 #include "expression/varying_entries.h"
@@ -57,7 +58,17 @@ class TaylorEvaluator {
   // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
-  // The same of order 0, with `values` as the last call with `varying` has left them: those that are numbers are not evaluated again
+  // Values and entries as above, each equation up to its limit + more, where that is not negative; others are not evaluated. Values:
+  // m x (highest + more + 1), entries: from values[e (highest + 1)] on. Of the jet columns are read as far as these orders go.
+  // There is no allocation after prepare() while limits stay and `more` is not positive.
+  bool values_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits, int more,
+                     double* F);
+  bool entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits, double* values);
+  void prepare(const std::shared_ptr<const OrderLimits>& limits) {
+    if (!source_) reserve(limits->highest, limits);
+  }
+
+  // As entries() of order 0, with `values` as the last call with `varying` has left them: those that are numbers are not evaluated again
   // before parameters change.
   bool entries(double t, const double* jet, VaryingEntries& varying, double* values);
 
@@ -81,6 +92,7 @@ class TaylorEvaluator {
   // systems seldom need more, and instructions and edges are the largest part of a recording.
   struct Program {
     InstructionList of_parameters, of_time, of_state;
+    InstructionsByOrder by_order;  // in place of of_state where there are limits
     std::vector<Edge> edges;
     std::vector<int> factors;
   };
@@ -88,12 +100,19 @@ class TaylorEvaluator {
   const InstructionList& instructions(InstructionList Tape::*of_tape, InstructionList Program::*of_program) const {
     return stride_ == 1 ? tape_.*of_tape : program_.*of_program;
   }
-  void reserve(int order);
+  void reserve(int order) { reserve(order, limits_); }
+  void reserve(int order, const std::shared_ptr<const OrderLimits>& limits);
   bool load(double t, const double* jet, int order);
+  bool load_within(double t, const double* jet, int more);
+  bool note_not_finite();
   void run(double t, int order, bool with_slopes);
+  void run_within(double t, int more, bool with_slopes);
   void run_before_state(double t, int order);
   bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
   bool write_values(int order, double* F);
+  template <class Order>
+  bool write_value(int equation, Order order, double* F);
+  bool write_entries(int order, const std::vector<int>& limits, double* values);
   bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x, const std::vector<int>* limits);
   template <class Order>
   void sweep_back(int equation, Order order);
@@ -104,6 +123,7 @@ class TaylorEvaluator {
   std::shared_ptr<EquationSource> source_;
   std::shared_ptr<const Tape> shared_tape_;
   const Tape& tape_ = *shared_tape_;
+  std::shared_ptr<const OrderLimits> limits_;  // that the program is made for, or null
   Program program_;
   std::vector<double> parameters_;
   int stride_ = 0;  // of slots

@@ -34,6 +34,7 @@ MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<con
   number_rows_and_columns();
   note_parts();
   make_pattern();
+  problem_.evaluator().prepare(levels_);
 }
 
 void MinimalExtension::number_rows_and_columns() {
@@ -62,18 +63,24 @@ void MinimalExtension::number_rows_and_columns() {
 
 // (D^m f)_k = (k + m)! / k! f_(k+m)
 void MinimalExtension::note_parts() {
-  levels_.assign(index(n_), 0);
+  std::vector<int> levels(index(n_), 0);
   for (const Row& row : rows_) {
     for (const EquationTerm& term : structure_->equations.of(row.equation)) {
       double factor = term.factor;
       for (int k = row.order + 1; k <= row.order + term.order; ++k) factor *= k;
       parts_.push_back({term.equation, row.order + term.order, factor});
-      int& level = levels_[index(term.equation)];
+      int& level = levels[index(term.equation)];
       level = std::max(level, parts_.back().order);
     }
     first_part_.push_back(static_cast<int>(parts_.size()));
   }
-  highest_level_ = *std::max_element(levels_.begin(), levels_.end());
+  levels_ = std::make_shared<const OrderLimits>(std::move(levels));
+  highest_level_ = levels_->highest;
+  bool are_single = highest_level_ > 0 && parts_.size() == rows_.size();
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    are_single = are_single && index(first_part_[row]) == row && parts_[row].factor == 1.0;
+  if (are_single)
+    for (const Part& part : parts_) places_.push_back(part.equation + part.order * n_);
   parts_.shrink_to_fit();
   first_part_.shrink_to_fit();
 }
@@ -120,9 +127,9 @@ void MinimalExtension::make_pattern() {
   terms_.shrink_to_fit();
 }
 
-CallbackError MinimalExtension::evaluate(const Jet& jet, int order) {
+CallbackError MinimalExtension::evaluate(const Jet& jet, int more) {
   F_.resize(index(n_) * index(highest_level_ + 2));
-  return problem_.residuals(jet.t, jet.x.data(), order, F_.data());
+  return problem_.residuals_within(jet.t, jet.x.data(), levels_, more, F_.data());
 }
 
 double MinimalExtension::value_of(int row) const {
@@ -132,22 +139,33 @@ double MinimalExtension::value_of(int row) const {
 }
 
 CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
-  CallbackError error = evaluate(jet, highest_level_);
-  for (int row = 0; row < num_rows(); ++row) *r++ = value_of(row);
+  CallbackError error = evaluate(jet, 0);
+  const double* const F = F_.data();
+  if (!places_.empty()) {
+    for (int place : places_) *r++ = F[place];
+    return error;
+  }
+  const Part* part = parts_.data();
+  for (int row = 0; row < num_rows(); ++row) {
+    double value = 0.0;
+    for (const Part* const last = parts_.data() + first_part_[index(row + 1)]; part != last; ++part)
+      value += part->factor * F[part->equation + part->order * n_];
+    r[row] = value;
+  }
   return error;
 }
 
-bool MinimalExtension::load_lanes(const std::vector<Jet>& jets, int count) {
-  if (!problem_.has_lanes(highest_level_) || count > lane_count) return false;
+const LaneEvaluator* MinimalExtension::evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients) {
+  if (!problem_.has_lanes(highest_level_) || count > lane_count) return nullptr;
   lanes_.load(jets, count, n_, jet_order());
-  return true;
+  const auto points = LaneEvaluator::points_of(lanes_.t.data(), lanes_.coefficients.data(), highest_level_, n_);
+  return problem_.evaluate_within(count, points, levels_, with_gradients);
 }
 
 bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values) {
-  if (!load_lanes(jets, count)) return false;
-  const LaneBlock* const coefficients = problem_.gradient_entries_side_by_side(
-      count, lanes_.t.data(), lanes_.coefficients.data(), highest_level_, levels_);
-  if (coefficients == nullptr) return false;
+  const LaneEvaluator* const evaluated = evaluate_lanes(jets, count, true);
+  if (evaluated == nullptr) return false;
+  const LaneBlock* const coefficients = evaluated->gradients();
   if (terms_.empty()) {
     values.assign(coefficients,
                   coefficients + problem_.evaluator().tape().targets.size() * index(highest_level_ + 1));
@@ -161,23 +179,21 @@ bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int 
 }
 
 bool MinimalExtension::residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r) {
-  if (!load_lanes(jets, count)) return false;
-  lanes_of_F_.resize(index(n_) * index(highest_level_ + 1));
-  if (!problem_.residuals_side_by_side(count, lanes_.t.data(), lanes_.coefficients.data(), highest_level_,
-                                       lanes_of_F_.data()))
-    return false;
-  for (int l = 0; l < count; ++l)
-    for (int row = 0; row < num_rows(); ++row) {
-      double value = 0.0;
-      for (const Part& part : parts(row))
-        value += part.factor * lanes_of_F_[index(part.equation) + index(part.order) * index(n_)].lane[l];
-      *r++ = value;
+  const LaneEvaluator* const evaluated = evaluate_lanes(jets, count, false);
+  if (evaluated == nullptr) return false;
+  for (int row = 0; row < num_rows(); ++row) {
+    LaneBlock value{};
+    for (const Part& part : parts(row)) {
+      const LaneBlock& coefficient = evaluated->value(part.equation)[part.order];
+      for (int l = 0; l < lane_count; ++l) value.lane[l] += part.factor * coefficient.lane[l];
     }
+    for (int l = 0; l < count; ++l) r[row + l * num_rows()] = value.lane[l];
+  }
   return true;
 }
 
 CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
-  CallbackError error = evaluate(jet, highest_level_ + 1);
+  CallbackError error = evaluate(jet, 1);
   for (int row = 0; row < num_rows(); ++row) {
     *r = 0.0;
     for (const Part& part : parts(row)) {
@@ -189,13 +205,10 @@ CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
   return error;
 }
 
+// Of f_i rows end with order c_i + stage.
 CallbackError MinimalExtension::stage_residuals(int stage, const Jet& jet, double* r) {
-  const int first = first_row(stage), last = first_row(stage + 1);
-  int order = 0;
-  for (int row = first; row < last; ++row)
-    for (const Part& part : parts(row)) order = std::max(order, part.order);
-  CallbackError error = evaluate(jet, order);
-  for (int row = first; row < last; ++row) *r++ = value_of(row);
+  CallbackError error = evaluate(jet, stage);
+  for (int row = first_row(stage); row < first_row(stage + 1); ++row) *r++ = value_of(row);
   return error;
 }
 
@@ -228,7 +241,7 @@ void MinimalExtension::perturb(double size) {
 
 CallbackError MinimalExtension::linearize(const Jet& jet) {
   double* const entries = terms_.empty() ? values_.data() : coefficients_.data();
-  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_level_, levels_, entries);
+  CallbackError error = problem_.gradient_entries_within(jet.t, jet.x.data(), levels_, entries);
   if (error.status != SFDAE_OK) return error;
   if (!terms_.empty()) sum_terms(terms_, coefficients_, values_);
   return error;

@@ -110,8 +110,8 @@ class MinimalExtension {
   void number_rows_and_columns();
   void note_parts();
   void make_pattern();
-  CallbackError evaluate(const Jet& jet, int order);
-  bool load_lanes(const std::vector<Jet>& jets, int count);
+  CallbackError evaluate(const Jet& jet, int more);
+  const LaneEvaluator* evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients);
   double value_of(int row) const;
 
   static constexpr int deep = 12;
@@ -124,7 +124,11 @@ class MinimalExtension {
   std::vector<Column> columns_;
   std::vector<int> first_rows_, first_columns_;
   std::vector<Part> parts_;
-  std::vector<int> first_part_{0}, levels_;  // levels: of each recorded equation, the highest
+  std::vector<int> first_part_{0};
+  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are sums, or coefficients
+  // in their order.
+  std::vector<int> places_;
+  std::shared_ptr<const OrderLimits> levels_;  // of each recorded equation, the highest
   // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.
   std::vector<int> place_;
   std::vector<std::size_t> first_place_;
@@ -135,7 +139,6 @@ class MinimalExtension {
   SystemJacobian leading_;
   std::vector<double> F_;
   JetLanes lanes_;
-  LaneArray lanes_of_F_;
 };
 
 template <class Coefficient>

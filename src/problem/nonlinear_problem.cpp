@@ -184,6 +184,34 @@ const LaneBlock* RecordedProblem::gradient_entries_side_by_side(int count, const
   return lanes_.gradients();
 }
 
+CallbackError RecordedProblem::residuals_within(double t, const double* jet,
+                                                const std::shared_ptr<const OrderLimits>& limits, int more,
+                                                double* F) {
+  CallbackError error = stopped(t);
+  if (error.status != SFDAE_OK) return error;
+  ++evaluations_;
+  return evaluator_.values_within(t, jet, limits, more, F) ? error : failure(t);
+}
+
+CallbackError RecordedProblem::gradient_entries_within(double t, const double* jet,
+                                                       const std::shared_ptr<const OrderLimits>& limits,
+                                                       double* values) {
+  return gradients_for(t,
+                       [&](TaylorEvaluator& evaluator) { return evaluator.entries_within(t, jet, limits, values); });
+}
+
+const LaneEvaluator* RecordedProblem::evaluate_within(int count, const LaneEvaluator::Points& points,
+                                                      const std::shared_ptr<const OrderLimits>& limits,
+                                                      bool with_gradients) {
+  if (!has_lanes(limits->highest) || stop_is_requested()) return nullptr;
+  if (!lanes_.evaluate_within(evaluator_, points, limits, with_gradients)) {
+    ++failed_evaluations_;
+    return nullptr;
+  }
+  (with_gradients ? linearizations_ : evaluations_) += count;
+  return &lanes_;
+}
+
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
 }

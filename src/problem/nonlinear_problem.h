@@ -139,6 +139,14 @@ class RecordedProblem final : public NonlinearProblem {
   // whatever reason. Valid until the next evaluation.
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
                                                  const std::vector<int>& limits);
+  // Each equation up to its limit, see TaylorEvaluator::values_within; rows that `differentiations` leaves out are evaluated, too.
+  CallbackError residuals_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
+                                 int more, double* F);
+  CallbackError gradient_entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
+                                        double* values);
+  // The same at `count` points side by side, see LaneEvaluator::evaluate_within. Null: as gradient_entries_side_by_side().
+  const LaneEvaluator* evaluate_within(int count, const LaneEvaluator::Points& points,
+                                       const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
   // Made elsewhere.
   void count_linearizations(int count) { linearizations_ += count; }
   // Those found last.
