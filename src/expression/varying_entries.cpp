@@ -71,7 +71,7 @@ void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<ch
   std::sort(varying.begin(), varying.end());
   Row row{edges_.size(), edges_.size(), targets_.size(), targets_.size()};
   for (std::size_t e = tape.first_target[index(equation)]; e < tape.first_target[index(equation + 1)]; ++e)
-    if (has(varying, tape.targets[e].slot)) {
+    if ((is_wanted_.empty() || is_wanted_[e] != 0) && has(varying, tape.targets[e].slot)) {
       targets_.push_back(e);
       wanted.push_back(tape.targets[e].slot);
     }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "expression/tape.h"
@@ -12,6 +13,10 @@ namespace sfdae::core {
 
 class VaryingEntries {
  public:
+  VaryingEntries() = default;
+  // Of the targets of the tape those with flags; the others are evaluated together with those that are numbers.
+  explicit VaryingEntries(std::vector<char> is_wanted) : is_wanted_(std::move(is_wanted)) {}
+
   // Slots become offsets, `stride` numbers for each.
   void set(const Tape& tape, int stride);
   int stride() const { return stride_; }
@@ -36,6 +41,7 @@ class VaryingEntries {
   void choose_instructions(const Tape& tape, std::vector<char>& is_needed);
 
   int stride_ = 0;
+  std::vector<char> is_wanted_;  // none: all
   InstructionList instructions_;
   std::vector<Row> rows_;
   std::vector<Edge> edges_;

@@ -66,6 +66,7 @@ BlockDeterminants::BlockDeterminants(const Structure& structure, SystemJacobian&
     if (std::any_of(equations.begin(), equations.end(), [&](int i) { return varies[index(i)] != 0; }))
       add(block, of_blocks);
   }
+  if (!blocks_.empty()) jacobian_.expect_many_points();
 }
 
 void BlockDeterminants::add(int number, BlockEntries& of_blocks) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sfdae::core {
 
@@ -41,7 +42,16 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
   values_.resize(unknown_.size());
 }
 
+// Series are not known to VaryingEntries.
+void SystemJacobian::expect_many_points() {
+  if (varying_ || order_ > 0) return;
+  std::vector<char> is_wanted(num_coefficients_, 0);
+  for (const EntryTerm& term : terms_) is_wanted[term.coefficient] = 1;
+  varying_.emplace(std::move(is_wanted));
+}
+
 void SystemJacobian::forget_values() {
+  if (varying_) varying_->version = -1;
   std::vector<double>().swap(coefficients_);
   std::vector<double>().swap(values_);
 }
@@ -49,7 +59,9 @@ void SystemJacobian::forget_values() {
 bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double* jet) {
   coefficients_.resize(num_coefficients_);
   values_.resize(unknown_.size());
-  if (!evaluator.entries(t, jet, order_, limits_, coefficients_.data())) return false;
+  const bool is_evaluated = varying_ ? evaluator.entries(t, jet, *varying_, coefficients_.data())
+                                     : evaluator.entries(t, jet, order_, limits_, coefficients_.data());
+  if (!is_evaluated) return false;
   sum_terms(terms_, coefficients_, values_);
   return true;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -18,6 +19,10 @@ class SystemJacobian {
   int jet_order() const { return order_ + 1; }
   // False: the equations cannot be evaluated there. jet: of jet_order(), at least.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet);
+
+  // Entries that do not depend on the point are not evaluated again before parameters change, nor are derivatives that are no entries:
+  // worth a list of its own where points are many. The evaluator is the same one from now on.
+  void expect_many_points();
 
   // Until they are evaluated the next time, there are no values, and there is no memory for them.
   void forget_values();
@@ -37,6 +42,7 @@ class SystemJacobian {
   std::vector<EntryTerm> terms_;
   std::size_t num_coefficients_ = 0;
   std::vector<double> coefficients_, values_;
+  std::optional<VaryingEntries> varying_;  // where many points are expected
 };
 
 // Entries of the diagonal blocks.

@@ -82,6 +82,26 @@ TEST(VaryingEntries, LeaveOutWhatIsConstant) {
   EXPECT_TRUE(varying.instructions().empty());
 }
 
+// Derivatives that are not wanted keep their values, and nothing is evaluated for them: not even where they do not exist.
+TEST(VaryingEntries, LeaveOutWhatIsNotWanted) {
+  Recording recording(2);
+  const auto& x = recording.x;
+  TaylorEvaluator source(recording.finish({x[1] * x[1] * recording.xdot[0] - sqrt(x[0])}));
+  const Tape& tape = source.tape();
+  std::vector<char> is_wanted;
+  for (const Tape::Leaf& leaf : tape.targets) is_wanted.push_back(leaf.derivative ? 1 : 0);
+  VaryingEntries varying(is_wanted);
+  Numbers values(tape.targets.size());
+  const double first[] = {4.0, 2.0, 1.0, 0.0}, second[] = {0.0, 3.0, 1.0, 0.0};
+  ASSERT_TRUE(source.entries(0.0, first, varying, values.data()));
+  const Numbers before = values;
+  ASSERT_EQ(varying.rows().size(), 1u);
+  ASSERT_TRUE(source.entries(0.0, second, varying, values.data()));
+  for (std::size_t e = 0; e < values.size(); ++e) EXPECT_EQ(values[e], is_wanted[e] != 0 ? 9.0 : before[e]);
+  // The square, not the root and what it is taken from.
+  EXPECT_EQ(varying.instructions().all().size(), 1u);
+}
+
 TEST(VaryingEntries, NameWhatCannotBeEvaluated) {
   Recording recording(1);
   TaylorEvaluator source(recording.finish({sqrt(recording.x[0]) + recording.xdot[0]}));
