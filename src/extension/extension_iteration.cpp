@@ -34,20 +34,27 @@ void ExtensionIteration::set_slopes(const StateChoice& choice, double c, const d
 }
 
 // Changes of derivatives count as far as they act over the step.
-double ExtensionIteration::apply_change(const Change& change, const double* z,
-                                        const ExtensionLinearization& linearization, Jet& jet) {
-  const StateChoice& choice = linearization.choice();
-  const std::vector<double>& noise = linearization.noise();
+void ExtensionIteration::set_weights(double c, const double* inverse_weights, const StateChoice& choice) {
+  weights_.clear();
+  for (const StateChoice::Changed& changed : choice.changed()) {
+    const auto [unknown, order] = extension_.columns()[index(changed.column)];
+    double weight = inverse_weights[unknown];
+    for (int k = 0; k < order; ++k) weight /= std::fabs(c);
+    weights_.push_back(weight);
+  }
+}
+
+double ExtensionIteration::apply_change(double factor, const double* z, const ExtensionLinearization& linearization,
+                                        Jet& jet) {
+  const double* const noise = linearization.noise().data();
+  const double* weight = weights_.data();
+  double* const x = jet.x.data();
   double norm = 0.0;
-  for (int column = 0; column < extension_.num_columns(); ++column) {
-    if (choice.is_slope(column)) continue;
-    const auto [unknown, order] = extension_.columns()[index(column)];
-    const double dx = change.factor * z[choice.slot(column)];
-    jet.column(order)[unknown] += dx;
+  for (const StateChoice::Changed& changed : linearization.choice().changed()) {
+    const double dx = factor * z[changed.slot];
+    x[changed.place] += dx;
     if (!std::isfinite(dx)) return dx;
-    double weight = change.inverse_weights[unknown];
-    for (int k = 0; k < order; ++k) weight /= std::fabs(change.c);
-    norm = std::max(norm, above_noise(dx, noise[index(column)]) * weight);
+    norm = std::max(norm, above_noise(dx, noise[changed.column]) * *weight++);
   }
   return norm;
 }
@@ -73,7 +80,7 @@ bool ExtensionIteration::blames_matrix() const { return deviation_ > harmless_de
 PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet) {
   if (!prepare_matrix(task.c, linearization)) return PointStatus::singular;
   const double factor = 2.0 / (1.0 + task.c / linearization.c());
-  const Change change{task.c, factor, task.inverse_weights};
+  set_weights(task.c, task.inverse_weights, linearization.choice());
   const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
   r_.resize(index(extension_.num_rows()) + 1);
   double before = 0.0;
@@ -83,7 +90,7 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
     const PointStatus status = evaluate(jet, r_.data());
     if (status != PointStatus::ok) return status;
     linearization.solve_step(r_.data());
-    const double norm = apply_change(change, r_.data(), linearization, jet);
+    const double norm = apply_change(factor, r_.data(), linearization, jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (chord_.has_converged(target, iteration, norm, before)) {
       set_slopes(linearization.choice(), task.c, task.w_rest, jet);

@@ -51,12 +51,10 @@ class ExtensionIteration {
 
   // The residuals of the jet, by rows, times -1.
   PointStatus evaluate(const Jet& jet, double* r);
-  // Adds `factor` times z, by slots, to the jet, but for x_j' of states. c: of the step. Returns the largest change, weighted.
-  struct Change {
-    double c, factor;
-    const double* inverse_weights;
-  };
-  double apply_change(const Change& change, const double* z, const ExtensionLinearization& linearization, Jet& jet);
+  // Adds `factor` times z, by slots, to the jet, but for x_j' of states. Returns the largest change, by the weights.
+  double apply_change(double factor, const double* z, const ExtensionLinearization& linearization, Jet& jet);
+  // Those of the changes of a step with this c, until they are set again.
+  void set_weights(double c, const double* inverse_weights, const StateChoice& choice);
   static void set_slopes(const StateChoice& choice, double c, const double* w_rest, Jet& jet);
 
  private:
@@ -76,7 +74,7 @@ class ExtensionIteration {
   ChordIteration chord_;
   double deviation_ = 0.0;  // of c: the contraction that keeping the matrix costs
   double waste_ = 0.0;      // iterations that the matrix kept has cost so far
-  std::vector<double> r_;
+  std::vector<double> r_, weights_;
   Jet longer_;
 };
 

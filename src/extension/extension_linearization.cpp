@@ -275,6 +275,11 @@ bool ExtensionLinearization::archive_matrices(Archive& archive) {
 }
 
 void ExtensionLinearization::subtract_states(const double* changes, double* r) const {
+  if (choice_.has_held_entries()) {
+    for (const StateChoice::HeldEntry& held : choice_.held_entries())
+      r[held.row] -= values_[index(held.entry)] * changes[held.unknown];
+    return;
+  }
   const std::vector<int>& first = extension_.first();
   for (int row = 0; row < extension_.num_rows(); ++row)
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
@@ -297,21 +302,23 @@ std::vector<double> ExtensionLinearization::noise_of_jet() const {
 std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);
   std::vector<double> noise(extension_.columns().size(), 0.0);
-  const std::vector<int>& first = extension_.first();
-  const auto coefficient = [&](int column) {
+  // Sizes of the coefficients at first.
+  for (int column = 0; column < extension_.num_columns(); ++column) {
     const auto [unknown, order] = extension_.columns()[index(column)];
-    return jet.column(order)[unknown];
-  };
+    noise[index(column)] = std::fabs(jet.column(order)[unknown]);
+  }
+  const std::vector<int>& first = extension_.first();
+  const int* const columns = extension_.column().data();
   std::minstd_rand generator(1);
   for (int row = 0; row < extension_.num_rows(); ++row) {
     double sum = 0.0;
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
-      sum += std::fabs(values_[index(e)] * coefficient(extension_.column()[index(e)]));
+      sum += std::fabs(values_[index(e)]) * noise[index(columns[e])];
     work_[index(row)] = symmetric_random(generator) < 0.0 ? -sum : sum;
   }
   held_.solve(work_.data());
   for (int column = 0; column < extension_.num_columns(); ++column) {
-    const double own = std::fabs(coefficient(column));
+    const double own = noise[index(column)];
     const double by_f = choice_.is_held(column) ? 0.0 : few_roundings * std::fabs(work_[index(choice_.slot(column))]);
     noise[index(column)] = unit_roundoff * std::max(own, by_f);
   }

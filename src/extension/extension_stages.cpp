@@ -79,7 +79,7 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
   } else if (!linearization.factor_stages(equations.method, h)) {
     return PointStatus::singular;
   }
-  const ExtensionIteration::Change change{equations.method.gamma / h, 1.0, equations.guess.inverse_weights};
+  iteration.set_weights(equations.method.gamma / h, equations.guess.inverse_weights, linearization.choice());
   const ChordTarget target{newton_tolerance, 1e-3};
   double before = 0.0, earlier = 0.0;
   iteration.chord().begin();
@@ -90,7 +90,7 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
     else solve_transformed(equations.method, linearization);
     double norm = 0.0;
     for (int i = 0; i < s_; ++i) {
-      const double size = iteration.apply_change(change, column(r_, i), linearization, jets_[index(i)]);
+      const double size = iteration.apply_change(1.0, column(r_, i), linearization, jets_[index(i)]);
       if (!std::isfinite(size)) return PointStatus::not_converged;
       norm = std::max(norm, size);
     }

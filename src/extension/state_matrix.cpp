@@ -29,8 +29,30 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
     slot_[index(extension.column_of(j, 0))] = state_slots_.back();
   }
   size_ = slots;
+  changed_.clear();
+  for (int column = 0; column < extension.num_columns(); ++column) {
+    const auto [unknown, order] = extension.columns()[index(column)];
+    if (!is_slope(column)) changed_.push_back({column, slot(column), unknown + order * extension.n()});
+  }
+  list_held_entries(extension);
   layout_ = layout_of(extension, false);
   held_layout_ = layout_of(extension, true);
+}
+
+void StateChoice::list_held_entries(const MinimalExtension& extension) {
+  // Where all unknowns are states, as those of a discretized field may be, the list would only take memory. Chosen, not measured.
+  constexpr std::size_t least_others = 4;
+  held_entries_.clear();
+  std::size_t count = 0;
+  for (int column : extension.column()) count += is_held(column) ? 1 : 0;
+  has_held_entries_ = least_others * count <= extension.column().size();
+  if (!has_held_entries_) return;
+  held_entries_.reserve(count);
+  for (int row = 0; row < extension.num_rows(); ++row)
+    for (int e = extension.first()[index(row)]; e < extension.first()[index(row + 1)]; ++e) {
+      const int column = extension.column()[index(e)];
+      if (is_held(column)) held_entries_.push_back({row, extension.columns()[index(column)].unknown, e});
+    }
 }
 
 // By columns: the rows of each, ascending as rows are gone through in their order; two entries of a row may meet.

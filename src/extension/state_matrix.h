@@ -39,6 +39,17 @@ class StateChoice {
   bool is_held(int column) const { return is_held_[index(column)] != 0; }
   // x_j' of a state.
   bool is_slope(int column) const { return is_slope_[index(column)] != 0; }
+  // What a step changes, all columns but x_j' of states: the slot of the change, and where the coefficient stands in a jet.
+  struct Changed {
+    int column, slot, place;
+  };
+  const std::vector<Changed>& changed() const { return changed_; }
+  // Of the extension, in columns of x_j of states, where these are few among its entries; else there are none.
+  struct HeldEntry {
+    int row, unknown, entry;
+  };
+  bool has_held_entries() const { return has_held_entries_; }
+  const std::vector<HeldEntry>& held_entries() const { return held_entries_; }
   // Changes of x_j' of the states, by slots, become those of x_j.
   template <class Number>
   void to_states(Number epsilon, Number* z) const {
@@ -57,10 +68,14 @@ class StateChoice {
 
  private:
   Layout layout_of(const MinimalExtension& extension, bool holds_states) const;
+  void list_held_entries(const MinimalExtension& extension);
 
   std::vector<int> states_;
   std::vector<char> is_state_, is_held_, is_slope_;
   std::vector<int> slot_, state_slots_;
+  std::vector<Changed> changed_;
+  bool has_held_entries_ = false;
+  std::vector<HeldEntry> held_entries_;
   int size_ = 0;
   Layout layout_, held_layout_;
 };
@@ -69,10 +84,14 @@ template <class Number>
 void StateChoice::assemble(const Layout& layout, const ExtensionDerivatives& from, Number epsilon,
                            std::vector<Number>& values) const {
   values.assign(layout.pattern.row.size(), Number(0));
-  for (std::size_t e = 0; e < layout.place.size(); ++e) {
-    if (layout.place[e] < 0) continue;
-    const bool held = is_held(from.extension.column()[e]);
-    values[index(layout.place[e])] += held ? epsilon * from.values[e] : Number(from.values[e]);
+  Number* const to = values.data();
+  const double* const own = from.values.data();
+  const int* const columns = from.extension.column().data();
+  const char* const held = is_held_.data();
+  const std::size_t entries = layout.place.size();
+  for (std::size_t e = 0; e < entries; ++e) {
+    const int place = layout.place[e];
+    if (place >= 0) to[place] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
   }
 }
 

@@ -107,7 +107,7 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   control_.limit_order(history_.points());
   tried_.order = control_.order();
   history_.compute_differences(std::min(history_.points(), tried_.order + 3), needs_x_);
-  tried_.set_formula(history_, system.is_constant(), needs_x_);
+  tried_.set_formula(history_, system.is_constant(), system.undetermined() > 0);
   const Guess start = guess(system, weights);
   const PointStatus solved =
       system.solve({tried_.c, tried_.w_rest.data(), tried_.x_rest.data(), start}, tried_.x.data());

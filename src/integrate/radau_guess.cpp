@@ -29,11 +29,15 @@ Guess RadauGuess::predict(const RadauPredictor& predictor, const StageMethod& me
     predictor.taylor(i == s - 1 ? t_end : t_start + method.c[index(i)] * (t_end - t_start), order,
                      stages_.data() + block * index(i));
   predictor.taylor(history.newest().t, order, before_.data());
-  if (history.count() >= 2) predictor.taylor(history.node(1).t, order, start_.data());
   Guess guess;
   guess.taylor = stages_.data();
   guess.taylor_before = before_.data();
   return guess;
+}
+
+const double* RadauGuess::at_start(const RadauPredictor& predictor, int order) {
+  predictor.taylor(predictor.history.node(1).t, order, start_.data());
+  return start_.data();
 }
 
 }  // namespace sfdae::core

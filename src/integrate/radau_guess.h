@@ -21,8 +21,8 @@ class RadauGuess {
  public:
   // Of a step from t_start to t_end: Taylor coefficients up to the order given.
   Guess predict(const RadauPredictor& predictor, const StageMethod& method, double t_start, double t_end, int order);
-  // By the predictor of the last call: those at the start of the last step.
-  const double* at_start() const { return start_.data(); }
+  // Those at the start of the last step; there are two nodes.
+  const double* at_start(const RadauPredictor& predictor, int order);
 
  private:
   std::vector<double> stages_, before_, start_;

@@ -132,10 +132,10 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
     Guess prediction;
     if (needs_guess) {
       workspace.table.set_collocation(history);
-      prediction =
-          workspace.guess.predict({history, &workspace.table}, method.stages, from.t, end.t, system.taylor_order());
+      const RadauPredictor predictor{history, &workspace.table};
+      prediction = workspace.guess.predict(predictor, method.stages, from.t, end.t, system.taylor_order());
       prediction.inverse_weights = weights.inverse();
-      prediction.taylor_at_start = workspace.guess.at_start();
+      prediction.taylor_at_start = workspace.guess.at_start(predictor, system.taylor_order());
     }
     PointStatus status = system.solve_stages({method.stages, from.t, end.t, from.w.data(), from.x.data(), prediction},
                                              stages.x.data(), stages.w.data(), t);

@@ -226,16 +226,24 @@ bool RecordedElimination::factor(const double* values, double* factors) const {
   return true;
 }
 
+// Pointers beside, as what is written could be any of the lists to the compiler.
 void RecordedElimination::substitute(const double* factors, double* y) const {
-  for (std::size_t k = 0; k < index(list_.size); ++k) {
-    y[k] *= factors[list_.pivot[k]];
-    for (int l = list_.first_lower[k]; l < list_.first_lower[k + 1]; ++l)
-      y[list_.lower[index(l)].place] -= factors[list_.lower[index(l)].slot] * y[k];
+  const std::size_t size = index(list_.size);
+  const int* const first_lower = list_.first_lower.data();
+  const Entry* entry = list_.lower.data();
+  for (std::size_t k = 0; k < size; ++k) {
+    const double solved = y[k] * factors[list_.pivot[k]];
+    y[k] = solved;
+    for (const Entry* const last = list_.lower.data() + first_lower[k + 1]; entry != last; ++entry)
+      y[entry->place] -= factors[entry->slot] * solved;
   }
-  for (std::size_t k = index(list_.size); k-- > 0;) {
+  const int* const first_upper = list_.first_upper.data();
+  const Entry* const upper = list_.upper.data();
+  for (std::size_t k = size; k-- > 0;) {
     double sum = y[k];
-    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
-      sum -= factors[list_.upper[index(u)].slot] * y[list_.upper[index(u)].place];
+    const Entry* const last = upper + first_upper[k + 1];
+    for (const Entry* next = upper + first_upper[k]; next != last; ++next)
+      sum -= factors[next->slot] * y[next->place];
     y[k] = sum;
   }
 }

@@ -45,11 +45,13 @@ void equilibrate(View a) {
   constexpr int sweeps = 3;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (int i = 0; i < a.rows; ++i) {
-      const double factor = inverse_power(max_abs(a.block(i, 0, 1, a.cols)));
+      double largest = 0.0;
+      for (int j = 0; j < a.cols; ++j) largest = std::max(largest, std::fabs(a(i, j)));
+      const double factor = inverse_power(largest);
       for (int j = 0; j < a.cols; ++j) a(i, j) *= factor;
     }
     for (int j = 0; j < a.cols; ++j) {
-      const double factor = inverse_power(max_abs(a.columns(j, 1)));
+      const double factor = inverse_power(max_abs(a.column(j), a.rows));
       for (int i = 0; i < a.rows; ++i) a(i, j) *= factor;
     }
   }
