@@ -27,6 +27,8 @@ constexpr double worth_a_choice = 3.0, harmless_sensitivity = 30.0;
 constexpr double good_condition = 1e-10;
 // What is larger than so many rounding errors is none. Chosen, not measured.
 constexpr double certain = 1e3;
+// As many as error estimates have columns between two linearizations, with BDF; see docs/decisions/78-orders-of-equations.md.
+constexpr int few_states = 3;
 // Of roundings of the terms of f, added up.
 constexpr double few_roundings = 4.0;
 
@@ -234,7 +236,38 @@ double ExtensionLinearization::sensitivity_to(const double* changes) const {
   return sensitivity;
 }
 
+void ExtensionLinearization::make_tangents() {
+  const int d = static_cast<int>(choice_.states().size());
+  num_tangents_ = d <= few_states ? d : 0;
+  const std::size_t size = index(choice_.size());
+  tangents_.assign(size * index(num_tangents_), 0.0);
+  std::vector<double> change(index(extension_.n()), 0.0);
+  for (int b = 0; b < num_tangents_; ++b) {
+    const std::size_t state = index(choice_.states()[index(b)]);
+    change[state] = 1.0;
+    subtract_states(change.data(), tangents_.data() + index(b) * size);
+    held_.solve(tangents_.data() + index(b) * size);
+    change[state] = 0.0;
+  }
+}
+
+// By slots, if the states change by their sizes.
+std::vector<double> ExtensionLinearization::changes_by(ConstView tangents) const {
+  const std::vector<double> of_states = random_changes();
+  std::vector<double> changes(index(choice_.size()), 0.0);
+  for (int b = 0; b < tangents.cols; ++b) {
+    const double change = of_states[index(choice_.states()[index(b)])];
+    for (int slot = 0; slot < tangents.rows; ++slot) changes[index(slot)] += change * tangents(slot, b);
+  }
+  return changes;
+}
+
 void ExtensionLinearization::measure_sensitivity() {
+  make_tangents();
+  if (num_tangents_ > 0) {
+    sensitivity_ = sensitivity_to(changes_by(tangents()).data());
+    return;
+  }
   work_.assign(index(choice_.size()) + 1, 0.0);
   subtract_states(random_changes().data(), work_.data());
   held_.solve(work_.data());
@@ -242,13 +275,7 @@ void ExtensionLinearization::measure_sensitivity() {
 }
 
 bool ExtensionLinearization::states_serve(ConstView tangents) const {
-  const std::vector<double> of_states = random_changes();
-  std::vector<double> changes(index(choice_.size()), 0.0);
-  for (int b = 0; b < tangents.cols; ++b) {
-    const double change = of_states[index(choice_.states()[index(b)])];
-    for (int slot = 0; slot < tangents.rows; ++slot) changes[index(slot)] += change * tangents(slot, b);
-  }
-  return is_harmless(sensitivity_to(changes.data()));
+  return is_harmless(sensitivity_to(changes_by(tangents).data()));
 }
 
 bool ExtensionLinearization::factor_step(double c) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <optional>
@@ -85,6 +86,10 @@ class ExtensionLinearization {
   void solve_step(double* r, int count = 1) { solve(step_, r, count); }
   void solve_pair(std::size_t k, std::complex<double>* r, int count = 1) { solve(pairs_[k], r, count); }
   void solve_held(double* r, int count = 1) { held_.solve(r, count); }
+  // What moves with the states, by slots, a column for each: known where states are few, else there are no columns.
+  ConstView tangents() const {
+    return {tangents_.data(), choice_.size(), num_tangents_, std::max(choice_.size(), 1)};
+  }
   // r -= (derivatives by the states) changes; changes: n values.
   void subtract_states(const double* changes, double* r) const;
 
@@ -107,6 +112,8 @@ class ExtensionLinearization {
   bool is_harmless(double sensitivity) const;
   std::vector<double> random_changes() const;
   double sensitivity_to(const double* changes) const;
+  void make_tangents();
+  std::vector<double> changes_by(ConstView tangents) const;
   void measure_sensitivity();
   void measure_noise() { noise_ = noise_at(origin_); }
 
@@ -125,7 +132,8 @@ class ExtensionLinearization {
   std::array<StateMatrix<std::complex<double>>, max_pairs> pairs_;
   // Of the rows at the origin: the extension may have been linearized elsewhere since.
   std::vector<double> values_;
-  std::vector<double> noise_, work_;
+  std::vector<double> noise_, work_, tangents_;
+  int num_tangents_ = 0;
 };
 
 }  // namespace sfdae::core

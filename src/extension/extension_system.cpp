@@ -348,8 +348,9 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
     std::copy_n(dw, n, dx);
     if (!linearization_.is_usable() || differential() == n) continue;
-    if (has_end_tangents_) {
-      add_tangents(dw, dx);
+    const ConstView tangents = has_end_tangents_ ? stages_.end_tangents() : linearization_.tangents();
+    if (tangents.cols > 0) {
+      add_tangents(tangents, dw, dx);
       continue;
     }
     std::fill(work_.begin(), work_.end(), 0.0);
@@ -360,10 +361,9 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   }
 }
 
-// The other x_j from changes of the states, at the end of the step.
-void ExtensionSystem::add_tangents(const double* dw, double* dx) const {
+// The other x_j from changes of the states.
+void ExtensionSystem::add_tangents(ConstView T, const double* dw, double* dx) const {
   const StateChoice& choice = linearization_.choice();
-  const ConstView T = stages_.end_tangents();
   for (int j = 0; j < unknowns(); ++j) {
     if (choice.is_state(j)) continue;
     const int slot = choice.slot(extension_.column_of(j, 0));

@@ -111,7 +111,7 @@ class ExtensionSystem final : public DaeSystem {
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
   void take_stages(double* x, double* w);
-  void add_tangents(const double* dw, double* dx) const;
+  void add_tangents(ConstView T, const double* dw, double* dx) const;
   PointStatus review();
   PointStatus review_local();
   PointStatus solve_held(Jet& jet, double* xdot);

@@ -69,6 +69,28 @@ TEST(Extension, KeepsConstraintsAndEnergyOfAPendulum) {
   }
 }
 
+// x and v of the first oscillators on circles, and z = 100 (x_0^2 + v_0^2 - 1) of the first one.
+template <int count>
+void circles(sfdae_record*, const Expression&, const Expression* x, const Expression* xdot, Expression* F) {
+  for (int k = 0; k < 2 * count; k += 2) {
+    F[k] = xdot[k] - x[k + 1];
+    F[k + 1] = xdot[k + 1] + x[k];
+  }
+  F[2 * count] = x[2 * count] - 100.0 * (x[0] * x[0] + x[1] * x[1] - 1.0);
+}
+
+// Errors of unknowns that are no states count, where states are few and where they are not: z is zero and has 200 times the errors of x
+// and v, which might be as large as the tolerance by themselves.
+TEST(Extension, TestsTheErrorsOfWhatFollowsFromStates) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearRun few({3, 3, circles<1>}, required(method)), more({5, 5, circles<2>}, required(method));
+    ASSERT_TRUE(is_known(few.integrate(0.0, 3.0, {1.0, 0.0, 0.0}))) << few.message();
+    ASSERT_TRUE(is_known(more.integrate(0.0, 3.0, {1.0, 0.0, 1.0, 0.0, 0.0}))) << more.message();
+    EXPECT_LT(std::fabs(few.x[2]), 1e-5) << method;
+    EXPECT_LT(std::fabs(more.x[4]), 1e-5) << method;
+  }
+}
+
 // Every state there is takes its turn: the pendulum goes around.
 TEST(Extension, ChoosesOtherStatesOnItsWay) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
