@@ -195,8 +195,7 @@ void keep_visit(sfdae_hybrid& hybrid, bool at_once) {
   KeptVisit& visit = visits.back();
   hybrid.kept.ending = {};
   visit.integration = std::move(solver.integration);
-  visit.integration->set_events(nullptr);
-  visit.integration->record({});
+  visit.integration->keep_steps_alone();
 }
 
 }  // namespace sfdae::core

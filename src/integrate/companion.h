@@ -11,6 +11,9 @@ namespace sfdae::core {
 // withdrawn after success; taken; or failed for reasons that need not come again.
 enum class AttemptEnd : char { refused, reduced, withdrawn, taken, failed };
 
+// Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
+inline constexpr double contradiction_of_derivatives = 1e-6;
+
 class Companion {
  public:
   virtual ~Companion() = default;

@@ -16,8 +16,6 @@ namespace {
 
 // Weights of points that steps yet to be read depend on, one that is interpolated within the last one, too.
 constexpr std::size_t window = max_bdf_order + 2;
-// Of redundant equations differentiated by parameters, as forward sensitivities have it.
-constexpr double contradiction = 1e-6;
 
 bool is_zero(ConstView a) {
   for (int j = 0; j < a.cols; ++j)
@@ -210,7 +208,7 @@ TangentSpace DiscreteAdjoint::tangent_space() {
   TangentSpace space;
   const PointStatus status = system_->find_tangent_space(here, space);
   demand(status, here.jet.t);
-  if (space.inconsistency > contradiction)
+  if (space.inconsistency > contradiction_of_derivatives)
     throw Failure(
         SFDAE_INCONSISTENT_EQUATIONS,
         format("redundant equations contradict each other at t = %.15g once a parameter is changed: relative "
@@ -331,6 +329,7 @@ void DiscreteAdjoint::gradient(const Functionals& functionals, const std::functi
     repeated_steps_ += static_cast<long>(piece->count);
     read_piece(*piece, steps_made_again(*piece, times_, *twin), backward);
   }
+  system_->forget_work();
   const ConstView start{S_.data(), n, count(), std::max(n, 1)};
   multiply(1.0, Op::transposed, start, Op::plain, backward.weights[0], 1.0, result);
   for (int q = 0; q < functionals.count; ++q) {

@@ -73,6 +73,8 @@ class Integration {
   // With the adjoint: the last point becomes the one at t, within the last step, and no step follows any more. space: there. Throws
   // Failure.
   CallResult end_at(double t, TangentSpace& space);
+  // After that: what further steps would have needed is given back.
+  void keep_steps_alone();
   // Evaluations are those of a step from the last point.
   void keep_to_last_piece();
 

@@ -96,6 +96,13 @@ void Integration::keep_to_last_piece() {
   keep_to_piece(options_, integrator_.system, {t, t, integrator_.direction}, start_);
 }
 
+void Integration::keep_steps_alone() {
+  watch_.reset();
+  branches_ = {};
+  options_.events = nullptr;
+  solution_ = {};
+}
+
 CallResult Integration::end_at(double t, TangentSpace& space) {
   const double place = beside_kink(options_, integrator_, t);
   if (is_outside_last_step(place))

@@ -20,8 +20,6 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
-constexpr double contradiction = 1e-6;
 // Of step control for the error test of S, as [BCP96] has it for x: the safety factor of errors, what keeps quotients finite,
 // and how steps fall after a failure.
 constexpr double safety = 2.0, least_error = 1e-4, fastest_fall = 0.25, slowest_fall = 0.9;
@@ -51,7 +49,7 @@ void Sensitivities::demand(PointStatus status, double t) const {
                   format("the equations of the sensitivities at t = %.15g are singular: the characteristic values "
                          "that are known do not hold there.",
                          t));
-  if (system_->inconsistency() > contradiction)
+  if (system_->inconsistency() > contradiction_of_derivatives)
     throw Failure(
         SFDAE_INCONSISTENT_EQUATIONS,
         format("redundant equations contradict each other at t = %.15g once a parameter is changed: relative "

@@ -74,6 +74,8 @@ class AdjointSystem : public PointKeeper {
   // Of S with F2 = 0 and the differential part of a guess: the weights become those of the guess.
   virtual PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) = 0;
 
+  // No steps are read back for now: memory for that is given back.
+  virtual void forget_work() = 0;
   // Where the equations are linearized as they are at the point.
   virtual PointStatus find_tangent_space(const KeptPoint& point, TangentSpace& space) = 0;
 

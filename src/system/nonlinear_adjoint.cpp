@@ -53,8 +53,7 @@ NonlinearAdjoint::NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& pro
     : system_(system),
       problem_(problem),
       parameters_(problem, std::move(parameters)),
-      sparse_step_(problem, parameters_),
-      points_(index(max_stages)) {
+      sparse_step_(problem, parameters_) {
   sparse_step_.prepare(system_.analyzed_equations().analysis());
 }
 
@@ -70,24 +69,29 @@ std::unique_ptr<SystemTwin> NonlinearAdjoint::twin() {
   return std::make_unique<NonlinearTwin>(problem_, system_.settings(), keeps_slopes());
 }
 
+NonlinearAdjoint::Work& NonlinearAdjoint::work() {
+  if (!work_) work_ = std::make_unique<Work>();
+  return *work_;
+}
+
 PointStatus NonlinearAdjoint::linearize(AdjointPoint& at, const KeptPoint& point) {
   const double* const xdot = point.xdot.empty() ? nullptr : point.xdot.data();
   const PointStatus status = at.linearize(system_.analyzed_equations(), parameters_,
-                                          {point.jet, xdot, system_.linearization().ranks()}, arena_);
+                                          {point.jet, xdot, system_.linearization().ranks()}, work().arena);
   callback_error_ = at.callback_error();
   return status;
 }
 
 PointStatus NonlinearAdjoint::add_gradient(AdjointPoint& at, const KeptPoint& point,
                                            const AdjointPoint::Weights& weights, View gradient) {
-  const PointStatus status = at.add_gradient(parameters_, point.jet, weights, gradient, arena_);
+  const PointStatus status = at.add_gradient(parameters_, point.jet, weights, gradient, work().arena);
   callback_error_ = at.callback_error();
   return status;
 }
 
 // Weights of S are those of S / unit, times the unit.
 View NonlinearAdjoint::scaled(ConstView weights) {
-  const View result = arena_.matrix(weights.rows, weights.cols);
+  const View result = work().arena.matrix(weights.rows, weights.cols);
   for (int q = 0; q < weights.cols; ++q)
     for (int i = 0; i < weights.rows; ++i) result(i, q) = weights(i, q) * system_.units()[i];
   return result;
@@ -107,13 +111,13 @@ PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const 
     callback_error_ = sparse_step_.callback_error();
     return status;
   }
-  AdjointPoint& at = points_[0];
+  AdjointPoint& at = work().points[0];
   PointStatus status = linearize(at, point);
   if (status != PointStatus::ok) return status;
   const int n = unknowns(), d = at.d(), count = values.weights.cols;
   const double tau = at.time_scale();
-  const Arena::Frame frame(arena_);
-  const View K = arena_.matrix(d, n), M = arena_.matrix(d, d), nu = arena_.matrix(d, count),
+  const Arena::Frame frame(work().arena);
+  const View K = work().arena.matrix(d, n), M = work().arena.matrix(d, d), nu = work().arena.matrix(d, count),
              s = scaled(values.weights);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < d; ++i) K(i, j) = c * tau * at.ZE()(i, j) - at.ZA()(i, j);
@@ -124,7 +128,7 @@ PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const 
     multiply(1.0, Op::plain, K, Op::plain, at.T2(), 0.0, M);
     multiply(1.0, Op::transposed, at.T2(), Op::plain, s, 0.0, nu);
   }
-  int* pivots = arena_.integers(d + 1);
+  int* pivots = work().arena.integers(d + 1);
   if (!factor_lu(M, pivots)) return PointStatus::singular;
   solve_lu_transposed(M, pivots, nu);
   multiply(-1.0, Op::transposed, K, Op::plain, nu, 1.0, s);
@@ -139,30 +143,30 @@ PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const 
 PointStatus NonlinearAdjoint::step_back(const StageMethod& method, double h, const KeptPoint* points,
                                         const AdjointValues& values) {
   for (int i = 0; i < method.s; ++i) {
-    const PointStatus status = linearize(points_[index(i)], points[i]);
+    const PointStatus status = linearize(work().points[index(i)], points[i]);
     if (status != PointStatus::ok) return status;
-    if (i == 0) stages_.resize(method.s, unknowns(), points_[0].d(), 0);
-    stages_.keep_matrices(i, points_[index(i)]);
+    if (i == 0) work().stages.resize(method.s, unknowns(), work().points[0].d(), 0);
+    work().stages.keep_matrices(i, work().points[index(i)]);
   }
-  const AdjointPoint& end = points_[index(method.s - 1)];
+  const AdjointPoint& end = work().points[index(method.s - 1)];
   const int n = unknowns(), d = end.d(), count = values.weights.cols;
-  const Arena::Frame frame(arena_);
-  const View nu = arena_.matrix(method.s * d, count), s = scaled(values.weights);
+  const Arena::Frame frame(work().arena);
+  const View nu = work().arena.matrix(method.s * d, count), s = scaled(values.weights);
   fill(nu, 0.0);
   const View last = nu.block((method.s - 1) * d, 0, d, count);
   if (end.is_ordinary()) copy(s, last);
   else multiply(1.0, Op::transposed, end.T2(), Op::plain, s, 0.0, last);
-  if (!stages_.factor(method, h, arena_)) return PointStatus::singular;
-  stages_.solve_transposed(nu);
+  if (!work().stages.factor(method, h, work().arena)) return PointStatus::singular;
+  work().stages.solve_transposed(nu);
 
-  const View slopes = arena_.matrix(n * method.s, count), start = arena_.matrix(n, count),
-             xp = arena_.matrix(n, count);
+  const View slopes = work().arena.matrix(n * method.s, count), start = work().arena.matrix(n, count),
+             xp = work().arena.matrix(n, count);
   for (int i = 0; i < method.s; ++i)
-    multiply(points_[index(i)].time_scale() / h, Op::transposed, points_[index(i)].ZE(), Op::plain,
+    multiply(work().points[index(i)].time_scale() / h, Op::transposed, work().points[index(i)].ZE(), Op::plain,
              nu.block(i * d, 0, d, count), 0.0, slopes.block(i * n, 0, n, count));
   fill(start, 0.0);
   for (int j = 0; j < method.s; ++j) {
-    AdjointPoint& at = points_[index(j)];
+    AdjointPoint& at = work().points[index(j)];
     const View nu_j = nu.block(j * d, 0, d, count);
     if (j + 1 == method.s) copy(s, xp);
     else fill(xp, 0.0);
@@ -183,16 +187,16 @@ PointStatus NonlinearAdjoint::step_back(const StageMethod& method, double h, con
 
 // S = xp + T2 z with Z1^T E T2 z = Z1^T E (guess - xp).
 PointStatus NonlinearAdjoint::restore_back(const KeptPoint& point, const AdjointValues& values) {
-  AdjointPoint& at = points_[0];
+  AdjointPoint& at = work().points[0];
   PointStatus status = linearize(at, point);
   if (status != PointStatus::ok || at.is_ordinary()) return status;
   const int n = unknowns(), d = at.d(), count = values.weights.cols;
-  const Arena::Frame frame(arena_);
-  const View G = arena_.matrix(d, d), z = arena_.matrix(d, count), none = arena_.matrix(d, count),
-             s = scaled(values.weights), of_guess = arena_.matrix(n, count);
+  const Arena::Frame frame(work().arena);
+  const View G = work().arena.matrix(d, d), z = work().arena.matrix(d, count), none = work().arena.matrix(d, count),
+             s = scaled(values.weights), of_guess = work().arena.matrix(n, count);
   multiply(1.0, Op::plain, at.ZE(), Op::plain, at.T2(), 0.0, G);
   multiply(1.0, Op::transposed, at.T2(), Op::plain, s, 0.0, z);
-  int* pivots = arena_.integers(d + 1);
+  int* pivots = work().arena.integers(d + 1);
   if (!factor_lu(G, pivots)) return PointStatus::singular;
   solve_lu_transposed(G, pivots, z);
   multiply(1.0, Op::transposed, at.ZE(), Op::plain, z, 0.0, of_guess);
@@ -207,19 +211,20 @@ PointStatus NonlinearAdjoint::restore_back(const KeptPoint& point, const Adjoint
 // basis = T2, coordinates = (Z1^T E T2)^-1 Z1^T E, offset = (I - basis coordinates) xp.
 PointStatus NonlinearAdjoint::find_tangent_space(const KeptPoint& point, TangentSpace& space) {
   SensitivityPoint at;
+  Arena arena;  // once for an integration
   const int n = unknowns();
   space.offset = Matrix(n, count());
   at.take_kind(system_.analyzed_equations());
   if (at.is_ordinary()) return PointStatus::ok;
   const PointStatus status = at.linearize(system_.analyzed_equations(), parameters_,
-                                          {point.jet, nullptr, system_.linearization().ranks()}, arena_);
+                                          {point.jet, nullptr, system_.linearization().ranks()}, arena);
   callback_error_ = at.callback_error();
   if (status != PointStatus::ok) return status;
   const int d = at.d();
-  const Arena::Frame frame(arena_);
-  const View G = arena_.matrix(d, d), C = arena_.matrix(d, n), z = arena_.matrix(d, count()),
-             xp = arena_.matrix(n, count());
-  int* pivots = arena_.integers(d + 1);
+  const Arena::Frame frame(arena);
+  const View G = arena.matrix(d, d), C = arena.matrix(d, n), z = arena.matrix(d, count()),
+             xp = arena.matrix(n, count());
+  int* pivots = arena.integers(d + 1);
   multiply(1.0, Op::plain, at.ZE(), Op::plain, at.T2(), 0.0, G);
   copy(at.ZE(), C);
   copy(at.xp(), xp);

@@ -30,6 +30,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
                         const AdjointValues& values) override;
   PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) override;
+  void forget_work() override { work_.reset(); }
   PointStatus find_tangent_space(const KeptPoint& point, TangentSpace& space) override;
   const CallbackError& callback_error() const override { return callback_error_; }
 
@@ -45,10 +46,15 @@ class NonlinearAdjoint final : public AdjointSystem {
   NonlinearSystem& system_;
   RecordedProblem& problem_;
   ParameterSeries parameters_;
-  Arena arena_;
   SparseSensitivityStep sparse_step_;
-  std::vector<AdjointPoint> points_;  // one for each stage
-  SensitivityStages stages_;
+  // While steps are read back.
+  struct Work {
+    Arena arena;
+    std::vector<AdjointPoint> points = std::vector<AdjointPoint>(index(max_stages));  // one for each stage
+    SensitivityStages stages;
+  };
+  Work& work();
+  std::unique_ptr<Work> work_;
   CallbackError callback_error_;
 };
 
