@@ -157,7 +157,8 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
 
 const LaneEvaluator* MinimalExtension::evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients) {
   if (!problem_.has_lanes(highest_level_) || count > lane_count) return nullptr;
-  lanes_.load(jets, count, n_, jet_order());
+  // Where nothing is replaced, coefficients of x_j beyond d_j are not read.
+  lanes_.load(jets, count, n_, places_.empty() ? jet_order() : highest_d_);
   const auto points = LaneEvaluator::points_of(lanes_.t.data(), lanes_.coefficients.data(), highest_level_, n_);
   return problem_.evaluate_within(count, points, levels_, with_gradients);
 }
@@ -182,12 +183,15 @@ bool MinimalExtension::residuals_side_by_side(const std::vector<Jet>& jets, int 
   const LaneEvaluator* const evaluated = evaluate_lanes(jets, count, false);
   if (evaluated == nullptr) return false;
   for (int row = 0; row < num_rows(); ++row) {
-    LaneBlock value{};
-    for (const Part& part : parts(row)) {
-      const LaneBlock& coefficient = evaluated->value(part.equation)[part.order];
-      for (int l = 0; l < lane_count; ++l) value.lane[l] += part.factor * coefficient.lane[l];
-    }
-    for (int l = 0; l < count; ++l) r[row + l * num_rows()] = value.lane[l];
+    LaneBlock value;
+    const LaneBlock* only = &value;
+    if (!places_.empty()) only = evaluated->value(rows_[index(row)].equation) + rows_[index(row)].order;
+    else
+      for (const Part& part : parts(row)) {
+        const LaneBlock& coefficient = evaluated->value(part.equation)[part.order];
+        for (int l = 0; l < lane_count; ++l) value.lane[l] += part.factor * coefficient.lane[l];
+      }
+    for (int l = 0; l < count; ++l) r[row + l * num_rows()] = only->lane[l];
   }
   return true;
 }
