@@ -256,10 +256,9 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks)
 // Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
 // how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
 // lead nowhere.
-bool JetSolver::search_undamped(Jet& jet, int level, Trial trial) {
-  // Both are chosen so that the pendulum does.
+bool JetSolver::search_undamped(Jet& jet, int level, Trial trial, double too_far) {
+  // Chosen so that the pendulum does.
   constexpr int most = 5;
-  constexpr double too_far = 1e4;
   const Jet start = jet;
   const double before = equations_.norm(), time_scale = equations_.time_scale();
   for (int step = 0; step < most && trial.valid && trial.norm <= too_far * before; ++step) {
@@ -319,6 +318,8 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
   // Residuals so much larger that exponentials have run away. Chosen, not measured.
   constexpr double enormous = 1e6;
+  // The first one is chosen so that the pendulum below its support finds its force.
+  constexpr double too_far = 1e4, too_far_with_all_ranks = 1e12;
   // Undamped steps that gain little, where others have reduced the residuals to this part before
   // (docs/decisions/44-stages-of-raw-equations.md).
   constexpr int most_slow = 2;
@@ -352,9 +353,10 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
         if (accept(jet, std::move(trial), level)) continue;
       }
       const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
-      if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
+      if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial), too_far)) continue;
       // What is small beside the residuals of other equations may be all that constraints have.
-      if (of_most_ranks.valid && search_undamped(jet, level, std::move(of_most_ranks))) continue;
+      if (of_most_ranks.valid && search_undamped(jet, level, std::move(of_most_ranks), too_far_with_all_ranks))
+        continue;
       trial.valid = false;
       if (is_far_off) trial = shortened_trial(jet);
       is_undamped = trial.valid;

@@ -35,7 +35,7 @@ class JetSolver {
   // may_grow: residuals may do so during a few undamped steps.
   void search(Jet& jet, int level, bool may_grow);
   bool accept(Jet& jet, Trial&& trial, int level);
-  bool search_undamped(Jet& jet, int level, Trial trial);
+  bool search_undamped(Jet& jet, int level, Trial trial, double too_far);
   Trial undamped_trial(const Jet& jet, Trial* of_most_ranks = nullptr);
   Trial shortened_trial(const Jet& jet);
   Trial damped_trial(const Jet& jet, double& damping);

@@ -34,7 +34,6 @@ class NonlinearChangeWatch final : public ChangeWatch {
   void archive(Archive& archive, double direction) override;
 
  private:
-  // the singular point, by the last look
   // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
   struct Fall {
     double highest = 0.0, lowest = 0.0;
@@ -69,7 +68,8 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool is_within_sure_ = false;          // its jet has converged
   double next_look_ = 0.0;               // a value that goes straight on is zero then
   int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
-  std::optional<double> expected_;       Fall falls_[2];
+  std::optional<double> expected_;       // the singular point, by the last look
+  Fall falls_[2];
   Jet first_;  // of the integration
   // What the structure says; made when it is asked for first.
   std::optional<StructuralWitness> witness_;
