@@ -171,8 +171,7 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  * there are checkpoints then, and the steps that take less memory than these.
  *
  * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks; switches with
- * the adjoint. After that
- * sfdae_set_sensitivities refuses the solvers of modes, as it does always.
+ * the adjoint. After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
  * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g or M has no
  * derivative. Where two transitions are due at once, or a guard is about to change, the one that happens counts. */
 SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,

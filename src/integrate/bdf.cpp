@@ -116,8 +116,20 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
 
   system.leading(tried_.x.data(), tried_.w.data());
   weights.update(tried_.x.data());
-  LocalTerms terms;
-  const double error = estimate_.estimate(system, history_, {tried_, control_.may_raise_order()}, weights, terms);
+  judged_.may_rise = control_.may_raise_order();
+  judged_.error = estimate_.estimate(system, history_, {tried_, judged_.may_rise}, weights, judged_.terms);
+  return judge(judged_.terms, judged_.error);
+}
+
+StepOutcome Bdf::test_beside(const LocalTerms& terms, double error) {
+  LocalTerms larger = judged_.terms;
+  for (int q = 0; q <= max_bdf_order + 1; ++q) larger.of_order[q] = std::max(larger.of_order[q], terms.of_order[q]);
+  control_ = control_before_;
+  control_.limit_order(history_.points());
+  return judge(larger, std::max(judged_.error, error));
+}
+
+StepOutcome Bdf::judge(const LocalTerms& terms, double error) {
   if (error <= 1.0) {
     next_step_ = control_.accepted(tried_.h, terms);
     return StepOutcome::accepted;

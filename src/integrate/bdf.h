@@ -31,6 +31,9 @@ class Bdf final : public Stepper {
   double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) override;
   void start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) override;
   StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) override;
+  using Stepper::test_beside;
+  StepOutcome test_beside(const LocalTerms& terms, double error) override;
+  bool judges_higher_order() const override { return judged_.may_rise; }
   void commit() override;
   void withdraw() override { control_ = control_before_; }
   void reduce_after_failure(double h) override { next_step_ = control_.failed(h); }
@@ -61,6 +64,7 @@ class Bdf final : public Stepper {
     interpolates_x_.reset();
   }
   Guess guess(const StrangenessFreeSystem& system, ErrorWeights& weights);
+  StepOutcome judge(const LocalTerms& terms, double error);
 
   int max_order_;
   BdfHistory history_;
@@ -70,6 +74,11 @@ class Bdf final : public Stepper {
   TaylorGuess guess_;
   BdfErrorEstimate estimate_;
   StepControl control_, control_before_;
+  struct Judged {
+    LocalTerms terms;
+    double error;
+    bool may_rise;
+  } judged_{};  // the last attempt
   LastStep last_;
   double next_step_ = 0.0;
   // Points within the last step: the differences of the history are those of its polynomials and of one point more;

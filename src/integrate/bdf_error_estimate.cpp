@@ -24,6 +24,19 @@ double error_constant(const BdfHistory& history, const BdfStep& step) {
   return constant;
 }
 
+class ErrorOfX final : public ErrorMap {
+ public:
+  ErrorOfX(StrangenessFreeSystem& system, const ErrorWeights& weights) : system_(system), weights_(weights) {}
+  void map(const double* differences, int count, double* mapped) override {
+    system_.error_in_x(differences, count, mapped);
+  }
+  double norm(const double* mapped) const override { return weights_.norm(mapped); }
+
+ private:
+  StrangenessFreeSystem& system_;
+  const ErrorWeights& weights_;
+};
+
 }  // namespace
 
 void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w) {
@@ -33,19 +46,26 @@ void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w) {
   mapped_.assign(most_orders * n, 0.0);
 }
 
-// The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of
-// order q + 1: from it the local terms of the orders around k, and the error of the formula.
 double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
                                   const ErrorWeights& weights, LocalTerms& terms) {
+  if (system.differential() > 0) {
+    ErrorOfX map(system, weights);
+    return estimate(map, history, judged, terms);
+  }
+  std::fill(std::begin(terms.of_order), std::end(terms.of_order), -1.0);
+  std::fill_n(error_.data(), error_.size(), 0.0);
+  std::fill_n(terms.of_order, judged.step.order + 1, 0.0);
+  return 0.0;
+}
+
+// The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of
+// order q + 1: from it the local terms of the orders around k, and the error of the formula.
+double BdfErrorEstimate::estimate(ErrorMap& errors, const BdfHistory& history, const Judged& judged,
+                                  LocalTerms& terms) {
   const BdfStep& step = judged.step;
   const int k = step.order;
   std::fill(std::begin(terms.of_order), std::end(terms.of_order), -1.0);
-  if (system.differential() == 0) {
-    std::fill_n(error_.data(), error_.size(), 0.0);
-    std::fill_n(terms.of_order, k + 1, 0.0);
-    return 0.0;
-  }
-  const std::size_t size = history.size_w(), n = history.size_x();
+  const std::size_t size = history.size_w(), n = error_.size();
   const int first = std::max(1, k - 2),
             last = std::min(judged.may_rise ? k + 1 : k, std::min(history.points(), k + 3) - 1);
   // Column q - first of differences_: w less its predictor of degree q.
@@ -62,15 +82,15 @@ double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistor
   }
   const auto map = [&](int from, int to) {
     const std::size_t column = index(from - first);
-    system.error_in_x(differences_.data() + size * column, to - from + 1, mapped_.data() + n * column);
+    errors.map(differences_.data() + size * column, to - from + 1, mapped_.data() + n * column);
     for (int q = from; q <= to; ++q)
-      terms.of_order[q] = factors[q] * weights.norm(mapped_.data() + n * index(q - first));
+      terms.of_order[q] = factors[q] * errors.norm(mapped_.data() + n * index(q - first));
   };
   map(std::max(first, k - 1), last);
   // That of order k - 2 counts only where that of order k - 1 calls for a lower order, too.
   if (first < k - 1 && can_lower_order(k, terms)) map(first, k - 2);
   std::copy_n(mapped_.data() + n * index(k - first), n, error_.data());
-  return error_constant(history, step) * weights.norm(error_.data());
+  return error_constant(history, step) * errors.norm(error_.data());
 }
 
 }  // namespace sfdae::core

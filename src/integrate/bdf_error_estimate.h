@@ -8,6 +8,16 @@
 
 namespace sfdae::core {
 
+// What differences to predictors say of the errors of x, or of what goes along with it.
+class ErrorMap {
+ public:
+  virtual ~ErrorMap() = default;
+  // Columns, `count` of them.
+  virtual void map(const double* differences, int count, double* mapped) = 0;
+  // Of one of them, in units of the tolerances.
+  virtual double norm(const double* mapped) const = 0;
+};
+
 class BdfErrorEstimate {
  public:
   void resize(std::size_t n, std::size_t size_w);
@@ -20,6 +30,8 @@ class BdfErrorEstimate {
   };
   double estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
                   const ErrorWeights& weights, LocalTerms& terms);
+  // The same of anything else that is discretized so.
+  double estimate(ErrorMap& map, const BdfHistory& history, const Judged& judged, LocalTerms& terms);
   // Of the step estimated last, mapped to x, without its constant.
   const std::vector<double>& error() const { return error_; }
 

@@ -1,7 +1,4 @@
 // Sensitivities carried along with the steps of x.
-//
-// [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
-//         Differential-Algebraic Equations. SIAM, 1996.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/sensitivities.h"
 
@@ -20,9 +17,26 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of step control for the error test of S, as [BCP96] has it for x: the safety factor of errors, what keeps quotients finite,
-// and how steps fall after a failure.
-constexpr double safety = 2.0, least_error = 1e-4, fastest_fall = 0.25, slowest_fall = 0.9;
+// Errors of all columns, mapped to the directions that the constraints leave.
+class ErrorOfS final : public ErrorMap {
+ public:
+  ErrorOfS(SensitivitySystem& system, const std::vector<ErrorWeights>& weights)
+      : system_(system), weights_(weights) {}
+  void map(const double* differences, int count, double* mapped) override {
+    const std::size_t size = system_.size();
+    for (std::size_t k = 0; k < index(count); ++k) system_.error_in_S(differences + k * size, mapped + k * size);
+  }
+  double norm(const double* mapped) const override {
+    const std::size_t n = index(system_.unknowns());
+    double largest = 0.0;
+    for (std::size_t j = 0; j < weights_.size(); ++j) largest = std::max(largest, weights_[j].norm(mapped + j * n));
+    return largest;
+  }
+
+ private:
+  SensitivitySystem& system_;
+  const std::vector<ErrorWeights>& weights_;
+};
 
 }  // namespace
 
@@ -64,12 +78,12 @@ void Sensitivities::start(const Integrator& integrator) {
   demand(system_->derivative(consistent.data(), Sdot_.data()), t);
   S_ = before_ = std::move(consistent);
   method_ = nullptr;
-  largest_next_ = 0.0;
   const Vector none;
   history_.start({t, none, none, S_, Sdot_});
   estimate_.forget();
   if (options_.error_test && integrator.method == Method::radau) estimate_.start(t, S_, Sdot_);
   step_.resize(0, size());
+  if (options_.error_test && integrator.method == Method::bdf) estimate_of_bdf_.resize(size(), size());
 }
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
@@ -92,10 +106,11 @@ void Sensitivities::archive_history(Archive& archive, const Integrator& integrat
     if (s != 0 && (!is_radau || s < 0 || s > max_stages || s % 2 == 0)) throw DamagedArchive();
     method_ = s != 0 ? &radau_method(s).stages : nullptr;
     step_.resize(0, size());
+    if (options_.error_test && !is_radau) estimate_of_bdf_.resize(size(), size());
   }
   if (integrator.method == Method::bdf) {
     int order = 0;
-    const int points = history_.archive_size(archive, {0, size()}, max_bdf_order + 1, order);
+    const int points = history_.archive_size(archive, {0, size()}, max_bdf_order + 3, order);
     history_.archive_points(archive, points);
     return;
   }
@@ -115,7 +130,6 @@ void Sensitivities::archive_history(Archive& archive, const Integrator& integrat
 StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tolerances) {
   Stepper& stepper = *integrator.stepper;
   step_tried_ = stepper.tried();
-  largest_next_ = 0.0;
   StepOutcome outcome;
   try {
     outcome = solve_tried();
@@ -126,11 +140,9 @@ StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tol
     stepper.set_next_step(step_tried_.h);
     throw;
   }
-  // Radau has judged S as it judges x.
-  if (outcome == StepOutcome::accepted) return outcome;
-  if (outcome == StepOutcome::error_too_large && step_tried_.method != nullptr) return outcome;
-  stepper.withdraw();
-  if (outcome == StepOutcome::error_too_large) stepper.set_next_step(smaller_step_);
+  // Errors of S have been judged as those of x are.
+  const bool is_judged = outcome == StepOutcome::accepted || outcome == StepOutcome::error_too_large;
+  if (!is_judged) stepper.withdraw();
   return outcome;
 }
 
@@ -157,7 +169,8 @@ void Sensitivities::set_weights(const Tolerances& tolerances, Tightening tighten
 
 StepOutcome Sensitivities::test_error(Integrator& integrator, const Tolerances& tolerances) {
   set_weights(tolerances, integrator.stepper->tightening());
-  const StepOutcome outcome = step_tried_.method != nullptr ? test_error_of_radau(integrator) : test_error_of_bdf();
+  const StepOutcome outcome =
+      step_tried_.method != nullptr ? test_error_of_radau(integrator) : test_error_of_bdf(integrator);
   if (outcome != StepOutcome::accepted) ++work_.error_failures;
   return outcome;
 }
@@ -172,17 +185,17 @@ StepOutcome Sensitivities::test_error_of_radau(Integrator& integrator) {
   return integrator.stepper->test_beside(integrator.system, terms);
 }
 
-// Next steps are no longer than S allows.
-StepOutcome Sensitivities::test_error_of_bdf() {
-  const double error = error_of_bdf(step_tried_);
-  const double factor = std::pow(safety * error + least_error, -1.0 / (step_tried_.order + 1));
-  if (error <= 1.0) {
-    largest_next_ = std::fabs(step_tried_.h) * std::max(factor, fastest_fall);
-    return StepOutcome::accepted;
-  }
-  smaller_step_ =
-      step_tried_.h * (std::isfinite(factor) ? std::clamp(factor, fastest_fall, slowest_fall) : fastest_fall);
-  return StepOutcome::error_too_large;
+// The order as well is chosen for the larger local terms.
+StepOutcome Sensitivities::test_error_of_bdf(Integrator& integrator) {
+  if (integrator.system.differential() == 0) return StepOutcome::accepted;
+  const std::size_t n = index(unknowns());
+  for (std::size_t j = 0; j < weights_.size(); ++j) weights_[j].update(tried_.data() + j * n);
+  step_.w = tried_;
+  Stepper& stepper = *integrator.stepper;
+  ErrorOfS errors(*system_, weights_);
+  LocalTerms terms;
+  const double error = estimate_of_bdf_.estimate(errors, history_, {step_, stepper.judges_higher_order()}, terms);
+  return stepper.test_beside(terms, error);
 }
 
 PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
@@ -191,7 +204,7 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
   step_.h = tried.h;
   step_.order = tried.order;
   if (options_.error_test) {
-    history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
+    history_.compute_differences(std::min(history_.points(), tried.order + 3), false);
     step_.set_formula(history_, false, false);
   } else {
     step_.c = history_.formula_by_points(tried.t, tried.order, step_.predicted.data(), step_.w_rest.data());
@@ -214,21 +227,6 @@ PointStatus Sensitivities::solve_radau(const TriedStep& tried) {
   return status;
 }
 
-// As BdfErrorEstimate does for x: the difference to the predictor, mapped to the directions that the constraints leave.
-double Sensitivities::error_of_bdf(const TriedStep& tried) {
-  const std::size_t n = index(unknowns());
-  history_.polynomial_w(tried.order).evaluate(tried.t, slopes_.data(), nullptr);
-  for (std::size_t i = 0; i < size(); ++i) slopes_[i] = tried_[i] - slopes_[i];
-  system_->error_in_S(slopes_.data(), error_.data());
-  const double constant = tried.h / (tried.t - history_.time(tried.order));
-  double largest = 0.0;
-  for (std::size_t j = 0; j < weights_.size(); ++j) {
-    weights_[j].update(tried_.data() + j * n);
-    largest = std::max(largest, weights_[j].norm(error_.data() + j * n));
-  }
-  return constant * largest;
-}
-
 void Sensitivities::commit(Integrator& integrator) {
   work_.inconsistency = std::max(work_.inconsistency, system_->inconsistency());
   before_ = S_;
@@ -236,9 +234,6 @@ void Sensitivities::commit(Integrator& integrator) {
   method_ = step_tried_.method;
   if (method_ == nullptr) history_.append(step_tried_.t, tried_, {});
   else if (options_.error_test && integrator.system.differential() > 0) estimate_.append();
-  const double next = integrator.stepper->state().next_step;
-  if (largest_next_ > 0.0 && std::fabs(next) > largest_next_)
-    integrator.stepper->set_next_step(std::copysign(largest_next_, next));
 }
 
 // ---- Points ----------------------------------------------------------------------------------------------------

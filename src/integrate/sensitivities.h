@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "integrate/bdf_error_estimate.h"
 #include "integrate/bdf_history.h"
 #include "integrate/bdf_step.h"
 #include "integrate/companion.h"
@@ -62,11 +63,10 @@ class Sensitivities final : public Companion {
   StepOutcome solve_tried();
   void set_weights(const Tolerances& tolerances, Tightening tightening);
   StepOutcome test_error(Integrator& integrator, const Tolerances& tolerances);
-  StepOutcome test_error_of_bdf();
+  StepOutcome test_error_of_bdf(Integrator& integrator);
   StepOutcome test_error_of_radau(Integrator& integrator);
   PointStatus solve_bdf(const TriedStep& tried);
   PointStatus solve_radau(const TriedStep& tried);
-  double error_of_bdf(const TriedStep& tried);
   void archive_history(Archive& archive, const Integrator& integrator);
   void finish_stages(double t, double h, double* S, double* Sdot);
 
@@ -83,11 +83,10 @@ class Sensitivities final : public Companion {
   std::vector<double> stages_, slopes_, error_;
   std::vector<double> xdot_;
   SensitivityErrorEstimate estimate_;  // of Radau
+  BdfErrorEstimate estimate_of_bdf_;
   std::vector<ErrorWeights> weights_;
   Tolerances tolerances_;  // that these were made of
   Tightening tightening_ = Tightening::none;
-  double largest_next_ = 0.0;  // step that the error test of S allows; 0: any
-  double smaller_step_ = 0.0;  // to be tried after a step that it has refused
 };
 
 template <class Move>

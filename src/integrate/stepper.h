@@ -83,6 +83,7 @@ struct TriedStep {
 };
 
 struct ErrorTerms;
+struct LocalTerms;
 
 // Where an integrator stands between attempts.
 struct StepState {
@@ -123,6 +124,9 @@ class Stepper {
   // Of Radau, after an attempt that was accepted: that what goes along with x has these errors counts as well, for this step and the
   // next.
   virtual StepOutcome test_beside(const StrangenessFreeSystem&, const ErrorTerms&) { return StepOutcome::accepted; }
+  // Likewise of BDF: the local terms, and the error of the formula. Whether those of the next higher order are asked for.
+  virtual StepOutcome test_beside(const LocalTerms&, double /*error*/) { return StepOutcome::accepted; }
+  virtual bool judges_higher_order() const { return false; }
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;
