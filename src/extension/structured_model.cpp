@@ -16,9 +16,6 @@ namespace {
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 100.0;
 
-// What the array could not find out, or not find.
-bool is_doubt(int status) { return status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES; }
-
 }  // namespace
 
 StructuredModel::StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem,
@@ -90,7 +87,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
     else classical_->analyze(point, options, decisions);
   } catch (const Failure& failure) {
-    if (!may_be_extended || is_extended_first || !is_doubt(failure.status())) throw;
+    if (!may_be_extended || is_extended_first || failure.status() != SFDAE_RANK_UNCLEAR) throw;
     if (!settle_doubt(point, options, decisions)) throw;
   }
 }

@@ -22,8 +22,7 @@ constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
 constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
-// Between these, products in vector loops win, where the processor has some (docs/decisions/79-products-and-small-sizes.md).
-constexpr double tiny_product_flops = 2.0 * 4 * 4 * 4;
+// Above these and up to that, products in vector loops win, where the processor has some (docs/decisions/79-products-and-small-sizes.md).
 constexpr int most_inner = 112;
 static_assert(most_inner <= kernels::most_transposed);
 
@@ -48,7 +47,7 @@ void multiply(double alpha, Op op_a, ConstView a, Op op_b, ConstView b, double b
   if (c.rows == 0 || c.cols == 0) return;
   const int inner = op_a == Op::plain ? a.cols : a.rows;
   const double flops = 2.0 * c.rows * static_cast<double>(c.cols) * inner;
-  if (flops > tiny_product_flops && inner <= most_inner)
+  if (flops > small_product_flops && inner <= most_inner)
     if (const auto multiply_in_vectors = kernels::loops().multiply; multiply_in_vectors != nullptr)
       return multiply_in_vectors({alpha,
                                   {a.data, a.ld, op_a == Op::transposed},

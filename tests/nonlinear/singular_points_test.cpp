@@ -219,8 +219,8 @@ TEST(RandomSingularPoints, AreNamed) {
   const Counts counts = integrate_all(count_of_systems(20), true);
   EXPECT_GE(counts.named, 0.7 * counts.all);
   EXPECT_GE(counts.near, 0.8 * counts.named);
-  // What is passed is followed on the solution chosen.
-  EXPECT_LE(counts.passed, 0.05 * counts.all);
+  // What only touches zero may be passed, on the solution chosen.
+  EXPECT_LE(counts.passed, 0.08 * counts.all);
   EXPECT_EQ(counts.wrong, 0);
 }
 
