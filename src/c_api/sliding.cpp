@@ -220,9 +220,17 @@ CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode) {
   return {};
 }
 
-bool is_outdated(const sfdae_hybrid& hybrid, const Switch& surface) {
+namespace {
+
+const Switch::Names& names_wanted(const sfdae_hybrid& hybrid) {
   static const Switch::Names none;
-  return surface.is_outdated(hybrid.sensitivities ? hybrid.sensitivities->names : none);
+  return hybrid.sensitivities ? hybrid.sensitivities->names : none;
+}
+
+}  // namespace
+
+bool is_outdated(const sfdae_hybrid& hybrid, const Switch& surface) {
+  return surface.is_outdated(names_wanted(hybrid));
 }
 
 CallResult update_switches(sfdae_hybrid& hybrid) {
@@ -230,7 +238,7 @@ CallResult update_switches(sfdae_hybrid& hybrid) {
     if (!is_outdated(hybrid, *each)) continue;
     const int mode = each->modes().sliding;
     try {
-      each->update(hybrid.sensitivities ? hybrid.sensitivities->names : Switch::Names());
+      each->update(names_wanted(hybrid));
     } catch (const Failure& failure) {
       return {failure.status(), hybrid.name_of(mode) + ": " + failure.what()};
     }

@@ -3,7 +3,6 @@
 #include "integrate/sensitivities.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "integrate/radau_method.h"

@@ -6,11 +6,13 @@
 
 #include <immintrin.h>
 
+#include "linalg/kernel_transpose.h"
+
 namespace sfdae::core::kernels {
 
 namespace {
 
-struct Lanes {
+struct Lanes : FourByFour {
   using V = __m512d;
   static constexpr int width = 8;
   static constexpr const char* name = "avx512";
@@ -62,17 +64,6 @@ struct Lanes {
     const __m256d ab = _mm256_hadd_pd(half(a), half(b)), cd = _mm256_hadd_pd(half(c), half(d));
     const __m256d crossed = _mm256_permute2f128_pd(ab, cd, 0x21), kept = _mm256_blend_pd(ab, cd, 0xc);
     _mm256_storeu_pd(to, _mm256_add_pd(crossed, kept));
-  }
-  // to(p, q) := x(q, p), both 4 x 4
-  static void transpose_four(const double* x, ptrdiff_t ld, double* to, ptrdiff_t ld_to) {
-    const __m256d a = _mm256_loadu_pd(x), b = _mm256_loadu_pd(x + ld);
-    const __m256d c = _mm256_loadu_pd(x + 2 * ld), d = _mm256_loadu_pd(x + 3 * ld);
-    const __m256d even_ab = _mm256_unpacklo_pd(a, b), odd_ab = _mm256_unpackhi_pd(a, b);
-    const __m256d even_cd = _mm256_unpacklo_pd(c, d), odd_cd = _mm256_unpackhi_pd(c, d);
-    _mm256_storeu_pd(to, _mm256_permute2f128_pd(even_ab, even_cd, 0x20));
-    _mm256_storeu_pd(to + ld_to, _mm256_permute2f128_pd(odd_ab, odd_cd, 0x20));
-    _mm256_storeu_pd(to + 2 * ld_to, _mm256_permute2f128_pd(even_ab, even_cd, 0x31));
-    _mm256_storeu_pd(to + 3 * ld_to, _mm256_permute2f128_pd(odd_ab, odd_cd, 0x31));
   }
 };
 

@@ -28,6 +28,25 @@ struct HybridCourse {
     for (sfdae_solver*& solver : solvers) EXPECT_EQ(sfdae_destroy(&solver), SFDAE_OK);
   }
 
+  // Modes with these equations, whose `user` is the number of the mode, an int.
+  void create(int n, sfdae_equations_function equations, int method) {
+    static const int numbers[] = {0, 1};
+    sfdae_options options;
+    sfdae_options_init(&options, sizeof options);
+    options.method = method;
+    options.rtol = options.atol = 1e-5;
+    sfdae_nonlinear_problem problem;
+    sfdae_nonlinear_problem_init(&problem, sizeof problem);
+    problem.num_equations = problem.num_unknowns = n;
+    problem.equations = equations;
+    EXPECT_EQ(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+    for (int k = 0; k < 2; ++k) {
+      problem.user = const_cast<int*>(&numbers[k]);
+      EXPECT_EQ(sfdae_create_nonlinear(&solvers[k], &problem, &options), SFDAE_OK);
+      EXPECT_EQ(sfdae_add_mode(hybrid, solvers[k], nullptr, nullptr), SFDAE_OK);
+    }
+  }
+
   // The test's own memory does not count.
   int save() {
     std::size_t length = 0;

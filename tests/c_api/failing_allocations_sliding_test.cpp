@@ -30,21 +30,7 @@ struct Course : HybridCourse {
   double x[2] = {1, 1}, S[6] = {}, dt[3] = {};
 
   explicit Course(int method) {
-    static const int sides[] = {0, 1};
-    sfdae_options options;
-    sfdae_options_init(&options, sizeof options);
-    options.method = method;
-    options.rtol = options.atol = 1e-5;
-    sfdae_nonlinear_problem problem;
-    sfdae_nonlinear_problem_init(&problem, sizeof problem);
-    problem.num_equations = problem.num_unknowns = 2;
-    problem.equations = toward;
-    EXPECT_EQ(sfdae_create_hybrid(&hybrid), SFDAE_OK);
-    for (int k = 0; k < 2; ++k) {
-      problem.user = const_cast<int*>(&sides[k]);
-      EXPECT_EQ(sfdae_create_nonlinear(&solvers[k], &problem, &options), SFDAE_OK);
-      EXPECT_EQ(sfdae_add_mode(hybrid, solvers[k], nullptr, nullptr), SFDAE_OK);
-    }
+    create(2, toward, method);
     EXPECT_EQ(sfdae_add_switch(hybrid, 0, 1, surface, nullptr, "along", nullptr), SFDAE_OK);
   }
 
