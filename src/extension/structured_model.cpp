@@ -8,6 +8,8 @@
 #include "expression/series.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/usual_units.h"
+#include "system/jet_coefficients.h"
 
 namespace sfdae::core {
 
@@ -15,6 +17,8 @@ namespace {
 
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 100.0;
+// Units of unknowns that are so far apart lead arrays astray, or may have done so (docs/decisions/84-units-of-blocks.md). By judgement.
+constexpr double far_apart = 65536.0, apart = 1024.0;
 
 }  // namespace
 
@@ -53,6 +57,26 @@ double StructuredModel::array_size() const {
   return static_cast<double>(classical_->n()) * (offsets.index_bound() + 1);
 }
 
+// At the guess.
+double StructuredModel::distance_of_units(const PointOfInterest& point) {
+  Jet jet;
+  jet.t = point.t;
+  jet.n = n();
+  jet.set_order(1);
+  std::copy_n(point.x, n(), jet.column(0));
+  if (point.xdot != nullptr) std::copy_n(point.xdot, n(), jet.column(1));
+  JetCoefficients source(problem_, jet, {});
+  try {
+    const UsualUnits usual = usual_units(source, point.t);
+    const std::vector<double>& units = usual.units.values();
+    const auto [smallest, largest] = std::minmax_element(units.begin(), units.end());
+    return units.empty() ? 1.0 : *largest / *smallest;
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    return 1.0;
+  }
+}
+
 bool StructuredModel::may_extend(const ModelOptions& options) {
   return options.structure == StructureUse::automatic && !options.for_adjoint && !options.analysis.by_svd &&
          options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
@@ -72,7 +96,8 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
   const bool is_required = options.structure == StructureUse::required || has_differences();
   if (is_required) demand_structure(options);
   const bool may_be_extended = is_required || may_extend(options);
-  const bool is_extended_first = is_required || (may_be_extended && array_size() >= least_array);
+  const bool is_extended_first =
+      is_required || (may_be_extended && (array_size() >= least_array || distance_of_units(point) > far_apart));
   if (is_extended_first) {
     try {
       analyze_extended(point, options, decisions);
@@ -87,7 +112,9 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
     else classical_->analyze(point, options, decisions);
   } catch (const Failure& failure) {
-    if (!may_be_extended || is_extended_first || failure.status() != SFDAE_RANK_UNCLEAR) throw;
+    if (!may_be_extended || is_extended_first) throw;
+    const bool is_led_astray = failure.status() == SFDAE_NO_CONSISTENT_VALUES && distance_of_units(point) > apart;
+    if (failure.status() != SFDAE_RANK_UNCLEAR && !is_led_astray) throw;
     if (!settle_doubt(point, options, decisions)) throw;
   }
 }

@@ -74,6 +74,8 @@ class StructuredModel final : public Model {
     return serves_nonlinear_ ? static_cast<Model&>(*nonlinear_) : *classical_;
   }
   bool may_extend(const ModelOptions& options);
+  // Of unknowns at the guess, the largest over the smallest (docs/decisions/06-units-of-unknowns.md).
+  double distance_of_units(const PointOfInterest& point);
   void analyze_extended(const PointOfInterest& point, const ModelOptions& options,
                         std::vector<RankDecision>& decisions);
   bool settle_doubt(const PointOfInterest& point, const ModelOptions& options, std::vector<RankDecision>& decisions);

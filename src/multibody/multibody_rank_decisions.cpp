@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/balanced_matrix.h"
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -46,6 +47,25 @@ RankDecision judge_matrix(ConstView matrix, Arena& arena) {
   scale.norm = std::max(max_abs(matrix), 1e-300);
   scale.dimension = matrix.cols;
   return decide_rank(work.data(), matrix.cols, matrix.cols + 1, scale);
+}
+
+// [M C^T; C 0], as it is.
+Matrix acceleration_matrix(const Matrix& M, const Matrix& C) {
+  const int nv = M.rows(), rank = C.rows();
+  Matrix K(nv + rank, nv + rank);
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nv; ++i) K(i, j) = M(i, j);
+    for (int k = 0; k < rank; ++k) K(nv + k, j) = K(j, nv + k) = C(k, j);
+  }
+  return K;
+}
+
+// The rank of M, if units of velocities and constraints make [M C^T; C 0] even and regular; -1: they do not. Masses and moments of
+// inertia of microsystems have sizes that only the joints between them explain.
+int rank_of_mass_in_balanced_units(Matrix K, int nv, RankDecision& decision, Arena& arena) {
+  Matrix unchanged(K.rows(), K.cols());
+  if (!is_regular_in_balanced_units(K, unchanged, decision) || !balance(K, unchanged)) return -1;
+  return judge_matrix(to_matrix(K.view().block(0, 0, nv, nv)), arena).rank;
 }
 
 }  // namespace
@@ -91,10 +111,11 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   Vector unit(index(nv + rank), 1.0);
   for (int j = 0; j < nv; ++j)
     unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), least_mass * mass, 1e-300}));
-  Matrix K(nv + rank, nv + rank), C(rank, nv);
+  Matrix K(nv + rank, nv + rank), C(rank, nv), C_as_it_is(rank, nv);
   for (int j = 0; j < nv; ++j) {
     for (int i = 0; i < nv; ++i) K(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
-    for (int k = 0; k < rank; ++k) C(k, j) = unit[index(j)] * point.terms.C(partition.rows[index(k)], j);
+    for (int k = 0; k < rank; ++k) C_as_it_is(k, j) = point.terms.C(partition.rows[index(k)], j);
+    for (int k = 0; k < rank; ++k) C(k, j) = unit[index(j)] * C_as_it_is(k, j);
   }
   const auto judge_with = [&](const Matrix& rows) {
     for (int k = 0; k < rank; ++k)
@@ -109,6 +130,10 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   decisions.push_back(decision);
   const bool has_mass = mass > 0.0 || rank == nv;
   if (decision.rank == nv + rank && has_mass) return rank_of_mass;
+  if (const int found =
+          rank_of_mass_in_balanced_units(acceleration_matrix(M, C_as_it_is), nv, decisions.back(), arena);
+      found >= 0 && has_mass)
+    return found;
   // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M
   // is left as the reason.
   const int missing = nv + rank - judge_with(orthonormal_rows(C, arena)).rank;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "linalg/index.h"
-#include "reduction/unit_fit.h"
+#include "linalg/unit_fit.h"
 
 namespace sfdae::core {
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "linalg/arena.h"
+#include "linalg/balanced_matrix.h"
 #include "linalg/dense.h"
 #include "linalg/random.h"
 #include "linalg/sparse_lu.h"
@@ -69,6 +70,16 @@ class DiagonalBlocks {
     Matrix J(size(number), size(number));
     entries_.for_each(number, [&](int row, int column, int e) { J(row, column) = values_[index(e)]; });
     return J;
+  }
+
+  // What `nearby`, values of all entries as well, differ by.
+  Matrix changes_of_block(int number, const std::vector<double>& nearby) {
+    Matrix changes(size(number), size(number));
+    if (nearby.empty()) return changes;
+    entries_.for_each(number, [&](int row, int column, int e) {
+      changes(row, column) = values_[index(e)] == 0.0 ? 0.0 : nearby[index(e)] - values_[index(e)];
+    });
+    return changes;
   }
 
   // Of a block of one equation.
@@ -156,7 +167,9 @@ class OrderedBlocks {
  public:
   double noise = 0.0;  // of entries; what is regular to an estimate of the condition is regular beyond it
 
-  RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
+  // nearby: entries at a point moved by its rounding errors.
+  RankDecision judge_block(DiagonalBlocks& diagonal, int block, const std::vector<double>& nearby, double t,
+                           double rank_tol) {
     const int size = diagonal.size(block);
     if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
     if (size > largest_dense_block && (rank_tol == 0.0 || rank_tol == noise)) {
@@ -165,7 +178,11 @@ class OrderedBlocks {
       const RankDecision decision = decision_on_large(block, pattern, std::move(of_block), t);
       if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
     }
-    return judge(diagonal.block(block), t, rank_tol);
+    RankDecision decision = judge(diagonal.block(block), t, rank_tol);
+    const bool is_regular = decision.verdict == Verdict::clear && decision.rank == size;
+    if (!is_regular && size <= largest_dense_block && rank_tol == 0.0)
+      is_regular_in_balanced_units(diagonal.block(block), diagonal.changes_of_block(block, nearby), decision);
+    return decision;
   }
 
  private:
@@ -219,7 +236,7 @@ bool StructureJudge::certify(TaylorEvaluator& evaluator, const CertifiedPoint& p
   certificate.blocks.clear();
   certificate.blocks.reserve(index(structure_.blocks.count()));
   for (int block = 0; block < structure_.blocks.count(); ++block) {
-    certificate.blocks.push_back(ordered_->judge_block(diagonal, block, point.t, rank_tol));
+    certificate.blocks.push_back(ordered_->judge_block(diagonal, block, nearby, point.t, rank_tol));
     certificate.blocks.back().subject = Subject::block;
     certificate.blocks.back().stage = block;
   }

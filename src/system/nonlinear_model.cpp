@@ -18,6 +18,7 @@
 #include "system/nonlinear_jump.h"
 #include "system/nonlinear_sensitivities.h"
 #include "system/nonlinear_values.h"
+#include "system/structural_contradiction.h"
 
 namespace sfdae::core {
 
@@ -71,6 +72,7 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
     return;
   try {
     system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
+    demand_agreement();
     return;
   } catch (const Failure& failure) {
     if (problem_->differentiations().empty() || failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
@@ -88,7 +90,10 @@ bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const M
   try {
     const bool keeps = options.request_at(point.x).differentiated_stay();
     system_ = analyzed_near(options.analysis_by_precedent(), point, options, keeps, decisions);
-    if (certifies_structure() && moves_least(point, options)) return true;
+    if (certifies_structure() && moves_least(point, options)) {
+      demand_agreement();
+      return true;
+    }
   } catch (const Failure& failure) {
     if (is_final(failure)) {
       give_up_structure();
@@ -101,6 +106,15 @@ bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const M
   give_up_structure();
   decisions.clear();
   return false;
+}
+
+// Of the array with the structure.
+void NonlinearModel::demand_agreement() {
+  const std::string contradiction = contradiction_of_structure(
+      *problem_, system_->accepted_jet(), system_->analysis().values, system_->settings().rank_tol);
+  if (contradiction.empty()) return;
+  forget_system();
+  throw Failure(SFDAE_RANK_UNCLEAR, contradiction);
 }
 
 void NonlinearModel::give_up_structure() {

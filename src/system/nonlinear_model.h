@@ -70,6 +70,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                             const ModelOptions& options, std::vector<RankDecision>& decisions);
   bool analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions);
+  void demand_agreement();
   void give_up_structure();
   bool certifies_structure();
   // Of what is differentiated, from the guess to the point of the analysis, in tolerances.

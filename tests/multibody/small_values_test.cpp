@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "pendulum.h"
 
@@ -121,6 +123,70 @@ TEST_P(SmallValues, NothingMoves) {
   ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
   EXPECT_NEAR(run.x[0], 0.0, 1e-14);
   EXPECT_NEAR(run.x[1], 1.0, 1e-14);
+}
+
+// A bar of a microsystem that hangs by one end, (x, y, angle), each in a unit of its own: its moment of inertia, 8e-21 kg m2, beside a
+// mass of 1e-9 kg is no zero.
+struct Bar {
+  double length = 1e-5, mass = 1e-9;
+  double unit[3] = {1.0, 1.0, 1.0};
+  double half_cos(const double* q) const { return 0.5 * length * std::cos(unit[2] * q[2]); }
+  double half_sin(const double* q) const { return 0.5 * length * std::sin(unit[2] * q[2]); }
+
+  sfdae_multibody_problem problem() {
+    sfdae_multibody_problem result = multibody_problem_of(3, 2);
+    result.user = this;
+    result.mass = [](double, const double*, double* M, void* user) {
+      const Bar& bar = *static_cast<Bar*>(user);
+      const double masses[] = {bar.mass, bar.mass, bar.mass * bar.length * bar.length / 12.0};
+      for (int i = 0; i < 3; ++i) M[4 * i] = bar.unit[i] * bar.unit[i] * masses[i];
+      return 0;
+    };
+    result.forces = [](double, const double*, const double*, double* f, void* user) {
+      const Bar& bar = *static_cast<Bar*>(user);
+      f[1] = -bar.unit[1] * bar.mass * 9.81;
+      return 0;
+    };
+    result.constraints = [](double, const double* q, double* g, void* user) {
+      const Bar& bar = *static_cast<Bar*>(user);
+      g[0] = bar.unit[0] * q[0] - bar.half_cos(q);
+      g[1] = bar.unit[1] * q[1] - bar.half_sin(q);
+      return 0;
+    };
+    result.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+      const Bar& bar = *static_cast<Bar*>(user);
+      g_q[0] = bar.unit[0];
+      g_q[3] = bar.unit[1];
+      g_q[4] = bar.unit[2] * bar.half_sin(q);
+      g_q[5] = -bar.unit[2] * bar.half_cos(q);
+      return 0;
+    };
+    return result;
+  }
+};
+
+TEST_P(SmallValues, MomentsOfInertiaOfMicrosystemsCount) {
+  for (const double other : {1.0, 1e-3, 1e3})
+    for (const double other_angle : {1.0, 1e-3, 1e3}) {
+      Bar bar{.unit = {1.0, other, other_angle}};
+      const double T = std::sqrt(bar.length / 9.81), angle = -1.0;
+      const double sizes[] = {bar.length, bar.length / other, 1.0 / other_angle};
+      const double force = bar.mass * 9.81;
+      std::vector<double> q = {0.5 * bar.length * std::cos(angle), 0.5 * bar.length * std::sin(angle) / other,
+                               angle / other_angle},
+                          atol(8, 1e-8 * force);
+      for (int i = 0; i < 3; ++i)
+        atol[std::size_t(i)] = 1e-8 * sizes[i], atol[std::size_t(3 + i)] = 1e-8 * sizes[i] / T;
+      sfdae_options options = options_of(GetParam(), 1e-8);
+      options.atol_vector = atol.data();
+      MultibodyRun run(bar.problem(), options);
+      ASSERT_GE(run.start(0.0, 3.0 * T, q), SFDAE_OK) << run.message();
+      ASSERT_EQ(run.advance(3.0 * T), SFDAE_OK) << run.message();
+      // Its energy, m l^2 / 6 angle'^2 + m g l / 2 sin(angle), in m g l.
+      const double theta = other_angle * run.x[2], speed = other_angle * run.x[5] * T;
+      EXPECT_NEAR(speed * speed / 6.0 + 0.5 * std::sin(theta), 0.5 * std::sin(angle), 1e-6)
+          << other << ' ' << other_angle;
+    }
 }
 
 // M = 0 and q = sin t by a constraint: lambda is the force, 3.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exponents of units by weighted least squares: checked by what defines them.
-#include "reduction/unit_fit.h"
+#include "linalg/unit_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Exponents of units that bring the entries of E x' = A x near one.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduction/unit_fit.h"
+#include "linalg/unit_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,83 @@
+// Matrices in balanced units.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/balanced_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/dense.h"
+#include "linalg/equilibration.h"
+#include "linalg/unit_fit.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// What is left of the sizes of entries, log2, after units have explained what they can.
+constexpr double similar_size = 12.0;
+// Pivots below that, in such units, are useless for steps even if they are certain (docs/decisions/32-certificates.md).
+constexpr double useful_pivot = 1e-10;
+
+// A single matrix leaves no unit of time.
+constexpr std::size_t only = 1;
+
+EntrySizes sizes_of(const Matrix& J) {
+  EntrySizes sizes(J.rows(), J.cols());
+  EntrySizes::Block& entries = sizes.blocks[only];
+  for (int j = 0; j < J.cols(); ++j)
+    for (int i = 0; i < J.rows(); ++i) {
+      if (J(i, j) == 0.0) continue;
+      entries.bits(i, j) = std::log2(std::fabs(J(i, j)));
+      entries.counts(i, j) = 1.0;
+    }
+  return sizes;
+}
+
+int rounded(double exponent) { return static_cast<int>(std::lround(exponent)); }
+
+}  // namespace
+
+bool balance(Matrix& J, Matrix& changes) {
+  const EntrySizes sizes = sizes_of(J);
+  UnitExponents units(J.rows(), J.cols());
+  fit_squares(sizes, units);
+  const EntrySizes::Block& entries = sizes.blocks[only];
+  for (int j = 0; j < J.cols(); ++j)
+    for (int i = 0; i < J.rows(); ++i)
+      if (entries.counts(i, j) > 0.0 &&
+          !(std::fabs(entries.bits(i, j) + units.sum_at(entries, i, j)) <= similar_size))
+        return false;
+  // Powers of two: rounding errors of anything else would hide that rows depend on each other.
+  for (int j = 0; j < J.cols(); ++j)
+    for (int i = 0; i < J.rows(); ++i) {
+      const int exponent = rounded(units.rows[index(i)]) + rounded(units.unknowns[index(j)]);
+      J(i, j) = times_power_of_two(J(i, j), exponent);
+      changes(i, j) = times_power_of_two(changes(i, j), exponent);
+    }
+  return true;
+}
+
+bool is_regular_in_balanced_units(Matrix J, Matrix changes, RankDecision& decision) {
+  if (!balance(J, changes)) return false;
+  const int size = J.rows();
+  Arena arena;
+  std::vector<int> pivots(index(size));
+  std::vector<double> tau(index(size));
+  factor_qr_pivoted(J, pivots.data(), tau.data(), arena);
+  const RankScale scale{
+      .noise = std::max(unit_roundoff, max_abs(changes)), .norm = std::fabs(J(0, 0)), .dimension = size};
+  RankDecision found = decide_rank(J.data(), size, size + 1, scale);
+  if (found.rank < size || found.verdict != Verdict::clear || !(found.kept >= useful_pivot)) return false;
+  found.t = decision.t;
+  found.level = decision.level;
+  found.stage = decision.stage;
+  found.subject = decision.subject;
+  found.rows = found.cols = size;
+  decision = found;
+  return true;
+}
+
+}  // namespace sfdae::core
