@@ -9,6 +9,7 @@
 
 #include "linalg/index.h"
 #include "linalg/random.h"
+#include "reduction/known_rank_elimination.h"
 
 namespace sfdae::core {
 
@@ -136,6 +137,35 @@ LockstepMatrix stack(const LockstepMatrix& one, int rows_of_one, const LockstepM
   return all;
 }
 
+// Eliminations of one certificate: ranks are found, or come from a list one after the other.
+class Eliminations {
+ public:
+  Eliminations(const CertificateSettings& settings, Significance& significance)
+      : settings_(settings), significance_(significance) {}
+
+  bool has_suggestions() const { return settings_.suggested != nullptr; }
+  // known: pivots that are no decision of this elimination. Where there is none to make the rank is known.
+  int run(LockstepMatrix& matrix, int width, int known = 0, bool decides = true,
+          ZeroScale scale = ZeroScale::whole_rows) {
+    if (!has_suggestions()) return matrix.eliminate(width, significance_, settings_.rank_tol, scale);
+    const int rank = known + (decides ? next() : 0), most = std::min(matrix.rows(), width);
+    eliminate_with_rank(matrix, width, rank, significance_, scale);
+    return std::min(rank, most);
+  }
+
+ private:
+  int next() {
+    const RankSequence& list = *settings_.suggested;
+    if (used_ < list.count) return list.rank[used_++];
+    significance_.weakest = 0.0;
+    return 0;
+  }
+
+  const CertificateSettings& settings_;
+  Significance& significance_;
+  std::size_t used_ = 0;
+};
+
 }  // namespace
 
 const double* TrialPerturbations::first(std::size_t count) {
@@ -148,12 +178,14 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Certific
   const int n = data.n;
   const PerturbedData perturbed(data, level, settings.units, settings.omits_suspects, settings.random);
   CertifiedRanks found;
+  Eliminations eliminations(settings, found.significance);
   LockstepMatrix carried(0, (level + 1) * n);
   int diagonal_rank = 0, array_rank = 0;
   for (int i = level; i >= 0; --i) {
     const std::vector<int> rows = rows_of_level(data, i);
     if (i < level && data.has_last_rows(i)) {
-      diagonal_rank = rows_of_E(perturbed, rows).eliminate(n, found.significance, settings.rank_tol);
+      LockstepMatrix E = rows_of_E(perturbed, rows);
+      diagonal_rank = eliminations.run(E, n);
       found.list.add(diagonal_rank);
     }
     const int count = static_cast<int>(rows.size());
@@ -163,20 +195,21 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Certific
       for (int row = 0; row < carried.rows(); ++row) copy_entry(carried, row, j, &stage.at(count + row, j));
     // The first stage eliminates the block of the diagonal, and nothing else: it decides its rank as well.
     const ZeroScale scale = i == level ? ZeroScale::eliminated_columns : ZeroScale::whole_rows;
-    const int rank = stage.eliminate(n, found.significance, settings.rank_tol, scale);
-    if (i == level) found.list.add(diagonal_rank = rank);
+    const bool decides = i == level || (carried.rows() > 0 && diagonal_rank < n);
+    const int rank = eliminations.run(stage, n, diagonal_rank, decides, scale);
+    if (decides) found.list.add(rank - diagonal_rank);
+    if (i == level) diagonal_rank = rank;
     array_rank += rank;
-    if (carried.rows() > 0 && diagonal_rank < n) found.list.add(rank - diagonal_rank);
     carried = remainder(stage, rank, n);
   }
   found.ranks.rank_E = diagonal_rank;
   const int rows = carried.rows();
   LockstepMatrix constraints = std::move(carried);
-  const int a = constraints.eliminate(n, found.significance, settings.rank_tol);
+  const int a = eliminations.run(constraints, n, 0, rows > 0);
   if (rows > 0) found.list.add(a);
   LockstepMatrix E = stack(constraints, a, rows_of_E(perturbed, rows_of_level(data, 0)));
   E.normalize_rows();
-  const int d = E.eliminate(n, found.significance, settings.rank_tol) - a;
+  const int d = eliminations.run(E, n, a, a < n) - a;
   if (a < n) found.list.add(d);
   for (int rank : {diagonal_rank, array_rank}) found.list_by_svd.add(rank);
   if (rows > 0) found.list_by_svd.add(a);
@@ -224,6 +257,12 @@ int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units) {
           pencil.at(i, j, k) = lambda * perturbed.E(0).at(i, j, k) - perturbed.A(0).at(i, j, k);
     pencil.normalize_rows();
     Significance significance;
+    if (full >= large_problem) {
+      LockstepMatrix regular = pencil;
+      eliminate_with_rank(regular, data.n, full, significance);
+      if (significance.weakest > clear_significance) return full;
+      significance = {};
+    }
     const int rank = pencil.eliminate(data.n, significance);
     if (significance.weakest > clear_significance) largest = std::max(largest, rank);
   }

@@ -36,6 +36,9 @@ struct CertificateSettings {
   TrialPerturbations& random;
   bool omits_suspects = false;  // rounding errors among them count as zeros always
   double rank_tol = 0.0;        // > 0: the user decides, relative to the largest entry of each matrix judged
+  // What norms say, to be confirmed as it is (known_rank_elimination.h); null: all ranks are searched for. Every row has to be
+  // in every level.
+  const RankSequence* suggested = nullptr;
 };
 
 // data: in balanced units.

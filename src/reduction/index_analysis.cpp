@@ -11,6 +11,7 @@
 #include "reduction/balanced_units.h"
 #include "reduction/certificate.h"
 #include "reduction/jet_analysis.h"
+#include "reduction/known_rank_elimination.h"
 #include "reduction/two_point_analysis.h"
 #include "reduction/unclear_ranks.h"
 #include "reduction/usual_units.h"
@@ -89,10 +90,21 @@ class Analysis {
     return is_even_ || are_balanced(usual_, quick.time_scale, balanced());
   }
   bool is_clear_by_norms(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
+  bool agrees_in_balanced_units(IndexAnalysis& quick);
   bool is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
+  bool is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions);
-  bool redundancy_agrees(const IndexAnalysis& analysis);
+  // Units of the unknowns and rows that the time scale of an analysis belongs to, and what is suspicious in them.
+  struct Frame {
+    const Units& unknowns;
+    RowScaling rows;
+    const BalancedUnits& suspects;
+  };
+  bool redundancy_agrees(const IndexAnalysis& analysis) {
+    return redundancy_agrees(analysis, {balanced().unknowns, RowScaling::timed, balanced()});
+  }
+  bool redundancy_agrees(const IndexAnalysis& analysis, const Frame& frame);
   bool is_independent_of_suspects(const CharacteristicValues& values);
   [[noreturn]] void report_useless(const AnalysisOutcome& outcome);
   [[noreturn]] void report_unclear(const CharacteristicValues& certified);
@@ -190,10 +202,15 @@ IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optiona
   report_unclear(values);
 }
 
-// What norms say in the usual units decides, alone or with what they say in balanced ones.
+// What norms say in the usual units decides, alone or with what they say in balanced ones; else with a certificate.
 bool Analysis::is_clear_by_norms(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
-  if (balanced_ && balanced_->has_suspects) return false;
-  if (!are_clear_by_far(decisions, is_singular(quick.values))) return false;
+  const bool has_suspects = balanced_ && balanced_->has_suspects;
+  if (!has_suspects && are_clear_by_far(decisions, is_singular(quick.values)) && agrees_in_balanced_units(quick))
+    return true;
+  return is_confirmed_as_it_is(quick, decisions);
+}
+
+bool Analysis::agrees_in_balanced_units(IndexAnalysis& quick) {
   if (has_good_usual_units(quick)) return true;
   std::vector<RankDecision> others;
   const CharacteristicValues values = local_values(task_in_balanced_units(&others), place_.t);
@@ -224,6 +241,37 @@ bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDe
   return true;
 }
 
+// Where entries decay over many decades, as products of rotations do, balanced units are none in which large problems could be
+// judged. decisions: by norms, in the usual units. Those of level mu have to be clear by far, all others to have gaps and values
+// as wide; a certificate of level mu at t, in these units and with all small entries as values, confirms them rank by rank
+// (docs/decisions/82-starts-of-large-problems.md).
+bool Analysis::is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+  const CharacteristicValues& values = quick.values;
+  const bool is_large = std::max(problem_.m(), problem_.n()) >= large_problem;
+  if (!is_large || values.u > 0 || values.v > 0 || quick.v_hat > 0) return false;
+  if (settings_.by_svd || !problem_.differentiations().empty()) return false;
+  std::vector<RankDecision> at_mu;
+  RankSequence suggested;
+  for (const RankDecision& decision : decisions) {
+    if (decision.level != values.mu) continue;
+    at_mu.push_back(decision);
+    if (decision.t == place_.t && suggested.count < suggested.rank.size()) suggested.add(decision.rank);
+  }
+  if (!are_clear_by_far(at_mu, false) || smallest_gap(decisions) < gap_by_far ||
+      smallest_kept(decisions) < kept_by_far)
+    return false;
+  problem_.set_units(usual_);
+  SearchTask task{problem_, settings_, arena_};
+  task.certified = true;
+  task.suggested = &suggested;
+  const LevelResult found = IndexSearch(task, place_.t).determine_confirmed(values.mu);
+  if (!found.clear || !(found.known_ranks == suggested)) return false;
+  const BalancedUnits no_suspects;
+  if (!redundancy_agrees(quick, {usual_, quick.rows, no_suspects})) return false;
+  quick.distance = relative_distance(found.significance);
+  return true;
+}
+
 // What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels,
 // whose rounding errors grow beyond what is perturbed.
 bool Analysis::outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
@@ -245,17 +293,17 @@ bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecis
 
 // u and v, from one matrix without a chain of decisions: of coefficients that are constant as far as the level mu can
 // see, from lambda E - A; else from the rows of the array.
-bool Analysis::redundancy_agrees(const IndexAnalysis& analysis) {
+bool Analysis::redundancy_agrees(const IndexAnalysis& analysis, const Frame& frame) {
   const CharacteristicValues& values = analysis.values;
   TaylorData data;
-  problem_.set_units(balanced().unknowns);
+  problem_.set_units(frame.unknowns);
   const CallbackError error =
-      problem_.evaluate(place_.t, {values.mu, values.mu, -1}, analysis.time_scale, data, RowScaling::timed);
+      problem_.evaluate(place_.t, {values.mu, values.mu, -1}, analysis.time_scale, data, frame.rows);
   if (error.status != SFDAE_OK) error.raise();
   bool is_constant = true;
   for (int k = 1; k <= values.mu; ++k) is_constant = is_constant && data.is_zero_E(k) && data.is_zero_A(k);
-  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, balanced());
-  const int rank = clear_pencil_rank(data, balanced());
+  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, frame.suspects);
+  const int rank = clear_pencil_rank(data, frame.suspects);
   return rank == problem_.n() - values.u && rank == problem_.m() - values.v;
 }
 

@@ -64,8 +64,10 @@ LevelResult IndexSearch::determine(int level, double time_scale) {
 LevelResult IndexSearch::certify(int level) {
   evaluate(level, task_.settings.time_scale);
   TrialPerturbations& random = task_.perturbations != nullptr ? *task_.perturbations : perturbations_;
+  const BalancedUnits no_suspects;
+  const BalancedUnits& units = task_.units != nullptr ? *task_.units : no_suspects;
   const CertifiedRanks certified =
-      certified_ranks(data_, level, {*task_.units, random, task_.omits_suspects, task_.settings.rank_tol});
+      certified_ranks(data_, level, {units, random, task_.omits_suspects, task_.settings.rank_tol, task_.suggested});
   LevelResult found;
   found.ranks = certified.ranks;
   found.time_scale = data_.time_scale;

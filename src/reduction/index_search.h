@@ -43,6 +43,8 @@ struct SearchTask {
   bool omits_suspects = false;
   // What certificates perturb data by, to be made once for several searches; may be null.
   TrialPerturbations* perturbations = nullptr;
+  // Of the level that is asked for, by norms: certificates confirm these ranks, or say that they are not clear.
+  const RankSequence* suggested = nullptr;
 };
 
 // What a search leads to.

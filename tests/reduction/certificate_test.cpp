@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -229,6 +230,33 @@ TEST(Certificate, RoundingErrorsInPlaceOfZerosAreZeros) {
   EXPECT_EQ(describe(analyze(p).values), right);
   p.e(2, 2) = 1e-14;
   EXPECT_EQ(analyze(p).status, SFDAE_RANK_UNCLEAR);
+}
+
+// x1' = -x1, x1 = s x2, x2 = s x3: d = 1 rests on E T2 = s^2 = 1e-28, which norms take for zero, in any units of the user. Ranks
+// that are suggested without it are not confirmed, nor those of other decisions.
+TEST(Certificate, SuggestedRanksThatLoseExactValuesAreNotConfirmed) {
+  const double s = 1e-14;
+  Pencil p(3);
+  p.e(0, 0) = 1.0, p.a(0, 0) = -1.0;
+  p.a(1, 0) = p.a(2, 1) = 1.0, p.a(1, 1) = p.a(2, 2) = -s;
+  LinearProblem problem(p.functions());
+  TaylorData data;
+  ASSERT_EQ(problem.evaluate(0.0, {0, 0, -1}, 1.0, data).status, SFDAE_OK);
+  const BalancedUnits units;
+  TrialPerturbations random;
+  const auto certified = [&](std::initializer_list<int> ranks) {
+    RankSequence suggested;
+    for (int rank : ranks) suggested.add(rank);
+    CertificateSettings settings{units, random};
+    settings.suggested = &suggested;
+    return certified_ranks(data, 0, settings);
+  };
+  const CertifiedRanks right = certified({1, 2, 1});
+  EXPECT_TRUE(right.significance.is_clear());
+  EXPECT_EQ(right.ranks.a, 2);
+  EXPECT_EQ(right.ranks.d, 1);
+  for (const auto& ranks : {std::initializer_list<int>{1, 2, 0}, {1, 1, 1}, {0, 2, 1}, {1, 2}, {2, 1, 1}, {1, 2, 2}})
+    EXPECT_FALSE(certified(ranks).significance.is_clear()) << *ranks.begin() << ", " << *(ranks.end() - 1);
 }
 
 // The pencil diag(lambda + 1, 0) has rank 1 for every lambda, [lambda 1; 1 0] rank 2.

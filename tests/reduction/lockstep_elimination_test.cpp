@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "linalg/random.h"
+#include "reduction/known_rank_elimination.h"
 
 namespace sfdae::core {
 
@@ -167,6 +168,72 @@ TEST(LockstepElimination, FindsRanksOfLargeMatricesInParts) {
       EXPECT_EQ(rest.eliminate(rest.cols(), significance), rank - first) << rows << ", " << width;
       EXPECT_TRUE(significance.is_clear()) << rows << ", " << width;
     }
+}
+
+namespace {
+
+// Rows from `top` and columns from `first` on.
+LockstepMatrix rest_of(const LockstepMatrix& matrix, int top, int first) {
+  LockstepMatrix rest(matrix.rows() - top, matrix.cols() - first);
+  for (int i = 0; i < rest.rows(); ++i)
+    for (int j = 0; j < rest.cols(); ++j)
+      for (int k = 0; k < LockstepMatrix::versions; ++k) rest.at(i, j, k) = matrix.at(top + i, first + j, k);
+  rest.normalize_rows();
+  return rest;
+}
+
+Significance with_rank(const Rows& rows, int width, int rank) {
+  LockstepMatrix matrix = perturbed(rows);
+  Significance significance;
+  eliminate_with_rank(matrix, width, rank, significance);
+  return significance;
+}
+
+}  // namespace
+
+// A rank that is suggested is confirmed where it is right, in all parts, and in doubt where it is too small or too large.
+TEST(KnownRankElimination, ConfirmsRightRanksAlone) {
+  for (int rows : {7, 16, 40, 70})
+    for (int width : {3, 12, 33}) {
+      const int rank = std::min(rows, 51) - 2, cols = 60, first = std::min(width, rank);
+      const Rows product = random_rows(rows, cols, rank, static_cast<unsigned>(rows + width));
+      LockstepMatrix matrix = perturbed(product);
+      Significance significance;
+      eliminate_with_rank(matrix, width, first, significance);
+      EXPECT_TRUE(significance.is_clear()) << rows << ", " << width;
+      LockstepMatrix rest = rest_of(matrix, first, width), searched = rest;
+      Significance of_rest, of_search;
+      eliminate_with_rank(rest, rest.cols(), rank - first, of_rest);
+      EXPECT_TRUE(of_rest.is_clear()) << rows << ", " << width;
+      EXPECT_EQ(searched.eliminate(searched.cols(), of_search), rank - first) << rows << ", " << width;
+      EXPECT_FALSE(with_rank(product, cols, rank - 1).is_clear()) << rows << ", " << width;
+      EXPECT_FALSE(with_rank(product, cols, rank + 1).is_clear()) << rows << ", " << width;
+      EXPECT_FALSE(with_rank(product, width, width + 1).is_clear()) << rows << ", " << width;
+    }
+}
+
+// What norms do not see: an entry of 1e-30 that stands alone, and 1e-14 times 1e-14 behind a chain of eliminations.
+TEST(KnownRankElimination, SeesExactSmallValues) {
+  const Rows alone = {{1.0, 0.0}, {1.0, 1e-30}};
+  EXPECT_TRUE(with_rank(alone, 2, 2).is_clear());
+  EXPECT_FALSE(with_rank(alone, 2, 1).is_clear());
+  const double s = 1e-14;
+  const Rows chain = {{1.0, -s, 0.0}, {0.0, 1.0, -s}, {1.0, 0.0, 0.0}};
+  EXPECT_TRUE(with_rank(chain, 3, 3).is_clear());
+  EXPECT_FALSE(with_rank(chain, 3, 2).is_clear());
+}
+
+// The columns beside stay where they are, above and below, and rows without values become zero.
+TEST(KnownRankElimination, CarriesTheRest) {
+  LockstepMatrix matrix = perturbed({{2.0, 0.0, 1.0}, {4.0, 0.0, 5.0}, {0.4, 0.0, 0.5}});
+  Significance significance;
+  eliminate_with_rank(matrix, 2, 1, significance);
+  EXPECT_EQ(matrix.at(0, 0), 4.0);
+  EXPECT_EQ(matrix.at(0, 2), 5.0);
+  std::vector<double> rest = {matrix.at(1, 2), matrix.at(2, 2)};
+  std::sort(rest.begin(), rest.end());
+  EXPECT_EQ(rest, (std::vector<double>{-1.5, 0.0}));
+  for (int k = 0; k < LockstepMatrix::versions; ++k) EXPECT_EQ(matrix.at(1, 2, k) * matrix.at(2, 2, k), 0.0);
 }
 
 TEST(LockstepElimination, InstructionSetsGiveTheSameBits) {
