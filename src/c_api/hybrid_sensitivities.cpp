@@ -268,6 +268,35 @@ CallResult values_after(sfdae_hybrid& hybrid, const sfdae_transition& given, dou
   return status < 0 ? of_mode(hybrid, given.to, status) : CallResult{};
 }
 
+// The derivatives of the values after a jump by impulses along the directions of run.moved, which they replace, from its equations. False
+// where these do not say them.
+CallResult differentiate_jump(sfdae_hybrid& hybrid, const sfdae_transition& given, bool& is_found) {
+  HybridRun& run = hybrid.run;
+  sfdae_solver* solver = hybrid.modes[index(given.to)].solver;
+  const int rows = solver->model.n(), count = static_cast<int>(run.shifts.size());
+  Matrix after(rows, count);
+  is_found = false;
+  const int status = guarded(solver, [&]() -> CallResult {
+    const UserTime user_time(solver->problem(), run.t);
+    const View moved{run.moved.data(), rows, count, std::max(hybrid.width(), 1)};
+    const MovingJump moving{run.t,
+                            toward_from(run),
+                            run.before.data(),
+                            run.after.data(),
+                            solver->sensitivities->parameters,
+                            run.shifts.data(),
+                            moved};
+    try {
+      is_found = solver->model.differentiate_jump(moving, solver->options.model, after);
+    } catch (const Failure& failure) {
+      if (ends_everything(failure.status())) throw;
+    }
+    if (is_found) copy(after, moved);
+    return {};
+  });
+  return status < 0 ? of_mode(hybrid, given.to, status) : CallResult{};
+}
+
 // Whatever columns there were of transitions.
 bool asks_for_the_same(const SensitivityRequest& asked, const SensitivityRequest& wanted) {
   const auto end = asked.parameters.end() - asked.num_of_values;
@@ -346,16 +375,22 @@ CallResult carry_over(sfdae_hybrid& hybrid, const sfdae_transition& given) {
   sfdae_solver& solver = *hybrid.modes[index(given.to)].solver;
   match_columns(hybrid, *solver.sensitivities);
   const std::size_t n = index(hybrid.n()), rows = index(solver.model.n()), stride = index(hybrid.width());
+  // The part of a mode, where there is one, is found anew.
+  for (std::size_t j = 0; j < run.shifts.size(); ++j)
+    std::fill(run.moved.data() + j * stride + n, run.moved.data() + (j + 1) * stride, 0.0);
+  if (given.jump == nullptr) {
+    bool is_found = false;
+    CallResult result = differentiate_jump(hybrid, given, is_found);
+    if (is_found || result.status < 0) return result;
+  }
   Vector sizes = sizes_of(solver.options.model.tolerances, run.before, rows);
   const Vector sizes_after = sizes_of(solver.options.model.tolerances, run.after, rows);
   for (std::size_t i = 0; i < rows; ++i) sizes[i] = std::max(sizes[i], sizes_after[i]);
-  // The part of a mode, where there is one, is found anew.
   const Vector sizes_before(sizes.begin(), sizes.begin() + hybrid.n());
   Vector here;
   for (std::size_t j = 0; j < run.shifts.size(); ++j) {
     const int parameter = given.jump == nullptr ? solver.sensitivities->parameters[j] : -1;
     double* const D = run.moved.data() + j * stride;
-    std::fill(D + n, D + stride, 0.0);
     const double pace = speed(D, sizes_before);
     double others = std::fabs(run.shifts[j]) / run.time_before;
     if (parameter >= 0) {

@@ -265,6 +265,20 @@ Model& StructuredModel::whole() {
   return *classical_;
 }
 
+// Linear equations as nonlinear ones.
+bool StructuredModel::differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) {
+  if (!owned_) return whole().differentiate_jump(moving, options, after);
+  make_nonlinear();
+  if (nonlinear_->system() == nullptr) {
+    ModelOptions plain = options_;
+    plain.structure = StructureUse::off;
+    plain.for_sensitivities = true;
+    std::vector<RankDecision> decisions;
+    nonlinear_->analyze({moving.t, moving.toward, moving.after}, plain, decisions);
+  }
+  return nonlinear_->differentiate_jump(moving, options, after);
+}
+
 Model& StructuredModel::same_whole() {
   Model& model = whole();
   const CharacteristicValues &of_array = model.system()->analysis().values, &own = system()->analysis().values;

@@ -58,6 +58,7 @@ class StructuredModel final : public Model {
   Jump jump(const PointOfInterest& point, const ModelOptions& options) override {
     return whole().jump(point, options);
   }
+  bool differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) override;
   Jet jet_through(double t, const double* x, int level) override { return whole().jet_through(t, x, level); }
   DerivativeArray derivative_array(const Jet& jet, int level) override {
     return whole().derivative_array(jet, level);

@@ -26,25 +26,6 @@ constexpr double contradiction = 1e-7;
 // Of the largest of theta: what is added up in an equation is measured by that at least. (Chosen.)
 constexpr double negligible = 1e-4;
 
-// C := the block E_{j-p} + A_{j-p-1} / j, zero at first.
-void add_block(const TaylorData& data, int p, int j, View C) {
-  const auto add = [&](double s, ConstView from) {
-    for (int col = 0; col < from.cols; ++col)
-      for (int row = 0; row < from.rows; ++row) C(row, col) += s * from(row, col);
-  };
-  if (j - p <= data.orders.E) add(1.0, data.E(j - p));
-  if (j > p && j - p - 1 <= data.orders.A) add(1.0 / j, data.A(j - p - 1));
-}
-
-// Rows p = 0, ..., mu of the equations, columns theta_1, ..., theta_mu.
-Matrix impulse_columns(const TaylorData& data, int mu) {
-  const int m = data.m, n = data.n;
-  Matrix C((mu + 1) * m, mu * n);
-  for (int p = 0; p <= mu; ++p)
-    for (int j = std::max(p, 1); j <= mu; ++j) add_block(data, p, j, C.view().block(p * m, (j - 1) * n, m, n));
-  return C;
-}
-
 // The unknowns: z, then those of theta_1, ..., theta_mu that are no inputs.
 struct Unknowns {
   explicit Unknowns(const ImpulseEquations& of) : z(of.point.form.unknowns()) {
@@ -133,6 +114,24 @@ void demand_solution(const TaylorData& data, int mu, ConstView theta, double rou
 
 }  // namespace
 
+void add_impulse_block(const TaylorData& data, int p, int j, View C) {
+  const auto add = [&](double s, ConstView from) {
+    for (int col = 0; col < from.cols; ++col)
+      for (int row = 0; row < from.rows; ++row) C(row, col) += s * from(row, col);
+  };
+  if (j - p <= data.orders.E) add(1.0, data.E(j - p));
+  if (j > p && j - p - 1 <= data.orders.A) add(1.0 / j, data.A(j - p - 1));
+}
+
+Matrix impulse_columns(const TaylorData& data, int mu) {
+  const int m = data.m, n = data.n;
+  Matrix C((mu + 1) * m, mu * n);
+  for (int p = 0; p <= mu; ++p)
+    for (int j = std::max(p, 1); j <= mu; ++j)
+      add_impulse_block(data, p, j, C.view().block(p * m, (j - 1) * n, m, n));
+  return C;
+}
+
 double rounding_of_impulses(const ConstrainedPoint& point, double size) {
   // Two digits of room for errors of the directions; never more than that. (Chosen.)
   constexpr double room = 1e2, least = 1e-12, most = 1e-8;
@@ -147,7 +146,7 @@ Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta, do
     Vector left(index(m), 0.0), size(index(m), 0.0);
     for (int j = p; j <= mu; ++j) {
       Matrix block(m, n);
-      add_block(data, p, j, block);
+      add_impulse_block(data, p, j, block);
       for (int col = 0; col < n; ++col)
         for (int row = 0; row < m; ++row) {
           left[index(row)] += block(row, col) * theta(col, j);

@@ -33,6 +33,16 @@ struct Jump {
   Matrix impulses;        // n x mu: xi_0, xi_1, ...
 };
 
+// A jump and directions in which it moves, in the user's units.
+struct MovingJump {
+  double t, toward;
+  const double *before, *after;  // n values
+  std::vector<int> parameters;   // for each direction that of this number moves by 1, -1: none
+  const double* shifts;          // of t
+  ConstView moved;               // of the values before, n x directions
+  int directions() const { return moved.cols; }
+};
+
 // Components that are functions of time: they have no impulses. values: what they are after the jump, as changes of the
 // point that the constraints belong to, where its form does not know of them; else empty.
 struct InputsAfter {
@@ -56,6 +66,11 @@ double rounding_of_impulses(const ConstrainedPoint& point, double size);
 // before: x-, in the user's units, as the result. theta, if not null: in scaled units, n x (mu + 1). Throws Failure:
 // SFDAE_NO_CONSISTENT_VALUES where the equations do not determine x+, or there is none.
 Jump jump_by_impulses(const ImpulseEquations& equations, const std::vector<double>& before, Matrix* theta = nullptr);
+
+// C += the block E_{j-p} + A_{j-p-1} / j.
+void add_impulse_block(const TaylorData& data, int p, int j, View C);
+// Rows p = 0, ..., mu of the equations, columns theta_1, ..., theta_mu.
+Matrix impulse_columns(const TaylorData& data, int mu);
 
 // What is left of the equations above for these theta and the coefficients of another point, beyond rounding errors and
 // relative to what is added up in each: mu + 1 blocks of m rows.

@@ -47,6 +47,24 @@ double LinearizedConstraints::move_by(Vector dx, Jet& jet) {
   return size > 0.0 ? largest / size : largest;
 }
 
+bool LinearizedConstraints::find_particular(ConstView f, const double* sizes, View dx) {
+  // Relative to f; far above rounding errors. (Chosen.)
+  constexpr double contradiction = 1e-7;
+  Vector transformed(index(f.rows) + 1);
+  bool agree = true;
+  for (int j = 0; j < f.cols; ++j) {
+    for (int k = 0; k <= data_.orders.f; ++k)
+      std::copy_n(f.column(j) + index(k) * index(data_.m), data_.m, data_.f(k));
+    data_.least_norm_f = data_.norm(data_.orders.f) * sizes[j];
+    elimination_.transform(f.column(j), transformed.data(), arena_);
+    form_.replace_rhs(data_, transformed.data(), {}, arena_, RightHandSides::constraints);
+    agree = agree && form_.inconsistency() <= contradiction;
+    std::copy_n(form_.xp(), form_.n, dx.column(j));
+  }
+  data_.least_norm_f = 0.0;
+  return agree;
+}
+
 Vector LinearizedConstraints::violation() const {
   Vector change(form_.xp(), form_.xp() + form_.n);
   units_.outward(change.data());

@@ -161,6 +161,9 @@ class Model {
   // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis; nothing
   // of an integration is disturbed. Throws Failure.
   virtual Jump jump(const PointOfInterest& point, const ModelOptions& options) = 0;
+  // How the values after such a jump move, n x directions, by its equations. False where they do not say it: then jumps that are moved
+  // have to. Throws Failure.
+  virtual bool differentiate_jump(const MovingJump&, const ModelOptions&, View /*after*/) { return false; }
 
   // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is
   // disturbed. All throw Failure, and all but the array need an analysis.

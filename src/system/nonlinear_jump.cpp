@@ -26,26 +26,8 @@ constexpr double most_growth = 2.0, shortest = 1e-3;
 // (Chosen.)
 constexpr double same_factors = 1e-6;
 
-// All rows of the equations at a jet, whatever the structure leaves out in the array.
-TaylorData coefficients_at(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
-                           const std::vector<double>* rows) {
-  const int mu = known.analysis.values.mu;
-  const bool follows = problem.follows_structure();
-  problem.follow_structure(false);
-  TaylorData data;
-  const NonlinearProblem::Scaling scaling{
-      known.analysis.time_scale, rows != nullptr ? RowScaling::given : known.analysis.rows, rows, &known.units};
-  const CallbackError error = problem.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data);
-  problem.follow_structure(follows);
-  if (error.status != SFDAE_OK) error.raise();
-  return data;
-}
-
-struct Found {
+struct Found : JumpPoint {
   Jump jump;
-  Matrix theta;
-  Jet jet;
-  TaylorData data;
   double rounding = 0.0;  // in the equations of impulses
 };
 
@@ -83,7 +65,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     if (!constraints.has_known_ranks()) break;
     InputsAfter inputs{problem.prescribed(), {}};
     for (int i : problem.prescribed()) inputs.values.push_back(inputs_after[index(i)] - found.jet.x[index(i)]);
-    found.data = coefficients_at(problem, known, found.jet, nullptr);
+    found.data = coefficients_of_jump(problem, known, found.jet, nullptr, {mu, mu, mu});
     const ConstrainedPoint point = constraints.point();
     double size = constraints.size_of(found.jet);
     for (int i = 0; i < found.jet.n; ++i) size = std::max(size, std::fabs(before[index(i)]) / known.units[i]);
@@ -115,41 +97,19 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
           start.t));
 }
 
-// The jet after the jump with x anywhere between both sides (part 0: before, 1: after), or far off where there are
-// impulses, and with other derivatives: those of a smooth course that takes a while.
-Jet jet_aside(const LinearizedConstraints::Known& known, const Found& found, double part, double strength) {
-  Jet jet = found.jet;
-  const int n = jet.n;
-  double largest = 0.0;
-  for (int i = 0; i < n; ++i)
-    largest = std::max({largest, std::fabs(jet.x[index(i)]) / known.units[i], std::fabs(found.theta(i, 0))});
-  const double tau = found.data.time_scale;
-  for (int i = 0; i < n; ++i) {
-    const double unit = known.units[i];
-    jet.column(0)[i] -= (1.0 - part) * unit * found.theta(i, 0);
-    for (int k = 1; k < found.theta.cols(); ++k) jet.column(0)[i] += strength * unit * found.theta(i, k);
-    double scale = strength * unit * (largest > 0.0 ? largest : 1.0);
-    for (int k = 1; k <= jet.order; ++k) {
-      scale /= tau;
-      // Any numbers, different for all.
-      jet.column(k)[i] += scale * std::sin(1.0 + 2.3 * i + 5.1 * k + 7.7 * part);
-    }
-  }
-  return jet;
-}
-
 // False where the equations cannot be evaluated there.
 bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found,
                       const Jet& jet, int& row) {
+  const int mu = known.analysis.values.mu;
   TaylorData data;
   try {
-    data = coefficients_at(problem, known, jet, &found.data.row_scale);
+    data = coefficients_of_jump(problem, known, jet, &found.data.row_scale, {mu, mu, mu});
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
     row = -1;
     return false;
   }
-  const Vector left = residuals_of_impulses(data, known.analysis.values.mu, found.theta, found.rounding);
+  const Vector left = residuals_of_impulses(data, mu, found.theta, found.rounding);
   const auto worst = std::max_element(left.begin(), left.end());
   if (worst == left.end() || *worst <= same_factors) return true;
   row = static_cast<int>(worst - left.begin()) % problem.m();
@@ -190,10 +150,45 @@ void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Kn
 
 }  // namespace
 
-Jump find_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
-               const std::vector<double>& before) {
+TaylorData coefficients_of_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
+                                const Vector* rows, Orders orders) {
+  const bool follows = problem.follows_structure();
+  problem.follow_structure(false);
+  TaylorData data;
+  const NonlinearProblem::Scaling scaling{
+      known.analysis.time_scale, rows != nullptr ? RowScaling::given : known.analysis.rows, rows, &known.units};
+  const CallbackError error = problem.linearize(jet.t, jet.x.data(), orders, scaling, data);
+  problem.follow_structure(follows);
+  if (error.status != SFDAE_OK) error.raise();
+  return data;
+}
+
+Jet jet_aside(const LinearizedConstraints::Known& known, const JumpPoint& at, double part, double strength) {
+  Jet jet = at.jet;
+  const int n = jet.n;
+  double largest = 0.0;
+  for (int i = 0; i < n; ++i)
+    largest = std::max({largest, std::fabs(jet.x[index(i)]) / known.units[i], std::fabs(at.theta(i, 0))});
+  const double tau = at.data.time_scale;
+  for (int i = 0; i < n; ++i) {
+    const double unit = known.units[i];
+    jet.column(0)[i] -= (1.0 - part) * unit * at.theta(i, 0);
+    for (int k = 1; k < at.theta.cols(); ++k) jet.column(0)[i] += strength * unit * at.theta(i, k);
+    double scale = strength * unit * (largest > 0.0 ? largest : 1.0);
+    for (int k = 1; k <= jet.order; ++k) {
+      scale /= tau;
+      // Any numbers, different for all.
+      jet.column(k)[i] += scale * std::sin(1.0 + 2.3 * i + 5.1 * k + 7.7 * part);
+    }
+  }
+  return jet;
+}
+
+Jump find_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Vector& before,
+               Jet& start) {
   Found found = iterate(problem, known, start, before);
   demand_linearity(problem, known, found);
+  start = std::move(found.jet);
   return std::move(found.jump);
 }
 

@@ -15,8 +15,22 @@
 
 namespace sfdae::core {
 
-// start: a jet consistent up to level mu near `before`. Throws Failure: SFDAE_NO_CONSISTENT_VALUES, errors of callbacks.
-Jump find_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
-               const std::vector<double>& before);
+// Where the equations of impulses are linearized: a jet after the jump, theta (impulses.h), all rows of the equations there.
+struct JumpPoint {
+  Jet jet;
+  Matrix theta;
+  TaylorData data;
+};
+// These rows, whatever the structure leaves out in the array. rows: factors of rows to take again, or null.
+TaylorData coefficients_of_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
+                                const std::vector<double>* rows, Orders orders);
+// The jet after the jump with x anywhere between both sides (part 0: before, 1: after), or far off where there are
+// impulses, and with other derivatives: those of a smooth course that takes a while. strength: how far off.
+Jet jet_aside(const LinearizedConstraints::Known& known, const JumpPoint& at, double part, double strength);
+
+// start: a jet consistent up to level mu near `before`, afterwards that of the values after the jump. Throws Failure:
+// SFDAE_NO_CONSISTENT_VALUES, errors of callbacks.
+Jump find_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known,
+               const std::vector<double>& before, Jet& start);
 
 }  // namespace sfdae::core

@@ -377,13 +377,50 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
 }
 
 Jump NonlinearModel::jump(const PointOfInterest& point, const ModelOptions& options) {
-  const std::unique_ptr<NonlinearSystem> copy = copy_of_system();
+  const std::unique_ptr<NonlinearSystem> copy = consistent_copy(point, options);
+  Jet jet = copy->jet();
+  std::vector<double> before(point.x, point.x + n());
+  Jump jump = find_jump(*problem_, {copy->analysis(), copy->units(), copy->settings().rank_tol}, before, jet);
+  last_jump_ = {std::move(before), std::move(jet)};
+  return jump;
+}
+
+bool NonlinearModel::differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) {
+  if (recorded_ == nullptr || recorded_->source() != nullptr || !problem_->prescribed().empty()) return false;
+  std::vector<int> parameters = moving.parameters;
+  while (!parameters.empty() && parameters.back() < 0) parameters.pop_back();
+  if (!jump_derivatives_ || jump_derivatives_->parameters() != parameters)
+    jump_derivatives_ = std::make_unique<JumpDerivatives>(*recorded_, std::move(parameters));
+  const NonlinearSystem& system = *system_;
+  return jump_derivatives_->find({system.analysis(), system.units(), system.settings().rank_tol},
+                                 jet_after(moving, options), moving, after);
+}
+
+// What is differentiated stays; nothing of an integration is disturbed.
+std::unique_ptr<NonlinearSystem> NonlinearModel::consistent_copy(const PointOfInterest& point,
+                                                                 const ModelOptions& options) {
+  std::unique_ptr<NonlinearSystem> copy = copy_of_system();
   ModelOptions plain = options;
   plain.consistency = {};
   plain.consistency.keeps_differentiated = true;
   make_consistent(*copy, point, plain);
-  return find_jump(*problem_, {copy->analysis(), copy->units(), copy->settings().rank_tol}, copy->jet(),
-                   {point.x, point.x + n()});
+  return copy;
+}
+
+// A jet with the values after a jump. Linear equations have not several.
+Jet NonlinearModel::jet_after(const MovingJump& moving, const ModelOptions& options) {
+  const bool is_last = last_jump_.jet.t == moving.t && last_jump_.before.size() == index(n()) &&
+                       std::equal(last_jump_.before.begin(), last_jump_.before.end(), moving.before);
+  if (is_last) return last_jump_.jet;
+  if (!recorded_->evaluator().record().is_linear())
+    return consistent_copy({moving.t, moving.toward, moving.after}, options)->jet();
+  Jet jet;
+  jet.t = moving.t;
+  jet.n = n();
+  jet.x.assign(moving.after, moving.after + n());
+  jet.set_order(system_->jet().order);
+  JetSolver(*problem_, system_->units()).solve(jet, system_->analysis().values.mu);
+  return jet;
 }
 
 }  // namespace sfdae::core

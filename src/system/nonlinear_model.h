@@ -6,6 +6,7 @@
 
 #include "problem/callback_problem.h"
 #include "problem/nonlinear_problem.h"
+#include "system/jump_derivatives.h"
 #include "system/model.h"
 #include "system/nonlinear_change_watch.h"
 #include "system/nonlinear_system.h"
@@ -48,6 +49,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   CallbackProblem* callback() { return callback_; }
 
   Jump jump(const PointOfInterest& point, const ModelOptions& options) override;
+  bool differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) override;
 
   Jet jet_through(double t, const double* x, int level) override;
   DerivativeArray derivative_array(const Jet& jet, int level) override;
@@ -80,10 +82,19 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                                                 const ModelOptions& options,
                                                                 std::vector<RankDecision>& decisions);
 
+  std::unique_ptr<NonlinearSystem> consistent_copy(const PointOfInterest& point, const ModelOptions& options);
+  Jet jet_after(const MovingJump& moving, const ModelOptions& options);
+
   RecordedProblem* recorded_ = nullptr;
   CallbackProblem* callback_ = nullptr;
   std::unique_ptr<NonlinearProblem> problem_;
-  bool replaced_follows_structure_ = false;  // the problem did, with the system that was replaced
+  struct LastJump {
+    std::vector<double> before;
+    Jet jet;  // after it
+  };
+  LastJump last_jump_;
+  std::unique_ptr<JumpDerivatives> jump_derivatives_;  // for the parameters asked for last
+  bool replaced_follows_structure_ = false;            // the problem did, with the system that was replaced
   // Of x, near which the analysis has found its jet without moving what is differentiated if it could; empty: other.
   std::vector<double> guess_;
 };
