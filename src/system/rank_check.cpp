@@ -3,6 +3,7 @@
 #include "system/rank_check.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "problem/failure.h"
 #include "reduction/index_analysis.h"
@@ -20,6 +21,20 @@ namespace {
 constexpr int most_unjudged = 10;
 // After a renewal the iteration converges at least so fast, as a rule. Chosen, not measured.
 constexpr double rate_after_renewal = 0.1;
+
+// Then they have the same ranks, and the same form for a right-hand side 0.
+bool has_same_matrices(const TaylorData& a, const TaylorData& b) {
+  if (a.m != b.m || a.n != b.n || a.orders.E != b.orders.E || a.orders.A != b.orders.A || a.has_errors() ||
+      b.has_errors() || a.time_scale != b.time_scale || a.differentiations != b.differentiations ||
+      a.residual_noise != b.residual_noise || a.E0_was_rounding != b.E0_was_rounding || a.row_scale != b.row_scale)
+    return false;
+  const std::size_t size = index(a.m) * index(a.n);
+  for (int k = 0; k <= a.orders.E; ++k)
+    if (!std::equal(a.E(k).data, a.E(k).data + size, b.E(k).data)) return false;
+  for (int k = 0; k <= a.orders.A; ++k)
+    if (!std::equal(a.A(k).data, a.A(k).data + size, b.A(k).data)) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -78,9 +93,12 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
 }
 
 PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearization& linearization) {
-  has_form_ = false;
+  const bool had_form = std::exchange(has_form_, false);
+  std::swap(data_, data_before_);
   const PointStatus status = problem_.linearize(jet, linearization.preferred_rows(), data_);
   if (status != PointStatus::ok) return status;
+  has_form_ = had_form && has_same_matrices(data_, data_before_);
+  if (has_form_) return PointStatus::ok;
   has_form_ = matching_form(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_});
   return has_form_ ? PointStatus::ok : PointStatus::changed;
 }

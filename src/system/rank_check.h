@@ -63,7 +63,7 @@ class RankCheck {
   double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
   bool has_form_ = false;                                         // form_ has the known ranks
   Jet refined_;
-  TaylorData data_;
+  TaylorData data_, data_before_;  // of the last comparison, and of the one before
   NullSpaceForm form_;
 };
 
