@@ -10,6 +10,7 @@
 #include "problem/failure.h"
 #include "reduction/balanced_units.h"
 #include "reduction/certificate.h"
+#include "reduction/confirmed_ranks.h"
 #include "reduction/jet_analysis.h"
 #include "reduction/known_rank_elimination.h"
 #include "reduction/two_point_analysis.h"
@@ -241,34 +242,27 @@ bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDe
   return true;
 }
 
-// Where entries decay over many decades, as products of rotations do, balanced units are none in which large problems could be
-// judged. decisions: by norms, in the usual units. Those of level mu have to be clear by far, all others to have gaps and values
-// as wide; a certificate of level mu at t, in these units and with all small entries as values, confirms them rank by rank
-// (docs/decisions/82-starts-of-large-problems.md).
+// Of large problems, for which balanced units may be of no use (reduction/confirmed_ranks.h).
 bool Analysis::is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = quick.values;
   const bool is_large = std::max(problem_.m(), problem_.n()) >= large_problem;
   if (!is_large || values.u > 0 || values.v > 0 || quick.v_hat > 0) return false;
-  if (settings_.by_svd || !problem_.differentiations().empty()) return false;
-  std::vector<RankDecision> at_mu;
-  RankSequence suggested;
+  if (settings_.by_svd || !problem_.differentiations().empty() || smallest_kept(decisions) < kept_by_far)
+    return false;
+  std::vector<RankDecision> at_mu, to_confirm;
   for (const RankDecision& decision : decisions) {
     if (decision.level != values.mu) continue;
     at_mu.push_back(decision);
-    if (decision.t == place_.t && suggested.count < suggested.rank.size()) suggested.add(decision.rank);
+    if (decision.t == place_.t) to_confirm.push_back(decision);
   }
-  if (!are_clear_by_far(at_mu, false) || smallest_gap(decisions) < gap_by_far ||
-      smallest_kept(decisions) < kept_by_far)
-    return false;
+  const bool is_clear = are_clear_by_far(at_mu, false) && smallest_gap(decisions) >= gap_by_far;
   problem_.set_units(usual_);
   SearchTask task{problem_, settings_, arena_};
-  task.certified = true;
-  task.suggested = &suggested;
-  const LevelResult found = IndexSearch(task, place_.t).determine_confirmed(values.mu);
-  if (!found.clear || !(found.known_ranks == suggested)) return false;
+  task.perturbations = &perturbations_;
+  const std::optional<Significance> confirmed = confirmed_ranks(task, is_clear ? to_confirm : decisions);
   const BalancedUnits no_suspects;
-  if (!redundancy_agrees(quick, {usual_, quick.rows, no_suspects})) return false;
-  quick.distance = relative_distance(found.significance);
+  if (!confirmed || !redundancy_agrees(quick, {usual_, quick.rows, no_suspects})) return false;
+  quick.distance = relative_distance(*confirmed);
   return true;
 }
 

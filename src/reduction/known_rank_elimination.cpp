@@ -18,7 +18,7 @@ namespace {
 
 constexpr int versions = LockstepMatrix::versions;
 // Pivots that are taken one by one before products of matrices do the rest: chosen.
-constexpr int pivots_at_once = 16;
+constexpr int pivots_at_once = 8;
 // As those of lockstep_kernel.cpp: rounding errors of the elimination itself, and what makes divisions possible.
 constexpr double arithmetic = 0x1p-47, negligible = 1e-30, smallest_unit = 1e-300;
 
@@ -31,16 +31,30 @@ struct Order {
   std::vector<int> rows, columns;
 };
 
+// Where a row is among the blocks of a column, of the matrix itself.
+struct RowPlace {
+  std::size_t block, lane;
+  explicit RowPlace(int row)
+      : block(index(row) / index(lane_count) * index(versions)), lane(index(row) % index(lane_count)) {}
+};
+
 void read(const LockstepMatrix& from, int version, const Order& order, Matrix& to) {
+  const std::vector<RowPlace> places(order.rows.begin(), order.rows.end());
   to = Matrix(from.rows(), from.cols());
-  for (int j = 0; j < from.cols(); ++j)
-    for (int i = 0; i < from.rows(); ++i) to(i, j) = from.at(order.rows[index(i)], order.columns[index(j)], version);
+  for (int j = 0; j < from.cols(); ++j) {
+    const LaneBlock* blocks = from.column(order.columns[index(j)]) + version;
+    double* column = to.view().column(j);
+    for (const RowPlace& place : places) *column++ = blocks[place.block].lane[place.lane];
+  }
 }
 
 // Rows stay where the elimination has put them, columns go back.
 void write(const Matrix& from, int version, const Order& order, LockstepMatrix& to) {
-  for (int j = 0; j < to.cols(); ++j)
-    for (int i = 0; i < to.rows(); ++i) to.at(i, order.columns[index(j)], version) = from(i, j);
+  for (int j = 0; j < to.cols(); ++j) {
+    LaneBlock* blocks = to.column(order.columns[index(j)]) + version;
+    const double* column = from.view().column(j);
+    for (int i = 0; i < to.rows(); ++i) blocks[i / lane_count * versions].lane[i % lane_count] = column[i];
+  }
 }
 
 // Independent columns come first.
