@@ -903,7 +903,7 @@ contains
   !> Gradients of functionals, with dae_sensitivities%adjoint: sum over k of S(t(k))^T w_k, one column for each functional.
   recursive subroutine solver_get_gradient(self, t, weights, gradient, status)
     class(dae_solver), intent(inout) :: self
-    !> Points in time: the start, or where advance has gone to.
+    !> Points in time, from the start to where steps have led.
     real(c_double), contiguous, intent(in) :: t(:)
     !> n rows; a column for each point in time, for one functional after the other.
     real(c_double), contiguous, intent(in) :: weights(:, :)

@@ -107,13 +107,18 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * to which derivatives by p_j at fixed x are to be added. An integral is the value at the end of an unknown whose derivative is the
  * integrand: append it to the equations.
  *
- * t: `num_times` points (1 ...), in any order: the start, or those that sfdae_advance has gone to: steps end there. weights: n x num_times
- * for each of `num_functionals` functionals (1 ...), one after the other. gradient: count x num_functionals.
+ * t: `num_times` points (1 ...), in any order, from the start to the last step: those that sfdae_advance has gone to, where steps end, and any
+ * others. weights: n x num_times for each of `num_functionals` functionals (1 ...), one after the other. gradient: count x
+ * num_functionals.
  *
  * It is the exact gradient of what the steps have computed, hidden constraints and consistent start values included (sfdae_set_sensitivities
  * says which), for the steps as they are. All of them are kept: about 8 n (mu + 3) bytes each, with Radau for each stage. A gradient costs
  * one elimination of the derivative array and one transposed solution for each point kept, whatever the number of parameters, and can be
  * asked for again with other weights.
+ *
+ * Points within a step, events among them, are what S is there, as sfdae_get_sensitivities has it: with BDF the polynomial through the last
+ * points, made consistent; with Radau the end of a shorter step, whose stages are solved for once more, so that such a point costs as
+ * much as a step or two. (x there is that of the polynomial: both are the same within the tolerances.)
  *
  * With the option max_kept_steps steps are kept of the end of the integration alone, at most two thirds of that number; of earlier pieces of
  * it, a third long, there is a checkpoint each, about as large as ten steps, and some 30 bytes for each step. (Pieces are not
@@ -122,8 +127,9 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * with about five times the square root of the number of steps.
  * Functions that the equations call (sfdae_external) are called again, and have to return what they have returned.
  *
- * SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT names a time at which no step ends.
- * SFDAE_CALLBACK_FAILED: such functions return other values than before. */
+ * SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT names a time that no step has led to,
+ * SFDAE_NO_CONSISTENT_VALUES one within a step whose equations have no solution. SFDAE_CALLBACK_FAILED: such functions return other values
+ * than before. */
 SFDAE_API int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int num_functionals,
                                  const double* weights, double* gradient);
 

@@ -236,9 +236,9 @@ class Hybrid:
         return dt
 
     def gradient(self, t: Any, weights: Any) -> np.ndarray:
-        """Gradients of functionals by the adjoint, back over all transitions, for
-        set_sensitivities(..., adjoint=True): see Solver.gradient. At the time of a transition
-        weights are those of x after it.
+        """Gradients of functionals by the adjoint, back over all transitions and along surfaces,
+        for set_sensitivities(..., adjoint=True): see Solver.gradient. At the time of a
+        transition weights are those of x after it.
         """
         return _gradient(
             lambda *arguments: self._call(lib.sfdae_get_hybrid_gradient, *arguments),

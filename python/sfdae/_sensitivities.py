@@ -140,7 +140,7 @@ class Sensitivities(Inspection):
         Parameters
         ----------
         t : array_like
-            K points in time, in any order: the start, or where advance() has gone to.
+            K points in time, in any order, from the start to where steps have led.
         weights : array_like
             n x K derivatives of a functional by x(t_k); or f x n x K for f functionals.
 

@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Weights of points that steps yet to be read depend on, one that is interpolated within the last one, too.
+// Weights of points that steps yet to be read depend on; in front of these those of a point within the step that is read, or at the end.
 constexpr std::size_t window = max_bdf_order + 2;
 
 bool is_zero(ConstView a) {
@@ -44,6 +44,17 @@ std::shared_ptr<const IntegrationOptions> options_of_steps(const IntegrationOpti
 
 // Steps take more memory than the checkpoint that they can be made again from.
 bool is_worth_dropping(const StepPiece& piece) { return piece.kept.bytes() > piece.bytes() - piece.kept.bytes(); }
+
+// The points before step i of a piece, the newest first.
+std::vector<const KeptPoint*> points_before(const StepPiece& piece, const KeptSteps& steps, std::size_t i) {
+  const std::size_t wanted = index(std::max(steps.step(i).order, 1));
+  std::vector<const KeptPoint*> points;
+  for (std::size_t k = i; k-- > 0 && points.size() < wanted;) points.push_back(&steps.end(k));
+  for (std::size_t k = 0; k < piece.before.size() && points.size() < wanted; ++k) points.push_back(&piece.before[k]);
+  if (points.size() < wanted)
+    throw Failure(SFDAE_INTERNAL, format("points before t = %.15g are missing.", steps.step(i).t));
+  return points;
+}
 
 // What takes less memory is left of a piece.
 void close(StepPiece& piece) {
@@ -121,6 +132,7 @@ void DiscreteAdjoint::begin_piece(Integrator& integrator, const IntegrationOptio
   StepPiece piece;
   piece.first = times_.size();
   piece.origin = origin_;
+  piece.follow(last, integrator.method == Method::bdf ? index(max_bdf_order) : 1);
   piece.save(integrator);
   piece.options = std::move(kept);
   pieces_.push_back(std::move(piece));
@@ -240,46 +252,55 @@ AdjointWork DiscreteAdjoint::work() const {
 
 // ---- Backward --------------------------------------------------------------------------------------------------
 
-std::optional<std::size_t> DiscreteAdjoint::point_at(double t) const {
+std::optional<DiscreteAdjoint::Place> DiscreteAdjoint::place_of(double t) const {
   for (std::size_t k = times_.size(); k-- > 0;)
-    if (times_[k] == t) return k;
+    if (times_[k] == t) return Place{k, false, t};
+  // An integration that ends within its last step has one more point there.
+  const KeptSteps& last = pieces_.back().kept;
+  const bool ends_within = last.count() == 1 && last.step(0).is_within;
+  for (std::size_t k = times_.size() - (ends_within ? 1 : 0); k-- > 1;)
+    if ((t - times_[k - 1]) * (times_[k] - t) > 0.0) return Place{k, true, t};
   return std::nullopt;
 }
 
-double DiscreteAdjoint::nearest_time(double t) const {
-  double nearest = times_.front();
-  for (double time : times_)
-    if (std::fabs(time - t) < std::fabs(nearest - t)) nearest = time;
-  return nearest;
-}
-
 struct DiscreteAdjoint::Backward {
-  Backward(int n, const Functionals& its_functionals, const std::function<void(double)>& its_move_to,
+  Backward(AdjointSystem& its_system, const Functionals& its_functionals, const Surroundings& its_surroundings,
            View its_gradient)
-      : functionals(its_functionals),
-        move_to(its_move_to),
+      : system(its_system),
+        functionals(its_functionals),
+        surroundings(its_surroundings),
         gradient(its_gradient),
-        weights(window, Matrix(n, its_functionals.count)) {}
-  // Those of a functional at that point.
+        weights(window, Matrix(its_system.unknowns(), its_functionals.count)) {}
+  // Those of functionals at that point.
   void add_weights(std::size_t k) {
-    const View here = weights[k % window];
-    const std::size_t size = index(here.rows), points = functionals.points.size();
-    for (std::size_t point = 0; point < points; ++point)
-      for (int q = 0; q < functionals.count && functionals.points[point] == k; ++q)
-        for (int i = 0; i < here.rows; ++i)
-          here(i, q) += functionals.weights[index(i) + size * (point + points * index(q))];
+    for (std::size_t place = 0; place < functionals.places.size(); ++place)
+      if (functionals.places[place].point == k && !functionals.places[place].is_within)
+        add_weights_of(place, weights[k % window]);
+  }
+  void add_weights_of(std::size_t place, View here) const {
+    const std::size_t size = index(here.rows), places = functionals.places.size();
+    for (int q = 0; q < functionals.count; ++q)
+      for (int i = 0; i < here.rows; ++i)
+        here(i, q) += functionals.weights[index(i) + size * (place + places * index(q))];
   }
   // Whether points from the first one on, or those before it by what has been read, say anything.
   bool has_anything(std::size_t first) const {
-    const auto is_later = [first](std::size_t point) { return point >= first; };
-    return std::any_of(functionals.points.begin(), functionals.points.end(), is_later) ||
+    const auto is_later = [first](const Place& place) { return place.point >= first; };
+    return std::any_of(functionals.places.begin(), functionals.places.end(), is_later) ||
            !std::all_of(weights.begin(), weights.end(), [](const Matrix& at) { return is_zero(at); });
   }
+  void keep_to_piece(double t) const { surroundings.keep_to_piece(system.system(), t); }
+  PointsWithin& points_within() {
+    if (!within) within.emplace(system, surroundings.tolerances, surroundings.keep_to_piece);
+    return *within;
+  }
 
+  AdjointSystem& system;
   const Functionals& functionals;
-  const std::function<void(double)>& move_to;
+  const Surroundings& surroundings;
   View gradient;
   std::vector<Matrix> weights;  // of the last points
+  std::optional<PointsWithin> within;
 };
 
 // Weights of point k become those of the points before it.
@@ -292,6 +313,11 @@ void DiscreteAdjoint::read_back(const KeptStep& step, const KeptPoint* points, s
   else if (step.order > 0) status = system_->step_back(*points, step.c, values);
   else status = system_->restore_back(*points, values);
   demand(status, step.t);
+  hand_on(step, k, backward);
+}
+
+void DiscreteAdjoint::hand_on(const KeptStep& step, std::size_t k, Backward& backward) {
+  const View here = backward.weights[k % window];
   for (int i = 0; i < step.num_before(); ++i) {
     const View before = backward.weights[(k - 1 - index(step.num_skipped() + i)) % window];
     const double part = step.order > 0 ? step.rest[index(i)] : 1.0;
@@ -301,23 +327,53 @@ void DiscreteAdjoint::read_back(const KeptStep& step, const KeptPoint* points, s
   fill(here, 0.0);
 }
 
+// Of functionals at points within step i of a piece. Their weights stand where those of a point after its end would.
+void DiscreteAdjoint::read_within(const StepPiece& piece, const KeptSteps& steps, std::size_t i, Backward& backward) {
+  const std::size_t k = piece.first + i;
+  const View here = backward.weights[(k + 1) % window];
+  const AdjointValues values{here, backward.gradient};
+  for (std::size_t place = 0; place < backward.functionals.places.size(); ++place) {
+    const Place& at = backward.functionals.places[place];
+    if (at.point != k || !at.is_within) continue;
+    backward.add_weights_of(place, here);
+    if (is_zero(here)) continue;
+    const KeptStep& step = steps.step(i);
+    const KeptSurroundings given{step, steps.points(i), points_before(piece, steps, i), &times_[k]};
+    backward.keep_to_piece(times_[k - 1]);
+    if (step.method != nullptr) {
+      std::vector<ShorterStep> shorter = backward.points_within().steps_to(at.t, given);
+      for (auto part = shorter.rbegin(); part != shorter.rend(); ++part)
+        demand(system_->step_back(*step.method, part->h, part->stages.data(), values), at.t);
+      KeptStep within;
+      within.method = step.method;
+      within.is_within = true;
+      hand_on(within, k + 1, backward);
+    } else {
+      const KeptStep within = interpolation_at(at.t, step.order, &times_[k]);
+      if (system_->has_constraints())
+        demand(system_->restore_back(backward.points_within().interpolated(given, within), values), at.t);
+      hand_on(within, k + 1, backward);
+    }
+  }
+}
+
 void DiscreteAdjoint::read_piece(const StepPiece& piece, const KeptSteps& steps, Backward& backward) {
   for (std::size_t i = piece.count; i-- > 0;) {
     const std::size_t k = piece.first + i;
+    read_within(piece, steps, i, backward);
     backward.add_weights(k);
     // Later steps say nothing about earlier points.
     if (k == 0 || is_zero(backward.weights[k % window])) continue;
-    backward.move_to(times_[k - 1 - index(steps.step(i).num_skipped())]);
+    backward.keep_to_piece(times_[k - 1 - index(steps.step(i).num_skipped())]);
     read_back(steps.step(i), steps.points(i), k, backward);
   }
 }
 
-void DiscreteAdjoint::gradient(const Functionals& functionals, const std::function<void(double)>& move_to,
-                               double* gradient) {
+void DiscreteAdjoint::gradient(const Functionals& functionals, const Surroundings& surroundings, double* gradient) {
   const int n = unknowns();
   Matrix sum(std::max(count(), 1), functionals.count);
   const View result = sum.view().top(count());
-  Backward backward(n, functionals, move_to, result);
+  Backward backward(*system_, functionals, surroundings, result);
   std::unique_ptr<SystemTwin> twin;
   for (auto piece = pieces_.rbegin(); piece != pieces_.rend(); ++piece) {
     if (!backward.has_anything(piece->first)) continue;

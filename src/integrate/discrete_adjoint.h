@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "integrate/companion.h"
+#include "integrate/points_within.h"
 #include "integrate/step_piece.h"
 #include "linalg/matrix.h"
 #include "system/adjoint_system.h"
@@ -48,19 +49,27 @@ class DiscreteAdjoint final : public Companion {
   TangentSpace tangent_space();
   const std::vector<double>& values_at_start() const { return S_; }
 
-  // The last point with that time: the start, or the end of a step.
-  std::optional<std::size_t> point_at(double t) const;
-  // The time nearest to t that there is such a point at.
-  double nearest_time(double t) const;
+  // The start, the end of a step (the last one at that time), or a point within a step.
+  struct Place {
+    std::size_t point;  // its number, or that of the point where the step ends
+    bool is_within;     // and then at t
+    double t;
+  };
+  // None: not between the start and the last point.
+  std::optional<Place> place_of(double t) const;
 
-  // weights: n x points.size() for each functional, one after the other; gradient: count x functionals. move_to(t): the
-  // equations are those of a step from t. Throws Failure.
+  // weights: n x places.size() for each functional, one after the other; gradient: count x functionals. Throws Failure.
   struct Functionals {
-    const std::vector<std::size_t>& points;
+    const std::vector<Place>& places;
     const double* weights;
     int count;
   };
-  void gradient(const Functionals& functionals, const std::function<void(double)>& move_to, double* gradient);
+  // tolerances: of what steps to points within others leave.
+  struct Surroundings {
+    PointsWithin::KeepToPiece keep_to_piece;
+    const Tolerances& tolerances;
+  };
+  void gradient(const Functionals& functionals, const Surroundings& surroundings, double* gradient);
 
   int count() const { return system_->count(); }
   int unknowns() const { return system_->unknowns(); }
@@ -73,7 +82,9 @@ class DiscreteAdjoint final : public Companion {
   void drop_pieces();
   struct Backward;
   void read_piece(const StepPiece& piece, const KeptSteps& steps, Backward& backward);
+  void read_within(const StepPiece& piece, const KeptSteps& steps, std::size_t i, Backward& backward);
   void read_back(const KeptStep& step, const KeptPoint* points, std::size_t k, Backward& backward);
+  void hand_on(const KeptStep& step, std::size_t k, Backward& backward);
 
   std::unique_ptr<AdjointSystem> system_;
   std::vector<double> S_;

@@ -29,16 +29,8 @@ void HermiteTable::set_nodes(const ChosenNodes& chosen, Interpolated which, int 
 }
 
 void HermiteTable::set_collocation(const RadauHistory& history) {
-  const RadauMethod& method = radau_method(history.last_stages());
-  size_ = history.newest().x.size();
-  degree_ = method.s();
-  origin_ = history.newest().t;
-  unit_ = history.last().h;
-  for (int i = 0; i <= degree_; ++i) {
-    times_[index(i)] = i == 0 ? -1.0 : method.stages.c[index(i - 1)] - 1.0;
-    std::copy_n(history.polynomial().x_at(i), size_, entries_[index(i)].data());
-  }
-  divided_differences(times_, degree_ + 1, size_, [this](int i) { return entries_[index(i)].data(); });
+  set_collocation(radau_method(history.last_stages()).stages, {history.newest().t, history.last().h},
+                  history.newest().x.size(), [&history](int i) { return history.polynomial().x_at(i); });
 }
 
 void HermiteTable::evaluate(double t, double* value, double* slope) const {

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -23,6 +24,12 @@ class HermiteTable {
   // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the
   // step.
   void set_collocation(const RadauHistory& history);
+  // The same of any step: x_at(i), `size` numbers, at the start, i = 0, and at the stages.
+  struct StepTimes {
+    double end, h;
+  };
+  template <class Column>
+  void set_collocation(const StageMethod& method, const StepTimes& step, std::size_t size, Column x_at);
 
   int degree() const { return degree_; }
   // The divided difference of the highest order, in units.
@@ -49,5 +56,18 @@ class HermiteTable {
   std::size_t size_ = 0;
   double origin_ = 0.0, unit_ = 1.0;
 };
+
+template <class Column>
+void HermiteTable::set_collocation(const StageMethod& method, const StepTimes& step, std::size_t size, Column x_at) {
+  size_ = size;
+  degree_ = method.s;
+  origin_ = step.end;
+  unit_ = step.h;
+  for (int i = 0; i <= degree_; ++i) {
+    times_[index(i)] = i == 0 ? -1.0 : method.c[index(i - 1)] - 1.0;
+    std::copy_n(x_at(i), size_, entries_[index(i)].data());
+  }
+  divided_differences(times_, degree_ + 1, size_, [this](int i) { return entries_[index(i)].data(); });
+}
 
 }  // namespace sfdae::core

@@ -66,23 +66,21 @@ CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot
 
 CallResult Integration::gradient(const WeightedTimes& weighted, double* gradient) {
   DiscreteAdjoint& adjoint = dynamic_cast<DiscreteAdjoint&>(*companion_);
-  std::vector<std::size_t> points;
+  std::vector<DiscreteAdjoint::Place> places;
   for (double t : weighted.times) {
-    const auto point = adjoint.point_at(beside_kink(options_, integrator_, t));
-    if (!point)
-      return {
-          SFDAE_ILLEGAL_ARGUMENT,
-          format("t = %.15g is neither the start nor a time that sfdae_advance has been asked to go to; the nearest "
-                 "end of a step is at t = %.15g.",
-                 t, adjoint.nearest_time(t))};
-    points.push_back(*point);
+    const auto place = adjoint.place_of(beside_kink(options_, integrator_, t));
+    if (!place)
+      return {SFDAE_ILLEGAL_ARGUMENT,
+              format("t = %.15g is not where steps have led: these go from t = %.15g to t = %.15g.", t, start_,
+                     integrator_.stepper->state().t)};
+    places.push_back(*place);
   }
   // The equations are evaluated where they were, on the same sides of kinks.
-  const auto move_to = [this](double t) {
-    keep_to_piece(options_, integrator_.system, {t, t, integrator_.direction}, start_);
+  const auto keep_beside = [this](DaeSystem& system, double t) {
+    keep_to_piece(options_, system, {t, t, integrator_.direction}, start_);
   };
   try {
-    adjoint.gradient({points, weighted.weights, weighted.functionals}, move_to, gradient);
+    adjoint.gradient({places, weighted.weights, weighted.functionals}, {keep_beside, options_.tolerances}, gradient);
   } catch (...) {
     keep_to_last_piece();
     throw;

@@ -10,13 +10,17 @@
 
 namespace sfdae::core {
 
-namespace {
-
 std::size_t bytes_of(const KeptPoint& point) {
   return sizeof(KeptPoint) + sizeof(double) * (point.jet.x.capacity() + point.xdot.capacity());
 }
 
-}  // namespace
+KeptPoint with_values_alone(const KeptPoint& point) {
+  KeptPoint values;
+  values.jet.t = point.jet.t;
+  values.jet.n = point.jet.n;
+  values.jet.x.assign(point.jet.column(0), point.jet.column(1));
+  return values;
+}
 
 void KeptSteps::make_room() {
   if (steps_.size() == steps_.capacity()) steps_.reserve(2 * steps_.size() + 16);

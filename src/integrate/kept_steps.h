@@ -25,6 +25,7 @@ struct KeptStep {
   std::size_t first_kept = 0;  // of its points
 
   bool is_interpolated() const { return is_within && method == nullptr; }
+  int num_points() const { return method != nullptr ? method->s : is_within ? 0 : 1; }
   // How many points before it says something about, and those that are newer than these.
   int num_before() const { return is_interpolated() ? order + 1 : order > 0 ? order : 1; }
   int num_skipped() const { return is_within && method != nullptr ? 1 : 0; }
@@ -35,6 +36,7 @@ class KeptSteps {
   std::size_t count() const { return steps_.size(); }
   const KeptStep& step(std::size_t i) const { return steps_[i]; }
   const KeptPoint* points(std::size_t i) const { return points_.data() + steps_[i].first_kept; }
+  const KeptPoint& end(std::size_t i) const { return points(i)[steps_[i].num_points() - 1]; }
   std::size_t bytes() const { return bytes_; }
   // Of all that the points are: steps that are made again have to agree in every bit.
   std::uint64_t fingerprint() const { return hash_.value(); }
@@ -56,6 +58,9 @@ class KeptSteps {
 KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t points);
 // Of a point at t within the last step of BDF; newest: the time of its end.
 KeptStep interpolation_at(double t, int degree, const double* newest);
+// A point with x alone.
+KeptPoint with_values_alone(const KeptPoint& point);
+std::size_t bytes_of(const KeptPoint& point);
 // Its points, one or all stages. xdot: n values, changed.
 void keep_points(const PointKeeper& keeper, const TriedStep& tried, std::vector<double>& xdot,
                  std::vector<KeptPoint>& points);

@@ -70,6 +70,13 @@ class Replay {
 
 }  // namespace
 
+void StepPiece::follow(const StepPiece& last, std::size_t most) {
+  for (std::size_t i = last.kept.count(); i-- > 0 && before.size() < most;)
+    before.push_back(before.empty() ? last.kept.end(i) : with_values_alone(last.kept.end(i)));
+  for (std::size_t i = 0; i < last.before.size() && before.size() < most; ++i)
+    before.push_back(before.empty() ? last.before[i] : with_values_alone(last.before[i]));
+}
+
 void StepPiece::save(Integrator& integrator) {
   DaeSystem& system = integrator.system;
   const auto archive_all = [&](Archive& archive) {

@@ -26,6 +26,7 @@ struct StepPiece {
   KeptSteps kept;                  // those of all points, or none: they have been dropped
   bool has_failures = false;       // evaluations have failed in a step that was taken: it is not made again
   bool begins_anew = false;        // no step leads to its first point
+  std::vector<KeptPoint> before;   // the last points before, the newest first; but for that one x alone
   std::vector<double> checkpoint;  // of the first point, or of the one before; empty: steps are kept
   Method method = Method::bdf;
   double direction = 1.0;
@@ -34,8 +35,12 @@ struct StepPiece {
 
   bool is_dropped() const { return kept.count() < count; }
   std::size_t bytes() const {
-    return kept.bytes() + sizeof(double) * checkpoint.capacity() + sizeof(Attempt) * attempts.capacity();
+    std::size_t sum = kept.bytes() + sizeof(double) * checkpoint.capacity() + sizeof(Attempt) * attempts.capacity();
+    for (const KeptPoint& point : before) sum += bytes_of(point);
+    return sum;
   }
+  // After the steps of another one: what points within its first steps depend on.
+  void follow(const StepPiece& last, std::size_t most);
   // The integrator as it is now.
   void save(Integrator& integrator);
 };

@@ -56,6 +56,8 @@ class SystemTwin : public PointKeeper {
  public:
   // As the other system was when it was archived. Throws DamagedArchive.
   virtual void restore(Archive& archive) = 0;
+  // These become the last two points that were accepted. Throws Failure.
+  virtual void stand_between(const KeptPoint& from, const KeptPoint& to) = 0;
   virtual bool stop_is_requested() const = 0;
 };
 
@@ -65,6 +67,8 @@ class AdjointSystem : public PointKeeper {
   virtual int count() const = 0;
   // Of the system of x; to be restored before it is used.
   virtual std::unique_ptr<SystemTwin> twin() = 0;
+  // Else S fulfils none, and what is interpolated stays as it is.
+  virtual bool has_constraints() const = 0;
 
   // Of a step that solved F1 with S' = c S + rest, and F2: the weights become those of rest.
   virtual PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) = 0;

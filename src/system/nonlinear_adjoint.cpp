@@ -7,6 +7,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "problem/failure.h"
 #include "system/sensitivity_point.h"
 
 namespace sfdae::core {
@@ -32,6 +33,13 @@ class NonlinearTwin final : public SystemTwin {
   }
   void restore(Archive& archive) override {
     system_ = std::make_unique<NonlinearSystem>(problem_, settings_, archive);
+  }
+  void stand_between(const KeptPoint& from, const KeptPoint& to) override {
+    const PointStatus status = system_->set_points(from.jet, to.jet);
+    if (status == PointStatus::callback_error) system_->callback_error().raise();
+    if (status != PointStatus::ok)
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    format("the characteristic values known do not hold at t = %.15g.", to.jet.t));
   }
   bool stop_is_requested() const override { return problem_.stop_is_requested(); }
   NonlinearSystem& system() override { return *system_; }
@@ -67,6 +75,12 @@ KeptPoint NonlinearAdjoint::stage(const StageMethod& method, int i, const double
 
 std::unique_ptr<SystemTwin> NonlinearAdjoint::twin() {
   return std::make_unique<NonlinearTwin>(problem_, system_.settings(), keeps_slopes());
+}
+
+bool NonlinearAdjoint::has_constraints() const {
+  AdjointPoint kind;
+  kind.take_kind(system_.analyzed_equations());
+  return !kind.is_ordinary();
 }
 
 NonlinearAdjoint::Work& NonlinearAdjoint::work() {

@@ -26,6 +26,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   KeptPoint point(const double* xdot) const override;
   KeptPoint stage(const StageMethod& method, int i, const double* xdot) const override;
   std::unique_ptr<SystemTwin> twin() override;
+  bool has_constraints() const override;
   PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) override;
   PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
                         const AdjointValues& values) override;

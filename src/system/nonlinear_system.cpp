@@ -88,6 +88,13 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   return rank_check_.renew(jet_, linearization_, iteration_);
 }
 
+PointStatus NonlinearSystem::set_points(const Jet& before, const Jet& last) {
+  const PointStatus status = set_point(last);
+  history_.restart(before);
+  history_.accept(last);
+  return status;
+}
+
 // Level mu leaves open some components of its highest derivatives, on which the linearization depends all the same.
 void NonlinearSystem::complete(Jet& jet) {
   jet.set_order(problem_.jet_order());

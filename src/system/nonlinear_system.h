@@ -39,6 +39,8 @@ class NonlinearSystem final : public DaeSystem {
   double t() const override { return linearization_.is_complete() ? jet_.t : std::nan(""); }
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
   PointStatus set_point(const Jet& jet);
+  // The same for the last one of two accepted points.
+  PointStatus set_points(const Jet& before, const Jet& last);
   // The derivatives of a jet consistent up to level mu become those that level mu + 1 determines, where that is
   // available.
   void complete(Jet& jet);

@@ -78,10 +78,11 @@ Call keep_steps(long max_kept_steps = 0) {
 
 Call gradient() {
   return {"get_gradient", [](Session& s) {
-            const double times[] = {0.3, s.t}, weights[] = {1, 0, 0, 0, 0, 0, 1, 0, 0, 2};
+            // One of them within a step.
+            const double times[] = {0.3, 0.61, s.t}, weights[] = {1, 0, 0, 0, 0, 0, 0, 3, 0, 1, 0, 1, 0, 0, 2};
             std::vector<double> result(2, -7.0);
             const int status =
-                armed([&] { return sfdae_get_gradient(s.solver, 2, times, 1, weights, result.data()); });
+                armed([&] { return sfdae_get_gradient(s.solver, 3, times, 1, weights, result.data()); });
             if (status < 0) {
               EXPECT_EQ(result, std::vector<double>(2, -7.0));
               return status;

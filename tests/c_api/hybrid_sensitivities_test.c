@@ -158,7 +158,7 @@ static void gradients_are_those_of_the_formulas(void) {
   const char* const names[] = {"k", "r", NULL};
   const double directions[] = {0, 0, 1}, nan = NAN;
   double x = 0, t = 0, times[] = {0.25, 0.5, 0.9}, weights[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, gradient[9], S[3];
-  double untouched = 7, early = -1, beside = 0.3;
+  double untouched = 7, early = -1, late = 0.95, beside = 0.3;
   size_t length;
   char text[4096];
   CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
@@ -196,8 +196,11 @@ static void gradients_are_those_of_the_formulas(void) {
   REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &nan, 1, weights, &untouched));
   REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, times, 1, &nan, &untouched));
   REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &early, 1, weights, &untouched));
-  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &beside, 1, weights, &untouched));
-  CHECK(strstr(sfdae_get_hybrid_message(hybrid), "nearest") != NULL);
+  REFUSED(sfdae_get_hybrid_gradient(hybrid, 1, &late, 1, weights, &untouched));
+  CHECK(strstr(sfdae_get_hybrid_message(hybrid), "where steps have led") != NULL);
+  /* Within a step of a mode that was left. */
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 1, &beside, 1, weights, gradient), SFDAE_OK);
+  CHECK(fabs(gradient[0] - 0.3) < 1e-8 && fabs(gradient[1]) < 1e-12 && fabs(gradient[2] - 1) < 1e-8);
   CHECK_STATUS(sfdae_get_gradient(second, 1, times, 1, weights, &untouched), SFDAE_ILLEGAL_ARGUMENT);
   CHECK(strstr(sfdae_message(second), "sfdae_get_hybrid_gradient") != NULL);
   CHECK_STATUS(sfdae_get_hybrid_sensitivities(hybrid, 0.9, S, NULL), SFDAE_NOT_STARTED);

@@ -356,14 +356,14 @@ static void fixed_values_that_cannot_follow_are_named(void) {
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
-/* Functionals of x at 0.5 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above. */
+/* Functionals of x at 0.5, 1.25 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above. 1.25 is within a step. */
 static void gradients_are_those_of_the_formulas(int method, long max_kept_steps) {
   const sfdae_options options = options_with(1e-9, method);
   sfdae_solver* solver = solver_of(oscillator, N, N, &options);
   sfdae_sensitivity_options how;
   sfdae_sensitivity_statistics statistics;
-  const double times[2] = {2, 0.5}, weights[2 * 2 * N] = {1, 0, 3, 1, 0, 3, 0, 0, 1, 0, 0, 0};
-  double x[N] = {1, 0, 0}, gradient[2 * COUNT], z[2], t, slope;
+  const double times[3] = {2, 0.5, 1.25}, weights[2 * 3 * N] = {1, 0, 3, 1, 0, 3, 1, 0, 3, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+  double x[N] = {1, 0, 0}, gradient[2 * COUNT], z[3], t, slope;
   int k;
   CHECK_STATUS(sfdae_sensitivity_options_init(&how, sizeof how), SFDAE_OK);
   CHECK(how.max_kept_steps == 0);
@@ -375,10 +375,12 @@ static void gradients_are_those_of_the_formulas(int method, long max_kept_steps)
     CHECK_STATUS(sfdae_advance(solver, times[k], &t, x, NULL), SFDAE_OK);
     z[k] = x[2];
   }
-  CHECK_STATUS(sfdae_get_gradient(solver, 2, times, 2, weights, gradient), SFDAE_OK);
-  for (k = 0, slope = 0; k < 2; k++) slope -= times[k] * sin(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
+  /* z^3 + z = 2 x1, as above. */
+  for (k = 0, z[2] = 0; k < 50; k++) z[2] -= (z[2] * z[2] * z[2] + z[2] - 2 * cos(p * 1.25)) / (3 * z[2] * z[2] + 1);
+  CHECK_STATUS(sfdae_get_gradient(solver, 3, times, 2, weights, gradient), SFDAE_OK);
+  for (k = 0, slope = 0; k < 3; k++) slope -= times[k] * sin(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
   CHECK(fabs(gradient[0] - slope) < 1e-5);
-  for (k = 0, slope = 0; k < 2; k++) slope += cos(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
+  for (k = 0, slope = 0; k < 3; k++) slope += cos(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
   CHECK(fabs(gradient[1] - slope) < 1e-5);
   CHECK(fabs(gradient[2] + 2 * sin(2 * p) * 2 / (3 * z[0] * z[0] + 1)) < 1e-5);
   CHECK(fabs(gradient[3] - cos(2 * p) * 2 / (3 * z[0] * z[0] + 1)) < 1e-5);
@@ -398,7 +400,7 @@ static void mistakes_of_gradients_are_named(void) {
   const sfdae_options options = options_with(1e-6, SFDAE_METHOD_BDF);
   sfdae_solver* solver = solver_of(oscillator, N, N, &options);
   sfdae_sensitivity_options how;
-  const double times[2] = {1, 0.25}, nothing[N] = {0};
+  const double times[2] = {1, 1.25}, nothing[N] = {0};
   double weights[2 * N] = {0}, x[N] = {1, 0, 0}, gradient[COUNT], S[N * COUNT], t, checkpoint[1];
   gradient[0] = S[0] = unset;
   CHECK_STATUS(sfdae_sensitivity_options_init(&how, sizeof how), SFDAE_OK);
@@ -423,8 +425,8 @@ static void mistakes_of_gradients_are_named(void) {
   CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
-  REFUSED(sfdae_get_gradient(solver, 2, times, 1, weights, gradient)); /* no step ends at 0.25 */
-  CHECK(strstr(sfdae_message(solver), "0.25") != NULL);
+  REFUSED(sfdae_get_gradient(solver, 2, times, 1, weights, gradient)); /* no step has led to 1.25 */
+  CHECK(strstr(sfdae_message(solver), "1.25") != NULL);
   REFUSED(sfdae_get_gradient(solver, 0, times, 1, weights, gradient));
   REFUSED(sfdae_get_gradient(solver, 1, times, 0, weights, gradient));
   REFUSED(sfdae_get_gradient(solver, 1, NULL, 1, weights, gradient));

@@ -181,7 +181,10 @@ program sensitivities_test
   call solver%get_gradient([0.7_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient, status)
   call check(status == sfdae_illegal_argument, "too few weights")
   call solver%get_gradient([0.3_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient(:, 1:1), status)
-  call check(status == sfdae_illegal_argument, "no step ends there")
+  call check(status == sfdae_ok, "get_gradient within a step")
+  call check(near(gradient(1, 1), -0.3_dp * sin(0.3_dp * p), 1.0e-6_dp), "by p within a step")
+  call solver%get_gradient([0.8_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient(:, 1:1), status)
+  call check(status == sfdae_illegal_argument, "no step has led there")
 
   call solver%set_sensitivities(dae_sensitivities(), status)
   call check(status == sfdae_ok, "none any more")

@@ -124,7 +124,7 @@ TEST_P(Pieces, GiveTheSameGradientsForAnyIndex) {
         // The integration goes on as if nobody had asked, and gradients may be asked for again.
         solver.advance(2.0, point);
         add_gradient(solver, {0.0, 1.3, 2.0}, outcome);
-        add_gradient(solver, {0.7, 1.3}, outcome);
+        add_gradient(solver, {0.01, 0.5, 0.7, 1.3, 1.42, 1.9}, outcome);
         finish(solver, point, outcome);
         return outcome;
       });

@@ -43,11 +43,12 @@ Matrix gradient_of(const std::vector<Matrix>& S, const Matrix& weights) {
   return gradient;
 }
 
-// A run through these times, the first of which is the start.
+// A run through these times, the first of which is the start; or to the last one alone, with the others within steps.
 struct Journey {
   sfdae::Sensitivities wanted;
   Point point;
   Times times;
+  bool passes_by = false;
   struct Direction {
     double from, to;
   };
@@ -61,7 +62,8 @@ Matrix adjoint_gradient(const Problem& problem, const sfdae::Options& options, J
   solver.set_sensitivities(journey.wanted);
   solver.start(journey.point, journey.times.back());
   for (double t : journey.times)
-    if (t != journey.times.front()) solver.advance(t, journey.point);
+    if (t != journey.times.front() && (!journey.passes_by || t == journey.times.back()))
+      solver.advance(t, journey.point);
   return solver.gradient(journey.times, weights);
 }
 
@@ -73,9 +75,14 @@ Matrix forward_gradient(const Problem& problem, sfdae::Options options, Journey 
   sfdae::Solver solver(problem, options);
   solver.set_sensitivities(journey.wanted);
   solver.start(journey.point, journey.times.back());
-  const Matrix S = solver.sensitivities(journey.times.front(), false).S;
-  solver.advance(journey.times.back(), journey.point);
-  return gradient_of({S, solver.sensitivities(journey.times.back(), false).S}, weights);
+  std::vector<Matrix> S = {solver.sensitivities(journey.times.front(), false).S};
+  for (int status = SFDAE_STEP_TAKEN; status != SFDAE_OK;) {
+    status = solver.step(journey.times.back(), journey.point);
+    const double direction = journey.times.back() < journey.times.front() ? -1.0 : 1.0;
+    while (S.size() < journey.times.size() && (journey.times[S.size()] - journey.point.t) * direction <= 0.0)
+      S.push_back(solver.sensitivities(journey.times[S.size()], false).S);
+  }
+  return gradient_of(S, weights);
 }
 
 // ---- Random systems --------------------------------------------------------------------------------------------
@@ -88,7 +95,7 @@ TEST_P(RandomGradients, AreExactForAnyIndex) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     const TransformedSystem system(seed);
     SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
-    Journey journey{{}, {}, {0.0, 0.7, 1.3, 2.0}};
+    Journey journey{{}, {}, {0.0, 0.7, 1.3, 2.0}, seed % 2 == 0};
     journey.wanted.parameters = {"p", "q"};
     std::vector<Matrix> S(4);
     std::vector<double> x;
@@ -156,6 +163,29 @@ TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
   }
 }
 
+// At points within steps, several of them in one. With BDF x is the polynomial through the same points, made consistent; with Radau forward
+// sensitivities are linearized where x is interpolated, those of the adjoint where the shorter step leads.
+TEST_P(RandomGradients, AreThoseOfForwardSensitivitiesWithinSteps) {
+  for (double tolerance : {1e-4, 1e-9}) {
+    for (unsigned seed = 1; seed <= 8; ++seed) {
+      const TransformedSystem system(seed);
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
+      Journey journey{{}, {}, {0.0, 1e-4, 0.05, 0.3, 0.301, 0.77, 1.234, 1.9, 1.99, 2.0}, true};
+      journey.wanted.parameters = {"", "q", "p"};
+      journey.wanted.directions = Matrix(system.n(), 3);
+      for (int i = 0; i < system.n(); ++i) journey.wanted.directions(i, 0) = std::cos(2.0 * i + seed);
+      Matrix unused;
+      system.exact(0.0, journey.point.x, unused);
+      const Matrix weights = weights_for(system.n(), journey.times, seed);
+      const sfdae::Options options = solver_options(tolerance, GetParam());
+      const Matrix gradient = adjoint_gradient(system.problem(), options, journey, weights),
+                   forward = forward_gradient(system.problem(), options, journey, weights);
+      EXPECT_LE(largest_error(gradient, forward),
+                GetParam() == SFDAE_METHOD_BDF ? 1e-3 * tolerance + 1e-11 : tolerance);
+    }
+  }
+}
+
 // ---- Other problems --------------------------------------------------------------------------------------------
 
 // Expects the gradient of two functionals of end and start values to be that of forward sensitivities.
@@ -205,6 +235,9 @@ TEST_P(Gradients, KeepToTheirSideOfKinks) {
   journey.wanted.directions = Matrix(3, 3);
   journey.wanted.directions(0, 2) = 1.0;
   expect_forward_gradient(problem, solver_options(1e-7, GetParam()), journey, agreement(1e-7));
+  journey.times = {0.0, 0.2, 0.45, 0.55, 1.2, 1.3, 1.9, 2.0};
+  journey.passes_by = true;
+  expect_forward_gradient(problem, solver_options(1e-7, GetParam()), journey, 1e-6);
 }
 
 // Two pendulums one below the other that turn over, with a mass that depends on the position: coordinates take turns in
@@ -289,6 +322,15 @@ TEST_P(Gradients, AreThoseInAnyUnitsAndDirection) {
     for (int q = 0; q < 2; ++q)
       for (int j = 0; j < 3; ++j)
         EXPECT_NEAR(gradient(j, q), forward(j, q), 1e-10 * std::abs(forward(j, q))) << "parameter " << j;
+    // Within steps.
+    const double length = leg.to - leg.from;
+    journey.times = {leg.from, leg.from + 0.1 * length, leg.from + 0.4 * length, leg.from + 0.9 * length, leg.to};
+    journey.passes_by = true;
+    const Matrix more = weights_for(3, journey.times, 1), within = adjoint_gradient(problem, options, journey, more),
+                 expected = forward_gradient(problem, options, journey, more);
+    for (int q = 0; q < 2; ++q)
+      for (int j = 0; j < 3; ++j)
+        EXPECT_NEAR(within(j, q), expected(j, q), 1e-5 * std::abs(expected(j, q))) << "parameter " << j;
   }
 }
 
@@ -348,7 +390,7 @@ TEST_P(Gradients, CanBeRepeated) {
   const Matrix again = solver.gradient({1.0}, weights);
   EXPECT_NE(first(0, 0), 0.0);
   for (int j = 0; j < 2; ++j) EXPECT_EQ(first(j, 0), again(j, 0));
-  EXPECT_THROW(solver.gradient({0.5}, weights), sfdae::Error);
+  EXPECT_THROW(solver.gradient({2.5}, weights), sfdae::Error);
   EXPECT_THROW(solver.sensitivities(2.0), sfdae::Error);
   const sfdae::SensitivityStatistics statistics = solver.sensitivity_statistics();
   EXPECT_EQ(statistics.kept_steps, solver.statistics().steps);
