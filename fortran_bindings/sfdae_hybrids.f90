@@ -468,7 +468,7 @@ contains
   !> column for each functional.
   recursive subroutine hybrid_get_gradient(self, t, weights, gradient, status)
     class(dae_hybrid), intent(inout) :: self
-    !> Points in time: the start, or where advance has gone to; at a transition that after it.
+    !> Points in time, from the start to where steps have led; at a transition that after it.
     real(c_double), contiguous, intent(in) :: t(:)
     !> n rows; a column for each point in time, for one functional after the other.
     real(c_double), contiguous, intent(in) :: weights(:, :)

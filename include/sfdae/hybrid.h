@@ -170,8 +170,8 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  * in all of which they need a derivative. max_kept_steps counts for the mode that the system is in: of visits that have ended
  * there are checkpoints then, and the steps that take less memory than these.
  *
- * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks; switches with
- * the adjoint. After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
+ * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks. After that
+ * sfdae_set_sensitivities refuses the solvers of modes, as it does always.
  * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g or M has no
  * derivative. Where two transitions are due at once, or a guard is about to change, the one that happens counts. */
 SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
@@ -186,9 +186,9 @@ SFDAE_API int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, dou
 SFDAE_API int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt);
 
 /** Gradients of functionals of the solution, with the option adjoint: sfdae_get_gradient, with the same arguments, back through all
- * modes and transitions since sfdae_start_hybrid, the times of transitions included.
+ * modes, motion along surfaces included, and transitions since sfdae_start_hybrid, with the times of these.
  *
- * t: the start, or points that sfdae_advance_hybrid has gone to; at the time of a transition x is that after it (after all of
+ * t: points from the start on, as there; at the time of a transition x is that after it (after all of
  * them, if there are several), and so it is where sfdae_advance_to_transition has returned. That is a point of time that does not
  * move with the parameters: w^T S, S after the transition.
  *

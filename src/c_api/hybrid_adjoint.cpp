@@ -24,6 +24,11 @@ Vector parameters_of(const sfdae_solver& solver) {
   return values;
 }
 
+std::shared_ptr<sfdae_solver> solver_of(const HybridMode& mode) {
+  return mode.surface != nullptr ? mode.surface->shared_solver()
+                                 : std::shared_ptr<sfdae_solver>(std::shared_ptr<void>(), mode.solver);
+}
+
 // Goes back from the last visit to the first one.
 class BackwardRun {
  public:
@@ -38,15 +43,14 @@ class BackwardRun {
         functionals_(functionals),
         n_(hybrid.n()),
         count_(static_cast<int>(hybrid.sensitivities->names.size())),
-        gradient_(count_, functionals.count),
-        weights_(n_, functionals.count) {}
+        gradient_(count_, functionals.count) {}
 
   CallResult read() {
     const HybridRun& run = hybrid_.run;
     const std::vector<KeptVisit>& visits = hybrid_.kept.visits;
     Matrix of_columns;
-    CallResult result =
-        read_visit(run.mode, *hybrid_.mode().solver->integration, times_of(visits.size()), of_columns);
+    CallResult result = read_visit({run.mode, *hybrid_.mode().solver, *hybrid_.mode().solver->integration},
+                                   times_of(visits.size()), of_columns);
     for (std::size_t k = visits.size(); k-- > 0 && result.status >= 0;) {
       const KeptVisit& visit = visits[k];
       go_to_end_of(visit, of_columns);
@@ -57,8 +61,8 @@ class BackwardRun {
       result = check(visit);
       if (result.status < 0) break;
       end_ = visit.end;
-      set_limits(*hybrid_.modes[index(visit.mode)].solver, visit.start, run.direction());
-      result = read_visit(visit.mode, *visit.integration, times, of_columns);
+      set_limits(*visit.solver, visit.start, run.direction());
+      result = read_visit({visit.mode, *visit.solver, *visit.integration}, times, of_columns);
     }
     return result;
   }
@@ -83,7 +87,7 @@ class BackwardRun {
     return 0;
   }
   CallResult check(const KeptVisit& visit) const {
-    sfdae_solver& solver = *hybrid_.modes[index(visit.mode)].solver;
+    const sfdae_solver& solver = *visit.solver;
     if (parameters_of(solver) != visit.parameters)
       return illegal_argument(
           format("parameters of %s have other values than from t = %.15g to %.15g, where the gradient is to be "
@@ -96,28 +100,42 @@ class BackwardRun {
                  hybrid_.name_of(visit.mode).c_str(), visit.end));
     return {};
   }
-  // The gradient by all columns that the visit has begun with.
-  CallResult read_visit(int mode, Integration& integration, const std::vector<int>& times, Matrix& of_columns) {
-    if (times.empty()) return {};
-    Vector t, weights;
-    for (const int k : times) t.push_back(k == end_of_visit ? end_ : functionals_.t[k]);
+  struct Visit {
+    int mode;
+    sfdae_solver& solver;
+    Integration& integration;
+  };
+  // The part of the mode above, along a surface, is in no functional, but in what follows where the visit ends.
+  Vector weights_of(const std::vector<int>& times, int rows) const {
+    Vector weights;
     for (int q = 0; q < functionals_.count; ++q)
       for (const int k : times) {
+        const int given = k == end_of_visit ? rows : n_;
         const double* const from =
             k == end_of_visit
                 ? weights_.view().column(q)
                 : functionals_.weights + index(n_) * (index(k) + index(functionals_.num_times) * index(q));
-        weights.insert(weights.end(), from, from + n_);
+        weights.insert(weights.end(), from, from + given);
+        weights.resize(weights.size() + index(rows - given), 0.0);
       }
-    Matrix found(std::max(integration.adjoint()->count(), 1), functionals_.count);
-    sfdae_solver* solver = hybrid_.modes[index(mode)].solver;
-    hybrid_.running.store(solver);
-    const int status = guarded(solver, [&] {
-      return integration.gradient({t, weights.data(), functionals_.count}, found.data());
+    return weights;
+  }
+  // The gradient by all columns that the visit has begun with.
+  CallResult read_visit(const Visit& visit, const std::vector<int>& times, Matrix& of_columns) {
+    if (times.empty()) return {};
+    const DiscreteAdjoint& adjoint = *visit.integration.adjoint();
+    Vector t;
+    for (const int k : times) t.push_back(k == end_of_visit ? end_ : functionals_.t[k]);
+    const Vector weights = weights_of(times, adjoint.unknowns());
+    Matrix found(std::max(adjoint.count(), 1), functionals_.count);
+    hybrid_.running.store(&visit.solver);
+    const int status = guarded(&visit.solver, [&] {
+      return visit.integration.gradient({t, weights.data(), functionals_.count}, found.data());
     });
     hybrid_.running.store(nullptr);
     if (status == SFDAE_STOPPED) hybrid_.stop_is_requested.store(false);
-    if (status < 0 || status == SFDAE_STOPPED) return of_mode(hybrid_, mode, status);
+    if (status < 0 || status == SFDAE_STOPPED)
+      return {status, hybrid_.name_of(visit.mode) + ": " + visit.solver.message};
     for (int q = 0; q < functionals_.count; ++q)
       for (int j = 0; j < count_; ++j) gradient_(j, q) += found(j, q);
     of_columns = Matrix(found.rows() - count_, functionals_.count);
@@ -126,11 +144,11 @@ class BackwardRun {
   }
   // Weights of z become those of S where the visit ends.
   void go_to_end_of(const KeptVisit& visit, const Matrix& of_columns) {
-    const View weights = weights_;
-    if (of_columns.rows() == 0) fill(weights, 0.0);
-    else if (visit.is_whole) copy(of_columns, weights);
-    else multiply(1.0, Op::transposed, visit.coordinates, Op::plain, of_columns, 0.0, weights);
-    has_weights_ = max_abs(weights) > 0.0;
+    weights_ = Matrix(visit.integration->adjoint()->unknowns(), functionals_.count);
+    if (of_columns.rows() > 0 && visit.is_whole) copy(of_columns, weights_);
+    else if (of_columns.rows() > 0)
+      multiply(1.0, Op::transposed, visit.coordinates, Op::plain, of_columns, 0.0, weights_);
+    has_weights_ = max_abs(weights_) > 0.0;
   }
 
   sfdae_hybrid& hybrid_;
@@ -172,7 +190,7 @@ CallResult find_columns(sfdae_hybrid& hybrid, bool at_once, Vector& columns) {
   space = {};
   const int status = guarded(solver, [&] { return solver->integration->end_at(run.t, space); });
   if (status < 0) return of_mode(hybrid, run.mode, status);
-  const int n = hybrid.n(), count = static_cast<int>(hybrid.sensitivities->names.size());
+  const int n = solver->model.n(), count = static_cast<int>(hybrid.sensitivities->names.size());
   const int unknowns = space.is_whole() ? n : space.basis.cols();
   Matrix all(n, count + unknowns);
   copy(space.offset.view().columns(0, count), all.view().columns(0, count));
@@ -189,8 +207,8 @@ void keep_visit(sfdae_hybrid& hybrid, bool at_once) {
   HybridRun& run = hybrid.run;
   sfdae_solver& solver = *hybrid.mode().solver;
   std::vector<KeptVisit>& visits = hybrid.kept.visits;
-  visits.push_back({run.mode, run.entered, run.t, solver.model.shared_system(), solver.follows_structure(),
-                    parameters_of(solver), nullptr, hybrid.kept.ending.is_whole(),
+  visits.push_back({run.mode, solver_of(hybrid.mode()), run.entered, run.t, solver.model.shared_system(),
+                    solver.follows_structure(), parameters_of(solver), nullptr, hybrid.kept.ending.is_whole(),
                     std::move(hybrid.kept.ending.coordinates)});
   KeptVisit& visit = visits.back();
   hybrid.kept.ending = {};

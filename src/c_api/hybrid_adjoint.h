@@ -15,11 +15,14 @@
 #include "system/adjoint_system.h"
 
 struct sfdae_hybrid;
+struct sfdae_solver;
 
 namespace sfdae::core {
 
 struct KeptVisit {
   int mode;
+  // That of a switch lives on while the visit is kept, whatever becomes of the sliding mode; others are the user's.
+  std::shared_ptr<sfdae_solver> solver;
   double start, end;
   // As they are while steps are made; the solver may have others later.
   std::shared_ptr<const DaeSystem> system;
@@ -35,8 +38,8 @@ struct KeptVisits {
   TangentSpace ending;  // of the visit that is about to end
 };
 
-// S before a transition, as columns that it is a combination of: first those of the parameters. at_once: where the mode begins; then
-// those that it has begun with.
+// S before a transition, as columns that it is a combination of: first those of the parameters; with the unknowns of the mode, the part
+// of the mode above included. at_once: where the mode begins; then those that it has begun with.
 CallResult find_columns(sfdae_hybrid& hybrid, bool at_once, std::vector<double>& columns);
 // After that: the integration of the present mode, which is left. One that is left at once has no part in gradients.
 void keep_visit(sfdae_hybrid& hybrid, bool at_once);

@@ -236,6 +236,7 @@ CallResult find_shifts_of_event(sfdae_hybrid& hybrid, const HybridTransition& tr
   if (result.status >= 0) result = function.is_tangent(rate, is_tangent);
   Vector by_parameters(run.shifts.size(), 0.0);
   if (result.status >= 0) result = change_by_parameters(hybrid, transition, by_parameters);
+  by_parameters.resize(run.shifts.size(), 0.0);  // columns of values have none
   for (std::size_t j = 0; j < run.shifts.size() && result.status >= 0; ++j) {
     double change = 0.0;
     result = function.along(S.data() + j * n, change);
@@ -354,8 +355,8 @@ CallResult find_shifts(sfdae_hybrid& hybrid, const HybridTransition& transition,
   } else {
     const int status = sfdae_get_sensitivities(hybrid.mode().solver, run.t, S.data(), nullptr);
     if (status < 0) return of_mode(hybrid, run.mode, status);
-    S = with_rows(rows, S, hybrid.width());
   }
+  S = with_rows(rows, S, hybrid.width());
   if (transition.given.kind == SFDAE_TRANSITION_TIME) {
     std::fill(run.shifts.begin(), run.shifts.end(), 0.0);
   } else if (!at_once) {

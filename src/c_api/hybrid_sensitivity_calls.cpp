@@ -52,8 +52,6 @@ CallResult read_wanted(const sfdae_hybrid& hybrid, int count, const char* const*
   SensitivityRequest request;
   checked = read_sensitivity_options(count, options, request);
   if (checked.status != SFDAE_OK) return checked;
-  if (request.by_adjoint && !hybrid.switches.empty())
-    return illegal_argument("adjoint = 1 is not for hybrid systems with switches: ask for S in place of gradients.");
   wanted.by_adjoint = request.by_adjoint;
   wanted.max_kept_steps = request.max_kept_steps;
   wanted.options = std::move(request.options);

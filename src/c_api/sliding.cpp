@@ -105,7 +105,7 @@ void Switch::update(const Names& wanted) {
   const KeptParameters kept(names, below, above, given);
   std::shared_ptr<const Record> surface = surface_of_modes(given, kept);
   AnyModel model = make_model(sliding_equations(below, above, *surface, kept));
-  auto solver = std::make_unique<sfdae_solver>(std::move(model), with_part(below_.options, n()));
+  auto solver = std::make_shared<sfdae_solver>(std::move(model), with_part(below_.options, n()));
   auto evaluator = std::make_unique<TaylorEvaluator>(std::move(surface));
   std::vector<int> all(index(evaluator->num_parameters()));
   std::iota(all.begin(), all.end(), 0);
@@ -273,9 +273,6 @@ CallResult check_switch(const sfdae_hybrid& hybrid, int below, int above, const 
   if (checked.status == SFDAE_OK) checked = check_mode(hybrid, "above", above);
   if (checked.status == SFDAE_OK) checked = check_name(hybrid, name);
   if (checked.status != SFDAE_OK) return checked;
-  if (hybrid.sensitivities && hybrid.sensitivities->by_adjoint)
-    return illegal_argument(
-        "there is no adjoint along surfaces: call sfdae_set_hybrid_sensitivities without the option adjoint first.");
   if (below == above) return illegal_argument(format("below = above = %d: they must be two modes.", below));
   for (const int mode : {below, above})
     if (hybrid.modes[index(mode)].surface != nullptr)

@@ -23,6 +23,8 @@ class Switch {
 
   const Modes& modes() const { return modes_; }
   sfdae_solver* solver() const { return solver_.get(); }  // of the sliding mode
+  // For those that need it although it may be replaced.
+  const std::shared_ptr<sfdae_solver>& shared_solver() const { return solver_; }
   // Names of parameters by which derivatives are wanted; "" and names that there are not count for nothing.
   using Names = std::vector<std::string>;
   // The modes have other values of parameters than its equations, or these have not the parameters that are wanted.
@@ -56,7 +58,7 @@ class Switch {
   Names names_;                          // that were wanted
   std::unique_ptr<TaylorEvaluator> surface_;
   std::unique_ptr<ParameterDerivatives> surface_by_parameters_;
-  std::unique_ptr<sfdae_solver> solver_;
+  std::shared_ptr<sfdae_solver> solver_;
   std::vector<double> jet_;
 };
 

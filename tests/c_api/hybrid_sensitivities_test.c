@@ -215,7 +215,36 @@ static void gradients_are_those_of_the_formulas(void) {
   CHECK_STATUS(sfdae_set_parameter(first, "k", 2), SFDAE_OK);
   CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 3, times, 3, weights, gradient), SFDAE_OK);
   CHECK(fabs(gradient[6] + 0.75 * x) < 1e-7);
-  REFUSED(sfdae_add_switch(hybrid, 0, 1, surface, NULL, NULL, NULL));
+  CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&first), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
+}
+
+/* x = k t to the surface x = h, along which it stays, whatever h is changed to: gradients at 0.25 and 0.9 by h and k. */
+static void gradients_go_back_along_a_surface(void) {
+  sfdae_solver *first = solver_of(rising), *second = solver_of(decaying);
+  sfdae_hybrid* hybrid;
+  sfdae_sensitivity_options how;
+  const char* const names[] = {"h", "k"};
+  const double times[] = {0.25, 0.9}, weights[] = {1, 0, 0, 1};
+  double x = 0, t = 0, gradient[4];
+  int mode, along;
+  CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, first, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_mode(hybrid, second, NULL, NULL), SFDAE_OK);
+  sfdae_sensitivity_options_init(&how, sizeof how);
+  how.adjoint = 1;
+  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, surface, NULL, "along", &along), SFDAE_OK);
+  CHECK_STATUS(sfdae_set_hybrid_sensitivities(hybrid, 2, names, NULL, &how), SFDAE_OK);
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 1, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.9, &t, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_current_mode(hybrid, &mode), SFDAE_OK);
+  CHECK(mode == along && fabs(x - 1) < 1e-8);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 2, times, 2, weights, gradient), SFDAE_OK);
+  CHECK(fabs(gradient[0]) < 1e-8 && fabs(gradient[1] - 0.25) < 1e-8);
+  CHECK(fabs(gradient[2] - 1) < 1e-8 && fabs(gradient[3]) < 1e-8);
+  CHECK_STATUS(sfdae_get_hybrid_gradient(hybrid, 1, times + 1, 1, weights, gradient), SFDAE_OK);
+  CHECK(fabs(gradient[0] - 1) < 1e-8 && fabs(gradient[1]) < 1e-8);
   CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
   CHECK_STATUS(sfdae_destroy(&first), SFDAE_OK);
   CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
@@ -280,6 +309,7 @@ int main(void) {
   values_are_those_of_the_formulas();
   values_are_those_along_a_surface();
   gradients_are_those_of_the_formulas();
+  gradients_go_back_along_a_surface();
   mistakes_are_named();
   return failures > 0;
 }

@@ -53,17 +53,19 @@ TEST_P(SlidingCases, MoveAParameterThatHasTwoValues) {
       F[1] = xdot[1] - (above ? 3 : 1);
     };
   };
-  System system(2, fields, first, options());
-  system.solvers[1]->set_parameter("rate", 2);
-  system.point = {0, {1, 0}, {}};
-  system.ask({"rate"});
-  system.start(1, 2);
-  const auto values = [](double t, const Values& p) {
-    const double met = 1 / (2 + p[0]), s = (1 + p[0]) / (3 + 2 * p[0]);
-    return Values{0, 3 * met + (t - met) * (1 + 2 * s)};
-  };
-  system.compare(2, {0}, values, 1e-8);
-  EXPECT_EQ(system.modes(), "2");
+  for (const bool by_adjoint : {false, true}) {
+    System system(2, fields, first, options(), by_adjoint);
+    system.solvers[1]->set_parameter("rate", 2);
+    system.point = {0, {1, 0}, {}};
+    system.ask({"rate"});
+    system.start(1, 2);
+    const auto values = [](double t, const Values& p) {
+      const double met = 1 / (2 + p[0]), s = (1 + p[0]) / (3 + 2 * p[0]);
+      return Values{0, 3 * met + (t - met) * (1 + 2 * s)};
+    };
+    system.compare(2, {0}, values, 1e-8);
+    EXPECT_EQ(system.modes(), "2");
+  }
 }
 
 // m x' = f, k y' = c, z' = -q z with m, k and q of the same value but other names in the modes: fields are combined.
@@ -84,13 +86,15 @@ TEST_P(SlidingCases, KnowParametersOfEqualValue) {
   const Values p{2, 2, 0.5, 0.5, 0.7, 0.7};
   int index = -1;
   for (const bool asks : {false, true}) {
-    System system(3, fields, first, options());
-    system.point = {0, {0, 0, 1}, {}};
-    if (asks) system.ask({"m1", "m2", "k1", "k2", "q1", "q2"});
-    system.start(2, 1);
-    if (asks) EXPECT_EQ(system.hybrid.mode(2).strangeness_index, index);
-    else index = system.hybrid.mode(2).strangeness_index;
-    if (asks) system.compare(1, p, values, 1e-8);
+    for (const bool by_adjoint : {false, true}) {
+      System system(3, fields, first, options(), by_adjoint);
+      system.point = {0, {0, 0, 1}, {}};
+      if (asks) system.ask({"m1", "m2", "k1", "k2", "q1", "q2"});
+      system.start(2, 1);
+      if (asks) EXPECT_EQ(system.hybrid.mode(2).strangeness_index, index);
+      else index = system.hybrid.mode(2).strangeness_index;
+      if (asks) system.compare(1, p, values, 1e-8);
+    }
   }
 }
 
@@ -231,6 +235,31 @@ TEST_P(SlidingCases, NameSurfacesWithoutDerivatives) {
   EXPECT_NE(said.find("level"), std::string::npos) << said;
 }
 
+// v' = -sign(v - A sin t) mu, along the surface until t = 2 pi / 3, then above it. What is changed in the mode below, which is not under
+// way, makes the equations of the sliding mode anew: gradients go back through those that it had.
+TEST_P(SlidingCases, GoBackThroughEquationsThatWereReplaced) {
+  const auto fields = [](int above) -> Equations {
+    return [above](const Expression& t, auto, auto xdot, auto F) {
+      const Expression mu = sfdae::parameter(t, "mu", 0.5);
+      F[0] = xdot[0] + (above ? mu : -mu);
+    };
+  };
+  const auto slip = [](const Expression& t, auto x) { return x[0] - sfdae::parameter(t, "A", 1) * sin(t); };
+  System system(1, fields, slip, options(), true);
+  system.point = {1.95, {std::sin(1.95)}, {}};
+  system.ask({"A", "mu"});
+  system.start(2, 4);
+  system.hybrid.advance(2.5, system.point);
+  EXPECT_EQ(system.modes(), "1");
+  system.solvers[0]->set_parameter("mu", 0.6);
+  system.hybrid.advance(3, system.point);
+  const double left = std::acos(-0.5);
+  EXPECT_NEAR(system.gradients(2)(0, 0), std::sin(2.0), 1e-8);
+  const Matrix S = system.gradients(3);
+  EXPECT_NEAR(S(0, 0), std::sin(left), 1e-7);
+  EXPECT_NEAR(S(0, 1), -(3 - left), 1e-7);
+}
+
 // ---- Forces ------------------------------------------------------------------------------------------------------
 
 // A block with an unknown normal force N, pushed by rise t: v' = rise t - mu N sign(v), N = 9.81. It stops, rests, and goes on.
@@ -244,30 +273,32 @@ TEST_P(SlidingCases, AreThoseOfABlockOnAFloor) {
       F[2] = x[2] - g;
     };
   };
-  System system(
-      3, block, [](const auto&, auto x) { return x[1]; }, options());
-  system.point = {0, {0, 1, g}, {}};
-  system.ask({"mu", "rise", ""}, {-1, -1, 1});
-  system.start(1, 5);
-  const auto stops = [](const Values& p) {
-    const double a = p[0] * g / p[1];
-    return a - std::sqrt(a * a - 2 * p[2] / p[1]);
-  };
-  const auto goes = [](const Values& p) { return p[0] * g / p[1]; };
-  const auto values = [&](double t, const Values& p) {
-    const double until = std::min(t, stops(p)), since = std::max(t - goes(p), 0.0);
-    const double x = p[2] * until - p[0] * g * until * until / 2 + p[1] * until * until * until / 6;
-    const double v = t < stops(p) ? p[2] - p[0] * g * t + p[1] * t * t / 2 : p[1] * since * since / 2;
-    return Values{x + p[1] * since * since * since / 6, v, g};
-  };
-  const Values p{0.3, 1, 1};
-  system.compare(0.2, p, values, 1e-8);
-  system.compare(1, p, values, 1e-8);
-  system.compare_time(p, stops, 1e-8);
-  EXPECT_EQ(system.hybrid.current_mode(), 2);
-  system.compare(4, p, values, 1e-7);
-  system.compare_time(p, goes, 1e-6);
-  EXPECT_EQ(system.modes(), "21");
+  for (const bool by_adjoint : {false, true}) {
+    System system(
+        3, block, [](const auto&, auto x) { return x[1]; }, options(), by_adjoint);
+    system.point = {0, {0, 1, g}, {}};
+    system.ask({"mu", "rise", ""}, {-1, -1, 1});
+    system.start(1, 5);
+    const auto stops = [](const Values& p) {
+      const double a = p[0] * g / p[1];
+      return a - std::sqrt(a * a - 2 * p[2] / p[1]);
+    };
+    const auto goes = [](const Values& p) { return p[0] * g / p[1]; };
+    const auto values = [&](double t, const Values& p) {
+      const double until = std::min(t, stops(p)), since = std::max(t - goes(p), 0.0);
+      const double x = p[2] * until - p[0] * g * until * until / 2 + p[1] * until * until * until / 6;
+      const double v = t < stops(p) ? p[2] - p[0] * g * t + p[1] * t * t / 2 : p[1] * since * since / 2;
+      return Values{x + p[1] * since * since * since / 6, v, g};
+    };
+    const Values p{0.3, 1, 1};
+    system.compare(0.2, p, values, 1e-8);
+    system.compare(1, p, values, 1e-8);
+    system.compare_time(p, stops, 1e-8);
+    EXPECT_EQ(system.hybrid.current_mode(), 2);
+    system.compare(4, p, values, 1e-7);
+    system.compare_time(p, goes, 1e-6);
+    EXPECT_EQ(system.modes(), "21");
+  }
 }
 
 // A multibody form of it: pressed to a wall with the force 2, from 1.2 to rest after 1.2 / friction.
@@ -304,7 +335,7 @@ TEST_P(SlidingCases, AreThoseOfMultibodySystems) {
 // x' = above ? -2 : 2, y' = above ? rate : -3 slides along x = y until y = 1 or a time; then both rest. From there a jump of the
 // user's leads back along the surface.
 struct Corner : System {
-  explicit Corner(const sfdae::Options& options)
+  explicit Corner(const sfdae::Options& options, bool wants_gradients = false)
       : System(
             2,
             [](int above) -> Equations {
@@ -313,7 +344,7 @@ struct Corner : System {
                 F[1] = xdot[1] - (above ? sfdae::parameter(t, "rate", 1.5) : -3 + 0 * t);
               };
             },
-            [](const Expression&, auto x) { return x[0] - x[1]; }, options) {
+            [](const Expression&, auto x) { return x[0] - x[1]; }, options, wants_gradients) {
     sfdae::NonlinearProblem problem(2, 2);
     problem.equations = [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0], F[1] = xdot[1]; };
     solvers.push_back(std::make_unique<sfdae::Solver>(problem, options));
@@ -329,59 +360,64 @@ struct Corner : System {
 };
 
 TEST_P(SlidingCases, EndByTransitionsOfModes) {
-  Corner system(options());
-  sfdae::Transition low;
-  low.from = 1, low.to = 3;
-  low.function = [](double, auto x, auto) { return 1 - x[0]; };
-  system.hybrid.add_transition(low);
-  system.ask({"rate"});
-  system.start(1, 2);
-  const Values p{1.5};
-  system.compare(
-      2, p,
-      [](double, const Values&) {
-        return Values{1, 1};
-      },
-      1e-8);
-  EXPECT_EQ(system.modes(), "23");
-  const auto reached = [](const Values& q) {
-    return Corner::met(q) + (1 - 1.5 + 2 * Corner::met(q)) / Corner::slope(q);
-  };
-  system.compare_time(p, reached, 1e-8);
+  for (const bool by_adjoint : {false, true}) {
+    Corner system(options(), by_adjoint);
+    sfdae::Transition low;
+    low.from = 1, low.to = 3;
+    low.function = [](double, auto x, auto) { return 1 - x[0]; };
+    system.hybrid.add_transition(low);
+    system.ask({"rate"});
+    system.start(1, 2);
+    const Values p{1.5};
+    system.compare(
+        2, p,
+        [](double, const Values&) {
+          return Values{1, 1};
+        },
+        1e-8);
+    EXPECT_EQ(system.modes(), "23");
+    const auto reached = [](const Values& q) {
+      return Corner::met(q) + (1 - 1.5 + 2 * Corner::met(q)) / Corner::slope(q);
+    };
+    system.compare_time(p, reached, 1e-8);
 
-  Corner other(options());
-  sfdae::Transition timed;
-  timed.from = 0, timed.to = 3, timed.kind = SFDAE_TRANSITION_TIME, timed.time = 0.4;
-  other.hybrid.add_transition(timed);
-  other.ask({"rate"});
-  other.start(1, 2);
-  const auto values = [](double, const Values& q) {
-    return Values{Corner::on_surface(0.4, q), Corner::on_surface(0.4, q)};
-  };
-  other.compare(2, p, values, 1e-8);
-  EXPECT_EQ(other.hybrid.passage_sensitivities()[0], 0);
+    Corner other(options(), by_adjoint);
+    sfdae::Transition timed;
+    timed.from = 0, timed.to = 3, timed.kind = SFDAE_TRANSITION_TIME, timed.time = 0.4;
+    other.hybrid.add_transition(timed);
+    other.ask({"rate"});
+    other.start(1, 2);
+    const auto values = [](double, const Values& q) {
+      return Values{Corner::on_surface(0.4, q), Corner::on_surface(0.4, q)};
+    };
+    other.compare(2, p, values, 1e-8);
+    if (by_adjoint) continue;
+    EXPECT_EQ(other.hybrid.passage_sensitivities()[0], 0);
+  }
 }
 
 TEST_P(SlidingCases, BeginByJumpsOfTheUser) {
   for (const bool jumps : {false, true}) {
-    Corner system(options());
-    sfdae::Transition timed, back;
-    timed.from = 0, timed.to = 3, timed.kind = SFDAE_TRANSITION_TIME, timed.time = 0.4;
-    back.from = 3, back.to = 2, back.kind = SFDAE_TRANSITION_TIME, back.time = 0.6;
-    if (jumps) back.jump = [](double, auto x) { x[0] = x[0] * x[0], x[1] = x[1] * x[1]; };
-    system.hybrid.add_transition(timed);
-    system.hybrid.add_transition(back);
-    system.ask({"rate", ""}, {-1, 0});
-    system.start(1, 2);
-    const auto values = [jumps](double t, const Values& q) {
-      // By x_0 at the start the surface is met later, after which y is as much higher.
-      const double met = (q[1] - 1) / (2 + q[0]);
-      const double left = q[1] - 2 * met + (0.4 - met) * Corner::slope(q);
-      const double x = (jumps ? left * left : left) + (t - 0.6) * Corner::slope(q);
-      return Values{x, x};
-    };
-    system.compare(1, {1.5, 1.5}, values, 1e-8);
-    EXPECT_EQ(system.modes(), "232");
+    for (const bool by_adjoint : {false, true}) {
+      Corner system(options(), by_adjoint);
+      sfdae::Transition timed, back;
+      timed.from = 0, timed.to = 3, timed.kind = SFDAE_TRANSITION_TIME, timed.time = 0.4;
+      back.from = 3, back.to = 2, back.kind = SFDAE_TRANSITION_TIME, back.time = 0.6;
+      if (jumps) back.jump = [](double, auto x) { x[0] = x[0] * x[0], x[1] = x[1] * x[1]; };
+      system.hybrid.add_transition(timed);
+      system.hybrid.add_transition(back);
+      system.ask({"rate", ""}, {-1, 0});
+      system.start(1, 2);
+      const auto values = [jumps](double t, const Values& q) {
+        // By x_0 at the start the surface is met later, after which y is as much higher.
+        const double met = (q[1] - 1) / (2 + q[0]);
+        const double left = q[1] - 2 * met + (0.4 - met) * Corner::slope(q);
+        const double x = (jumps ? left * left : left) + (t - 0.6) * Corner::slope(q);
+        return Values{x, x};
+      };
+      system.compare(1, {1.5, 1.5}, values, 1e-8);
+      EXPECT_EQ(system.modes(), "232");
+    }
   }
 }
 

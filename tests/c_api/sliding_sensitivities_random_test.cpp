@@ -2,7 +2,7 @@
 //
 // Sensitivities of random piecewise linear systems with a surface (random_sliding.h), of strangeness index 1 and 2,
 // against differences of the reference: by a parameter p of all that the system consists of, the surface and hidden constraints
-// too; by a parameter r of one mode; by a start value.
+// too; by a parameter r of one mode; by a start value. And gradients by the adjoint, against these of the same steps.
 
 #include <gtest/gtest.h>
 
@@ -185,21 +185,27 @@ bool is_near_change(const Exact& exact, double t) {
   return std::any_of(changes.begin(), changes.end(), [&](double at) { return std::fabs(at - t) < near; });
 }
 
-Outcome run(const Family& family, const Exact& exact, int method, double tolerance) {
-  const sfdae::Options options = sfdae_test::solver_options(tolerance, method);
-  sfdae::Solver below = solver_of(family, 0, options), above = solver_of(family, 1, options);
+// The modes below and above, and 2 along the surface.
+struct Modes {
+  Modes(const Family& family, const sfdae::Options& options)
+      : below(solver_of(family, 0, options)), above(solver_of(family, 1, options)) {
+    hybrid.add_mode(below);
+    hybrid.add_mode(above);
+    hybrid.add_switch(0, 1, [&family](const auto& t, auto y) {
+      const sfdae::Expression p = sfdae::parameter(t, "p", 7);
+      sfdae::Expression g = family.at_zero.h + 0.3 * p * family.by_p.h;
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < n; ++j)
+          g = g + (family.at_zero.c[i] + 0.3 * p * family.by_p.c[i]) * family.at_zero.columns[i][j] *
+                      y[static_cast<int>(j)];
+      return g;
+    });
+  }
+  sfdae::Solver below, above;
   sfdae::Hybrid hybrid;
-  hybrid.add_mode(below);
-  hybrid.add_mode(above);
-  const auto surface = [&family](const auto& t, auto y) {
-    const sfdae::Expression p = sfdae::parameter(t, "p", 7);
-    sfdae::Expression g = family.at_zero.h + 0.3 * p * family.by_p.h;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        g = g + (family.at_zero.c[i] + 0.3 * p * family.by_p.c[i]) * family.at_zero.columns[i][j] *
-                    y[static_cast<int>(j)];
-    return g;
-  };
+};
+
+Outcome run(const Family& family, const Exact& exact, int method, double tolerance) {
   Outcome outcome;
   if (exact.course.y.empty()) return outcome;
   const Sample sample = family.at(in_use);
@@ -211,7 +217,8 @@ Outcome run(const Family& family, const Exact& exact, int method, double toleran
     for (int i = 0; i < size; ++i) wanted.directions(i, j) = exact.S[std::size_t(j)][0][std::size_t(i)];
   sfdae::Point point{0.0, exact.course.y[0], {}};
   try {
-    hybrid.add_switch(0, 1, surface);
+    Modes modes(family, sfdae_test::solver_options(tolerance, method));
+    sfdae::Hybrid& hybrid = modes.hybrid;
     hybrid.set_sensitivities(wanted);
     hybrid.start(exact.course.modes[0], point, sample.time);
     for (std::size_t k = 1; k < exact.course.y.size(); ++k) {
@@ -285,6 +292,94 @@ TEST(RandomSlidingSensitivities, AgreeWithDifferencesOfFilippovsSolutions) {
     EXPECT_GE(sliding, count / 4);
     EXPECT_GE(crossing, count / 20);
   }
+}
+
+// ---- Gradients ---------------------------------------------------------------------------------------------------
+
+struct Gradients {
+  sfdae::Matrix values;  // of two functionals of values at the start and at the end
+  std::string way;       // the modes that were entered
+};
+
+// Steps are the same, as there is one time only, at which they end, and states are chosen from the array.
+Gradients gradients_of(const Family& family, int method, double tolerance, bool by_adjoint) {
+  const int size = family.size();
+  const Sample sample = family.at(in_use);
+  sfdae::Options options = sfdae_test::solver_options(tolerance, method);
+  options.structure = SFDAE_STRUCTURE_OFF;
+  options.use_stop_time = 1;
+  options.stop_time = sample.time;
+  Modes modes(family, options);
+  sfdae::Hybrid& hybrid = modes.hybrid;
+  sfdae::Sensitivities wanted;
+  wanted.parameters = {"p", "r", "", ""};
+  wanted.adjoint = by_adjoint;
+  wanted.directions = sfdae::Matrix(size, 4);
+  for (int j = 2; j < 4; ++j)
+    for (int i = 0; i < size; ++i) wanted.directions(i, j) = std::cos(3.0 * i + j);
+  hybrid.set_sensitivities(wanted);
+  const Reference reference(sample);
+  sfdae::Point point{0.0, mixed(sample, reference.values()), {}};
+  if (family.has_acceleration) point.x.push_back(acceleration(sample, reference.mode(), reference.values()));
+  hybrid.start(reference.mode(), point, sample.time);
+  const sfdae::Matrix at_start = by_adjoint ? sfdae::Matrix() : hybrid.sensitivities(0.0, false).S;
+  hybrid.advance(sample.time, point);
+  sfdae::Matrix weights(size, 4);
+  for (int k = 0; k < 4; ++k)
+    for (int i = 0; i < size; ++i) weights(i, k) = std::sin(1.0 + 2.3 * i + 1.7 * k);
+  Gradients result;
+  for (long k = 0; k < hybrid.num_passages(); ++k) result.way += std::to_string(hybrid.passage(k).to);
+  if (by_adjoint) {
+    result.values = hybrid.gradient({0.0, sample.time}, weights);
+    return result;
+  }
+  const sfdae::Matrix at_end = hybrid.sensitivities(sample.time, false).S;
+  result.values = sfdae::Matrix(4, 2);
+  for (int q = 0; q < 2; ++q)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < size; ++i)
+        result.values(j, q) += at_start(i, j) * weights(i, 2 * q) + at_end(i, j) * weights(i, 1 + 2 * q);
+  return result;
+}
+
+TEST(RandomSlidingGradients, AreThoseOfForwardSensitivities) {
+  // As many that leave the surface, that slide to the end, and that cross it.
+  const int count = sfdae_test::scaled_count(6);
+  std::mt19937 random(91);
+  int sliding = 0, leaving = 0, crossing = 0;
+  std::array<int, 3> runs{};
+  std::vector<double> errors;
+  for (int k = 0; k < 1000 && std::min({runs[0], runs[1], runs[2]}) < count; ++k) {
+    const Family family{random_sample(random), random_sample(random), k % 2 == 1};
+    const Course course = course_of(family, in_use);
+    if (course.changes.back().empty()) continue;
+    int& runs_of_kind = runs[!course.slides ? 0 : course.modes.back() == 2 ? 1 : 2];
+    if (runs_of_kind++ >= count) continue;
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      SCOPED_TRACE("system " + std::to_string(k) + ", method " + std::to_string(method));
+      const Gradients forward = gradients_of(family, method, 1e-7, false),
+                      adjoint = gradients_of(family, method, 1e-7, true);
+      EXPECT_EQ(adjoint.way, forward.way);
+      double size = 1.0, error = 0.0;
+      for (int q = 0; q < 2; ++q)
+        for (int j = 0; j < 4; ++j) {
+          size = std::max(size, std::fabs(forward.values(j, q)));
+          error = std::max(error, std::fabs(adjoint.values(j, q) - forward.values(j, q)));
+        }
+      EXPECT_LE(error / size, 1e-8) << forward.way;
+      errors.push_back(error / size);
+      const std::size_t met = forward.way.find('2');
+      if (met != std::string::npos) ++sliding;
+      else if (!forward.way.empty()) ++crossing;
+      if (met != std::string::npos && met + 1 < forward.way.size()) ++leaving;
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  std::printf("%d slide, %d leave the surface, %d cross; largest difference %.3g, median %.3g\n", sliding, leaving,
+              crossing, errors.back(), errors[errors.size() / 2]);
+  EXPECT_GE(sliding, 3 * count);
+  EXPECT_GE(leaving, count);
+  EXPECT_GE(crossing, count);
 }
 
 }  // namespace

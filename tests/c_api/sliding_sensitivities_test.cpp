@@ -46,26 +46,29 @@ Values corner_values(double t, const Values& p) {
 }
 
 TEST_P(SlidingSensitivities, AreThoseOfConstantFields) {
-  System system(2, corner, difference, sfdae_test::solver_options(1e-10, GetParam()));
-  system.point = {0, {1.5, 1}, {}};
-  system.ask({"a", "b", "c", "d", "level", ""}, {-1, -1, -1, -1, -1, 0});
-  system.start(1, 1);
-  const Values p{2, 2, 1.5, 3, 0, 1.5};
-  EXPECT_EQ(system.hybrid.advance_to_transition(1, system.point), SFDAE_EVENT);
-  system.compare(system.point.t, p, corner_values, 1e-8);
-  system.compare_time(p, corner_met, 1e-8);
-  system.compare(0.6, p, corner_values, 1e-8);
-  system.compare(1, p, corner_values, 1e-8);
-  EXPECT_EQ(system.modes(), "2");
-  EXPECT_NE(system.hybrid.report().find("6 sensitivities are carried over"), std::string::npos);
-  // S' is that of x' along the surface.
-  const Matrix slopes = system.hybrid.sensitivities(1).Sdot;
-  const auto slope = [](double, const Values& q) {
-    const double below = q[1] + q[3], above = -q[0] - q[2], s = below / (below - above);
-    return Values{s * -q[0] + (1 - s) * q[1]};
-  };
-  for (int j = 0; j < 6; ++j)
-    EXPECT_NEAR(slopes(0, j), derivative(slope, 0, p, static_cast<std::size_t>(j))[0], 1e-8) << j;
+  for (const bool by_adjoint : {false, true}) {
+    System system(2, corner, difference, sfdae_test::solver_options(1e-10, GetParam()), by_adjoint);
+    system.point = {0, {1.5, 1}, {}};
+    system.ask({"a", "b", "c", "d", "level", ""}, {-1, -1, -1, -1, -1, 0});
+    system.start(1, 1);
+    const Values p{2, 2, 1.5, 3, 0, 1.5};
+    EXPECT_EQ(system.hybrid.advance_to_transition(1, system.point), SFDAE_EVENT);
+    system.compare(system.point.t, p, corner_values, 1e-8);
+    system.compare_time(p, corner_met, 1e-8);
+    system.compare(0.6, p, corner_values, 1e-8);
+    system.compare(1, p, corner_values, 1e-8);
+    EXPECT_EQ(system.modes(), "2");
+    if (by_adjoint) continue;
+    EXPECT_NE(system.hybrid.report().find("6 sensitivities are carried over"), std::string::npos);
+    // S' is that of x' along the surface.
+    const Matrix slopes = system.hybrid.sensitivities(1).Sdot;
+    const auto slope = [](double, const Values& q) {
+      const double below = q[1] + q[3], above = -q[0] - q[2], s = below / (below - above);
+      return Values{s * -q[0] + (1 - s) * q[1]};
+    };
+    for (int j = 0; j < 6; ++j)
+      EXPECT_NEAR(slopes(0, j), derivative(slope, 0, p, static_cast<std::size_t>(j))[0], 1e-8) << j;
+  }
 }
 
 // A start along the surface has directions for x alone; what they violate is put right.
@@ -73,20 +76,22 @@ TEST_P(SlidingSensitivities, BeginOnTheSurface) {
   for (const int how : {SFDAE_INITIAL_NEAREST, SFDAE_INITIAL_ACCEPT}) {
     sfdae::Options options = sfdae_test::solver_options(1e-10, GetParam());
     options.initial_values = how;
-    System system(2, corner, difference, options);
-    system.point = {0, {1, 1}, {}};
-    system.ask({"a", "b", "c", "d", ""}, {-1, -1, -1, -1, 0});
-    system.start(2, 1);
-    // x_0 and y move together by half of the direction.
-    const Matrix S = system.hybrid.sensitivities(0).S;
-    EXPECT_NEAR(S(0, 4), 0.5, 1e-9);
-    EXPECT_NEAR(S(1, 4), 0.5, 1e-9);
-    const auto values = [](double t, const Values& p) {
-      const double below = p[1] + p[3], above = -p[0] - p[2], s = below / (below - above);
-      const double x = 1 + 0.5 * (p[4] - 1) + t * (s * -p[0] + (1 - s) * p[1]);
-      return Values{x, x};
-    };
-    system.compare(0.7, {2, 2, 1.5, 3, 1}, values, 1e-8);
+    for (const bool by_adjoint : {false, true}) {
+      System system(2, corner, difference, options, by_adjoint);
+      system.point = {0, {1, 1}, {}};
+      system.ask({"a", "b", "c", "d", ""}, {-1, -1, -1, -1, 0});
+      system.start(2, 1);
+      // x_0 and y move together by half of the direction.
+      const Matrix S = by_adjoint ? system.gradients(0) : system.hybrid.sensitivities(0).S;
+      EXPECT_NEAR(S(0, 4), 0.5, 1e-9);
+      EXPECT_NEAR(S(1, 4), 0.5, 1e-9);
+      const auto values = [](double t, const Values& p) {
+        const double below = p[1] + p[3], above = -p[0] - p[2], s = below / (below - above);
+        const double x = 1 + 0.5 * (p[4] - 1) + t * (s * -p[0] + (1 - s) * p[1]);
+        return Values{x, x};
+      };
+      system.compare(0.7, {2, 2, 1.5, 3, 1}, values, 1e-8);
+    }
   }
 }
 
@@ -122,22 +127,24 @@ Values on_base_values(double t, const Values& p) {
 }
 
 TEST_P(SlidingSensitivities, GoOnWhereAModeLeadsAway) {
-  System system(1, on_base, slip, sfdae_test::solver_options(1e-10, GetParam()));
-  system.point = {0, {0}, {}};
-  system.ask({"mu", "A", "w"});
-  system.start(0, 6);
-  const Values p{0.5, 1, 1};
-  system.compare(1, p, on_base_values, 1e-8);
-  system.compare(2, p, on_base_values, 1e-8);
-  system.compare_time(p, sticks, 1e-7);
-  EXPECT_EQ(system.hybrid.current_mode(), 2);
-  system.compare(3, p, on_base_values, 1e-7);
-  system.compare_time(p, is_loose, 1e-6);
-  EXPECT_EQ(system.hybrid.current_mode(), 1);
-  system.compare(4, p, on_base_values, 1e-7);
-  EXPECT_EQ(system.modes(), "21");
-  while (system.hybrid.num_passages() < 3) system.hybrid.advance_to_transition(6, system.point);
-  system.compare_time(p, sticks_again, 1e-6);
+  for (const bool by_adjoint : {false, true}) {
+    System system(1, on_base, slip, sfdae_test::solver_options(1e-10, GetParam()), by_adjoint);
+    system.point = {0, {0}, {}};
+    system.ask({"mu", "A", "w"});
+    system.start(0, 6);
+    const Values p{0.5, 1, 1};
+    system.compare(1, p, on_base_values, 1e-8);
+    system.compare(2, p, on_base_values, 1e-8);
+    system.compare_time(p, sticks, 1e-7);
+    EXPECT_EQ(system.hybrid.current_mode(), 2);
+    system.compare(3, p, on_base_values, 1e-7);
+    system.compare_time(p, is_loose, 1e-6);
+    EXPECT_EQ(system.hybrid.current_mode(), 1);
+    system.compare(4, p, on_base_values, 1e-7);
+    EXPECT_EQ(system.modes(), "21");
+    while (system.hybrid.num_passages() < 3) system.hybrid.advance_to_transition(6, system.point);
+    system.compare_time(p, sticks_again, 1e-6);
+  }
 }
 
 // ---- Fields that lead through ------------------------------------------------------------------------------------
@@ -151,17 +158,19 @@ TEST_P(SlidingSensitivities, CrossTheSurface) {
     };
   };
   const auto surface = [](const Expression& t, auto x) { return x[0] - sfdae::parameter(t, "level", 1); };
-  System system(2, through, surface, sfdae_test::solver_options(1e-10, GetParam()));
-  system.point = {0, {0, 0}, {}};
-  system.ask({"k", "level"});
-  system.start(0, 3);
-  const auto values = [](double t, const Values& p) {
-    return Values{p[1] + 2 * (t - p[1]) + 0.5 * p[0] * (t * t - p[1] * p[1])};
-  };
-  system.compare(2, {0.7, 1}, values, 1e-8);
-  system.compare_time(
-      {0.7, 1}, [](const Values& p) { return p[1]; }, 1e-8);
-  EXPECT_EQ(system.modes(), "1");
+  for (const bool by_adjoint : {false, true}) {
+    System system(2, through, surface, sfdae_test::solver_options(1e-10, GetParam()), by_adjoint);
+    system.point = {0, {0, 0}, {}};
+    system.ask({"k", "level"});
+    system.start(0, 3);
+    const auto values = [](double t, const Values& p) {
+      return Values{p[1] + 2 * (t - p[1]) + 0.5 * p[0] * (t * t - p[1] * p[1])};
+    };
+    system.compare(2, {0.7, 1}, values, 1e-8);
+    system.compare_time(
+        {0.7, 1}, [](const Values& p) { return p[1]; }, 1e-8);
+    EXPECT_EQ(system.modes(), "1");
+  }
 }
 
 // ---- Constraints -------------------------------------------------------------------------------------------------
@@ -182,16 +191,18 @@ TEST_P(SlidingSensitivities, AreThoseOfTheEquivalentControl) {
     const double x = p[0] * p[1] * met(p) * std::exp(-(t - met(p)) / p[0]);
     return Values{x, -x / p[0], x / (p[0] * p[0])};
   };
-  System system(3, relay, surface, sfdae_test::solver_options(1e-10, GetParam()));
-  system.point = {0, {0.5, 0, -1}, {}};
-  system.ask({"k", "U", ""}, {-1, -1, 0});
-  system.start(1, 5);
-  const Values p{1, 1, 0.5};
-  system.compare(0.8, p, values, 1e-7);
-  system.compare_time(p, met, 1e-8);
-  system.compare(3, p, values, 1e-7);
-  EXPECT_EQ(system.modes(), "2");
-  EXPECT_EQ(system.hybrid.mode(2).strangeness_index, 1);
+  for (const bool by_adjoint : {false, true}) {
+    System system(3, relay, surface, sfdae_test::solver_options(1e-10, GetParam()), by_adjoint);
+    system.point = {0, {0.5, 0, -1}, {}};
+    system.ask({"k", "U", ""}, {-1, -1, 0});
+    system.start(1, 5);
+    const Values p{1, 1, 0.5};
+    system.compare(0.8, p, values, 1e-7);
+    system.compare_time(p, met, 1e-8);
+    system.compare(3, p, values, 1e-7);
+    EXPECT_EQ(system.modes(), "2");
+    EXPECT_EQ(system.hybrid.mode(2).strangeness_index, 1);
+  }
 }
 
 // A point on the unit circle with friction and a torque of (t - 2) rise from t = 2 on, by position and multiplier: it turns from
@@ -210,30 +221,32 @@ Equations on_circle(int above) {
 
 TEST_P(SlidingSensitivities, AreThoseOfRestOnACircle) {
   const auto turning = [](const auto&, auto x) { return x[0] * x[3] - x[1] * x[2]; };
-  System system(5, on_circle, turning, sfdae_test::solver_options(1e-9, GetParam()));
-  const double c = std::cos(1.0), s = std::sin(1.0);
-  system.point = {0, {c, s, -s, c, 0.5}, {}};
-  system.ask({"friction", "rise"});
-  system.start(1, 5);
-  const Values p{0.5, 0.5};
-  const auto again = [](const Values& q) { return 2.5 + q[0] / q[1]; };
-  const auto values = [&](double t, const Values& q) {
-    const double stops = 1 / q[0], since = t - again(q);
-    double angle = 1 + (t < stops ? t - 0.5 * q[0] * t * t : 0.5 / q[0]), rate = t < stops ? 1 - q[0] * t : 0;
-    if (since > 0) angle += q[1] * since * since * since / 6, rate = 0.5 * q[1] * since * since;
-    return Values{std::cos(angle), std::sin(angle), -rate * std::sin(angle), rate * std::cos(angle),
-                  0.5 * rate * rate};
-  };
-  system.compare(1, p, values, 1e-6);
-  system.compare(2.4, p, values, 1e-6);
-  system.compare_time(
-      p, [](const Values& q) { return 1 / q[0]; }, 1e-7);
-  EXPECT_EQ(system.hybrid.current_mode(), 2);
-  system.compare(4.5, p, values, 1e-6);
-  EXPECT_EQ(system.modes(), "21");
-  system.compare_time(p, again, 1e-5);
-  EXPECT_EQ(system.hybrid.mode(1).strangeness_index, 2);
-  EXPECT_GE(system.hybrid.mode(2).strangeness_index, 2);
+  for (const bool by_adjoint : {false, true}) {
+    System system(5, on_circle, turning, sfdae_test::solver_options(1e-9, GetParam()), by_adjoint);
+    const double c = std::cos(1.0), s = std::sin(1.0);
+    system.point = {0, {c, s, -s, c, 0.5}, {}};
+    system.ask({"friction", "rise"});
+    system.start(1, 5);
+    const Values p{0.5, 0.5};
+    const auto again = [](const Values& q) { return 2.5 + q[0] / q[1]; };
+    const auto values = [&](double t, const Values& q) {
+      const double stops = 1 / q[0], since = t - again(q);
+      double angle = 1 + (t < stops ? t - 0.5 * q[0] * t * t : 0.5 / q[0]), rate = t < stops ? 1 - q[0] * t : 0;
+      if (since > 0) angle += q[1] * since * since * since / 6, rate = 0.5 * q[1] * since * since;
+      return Values{std::cos(angle), std::sin(angle), -rate * std::sin(angle), rate * std::cos(angle),
+                    0.5 * rate * rate};
+    };
+    system.compare(1, p, values, 1e-6);
+    system.compare(2.4, p, values, 1e-6);
+    system.compare_time(
+        p, [](const Values& q) { return 1 / q[0]; }, 1e-7);
+    EXPECT_EQ(system.hybrid.current_mode(), 2);
+    system.compare(4.5, p, values, 1e-6);
+    EXPECT_EQ(system.modes(), "21");
+    system.compare_time(p, again, 1e-5);
+    EXPECT_EQ(system.hybrid.mode(1).strangeness_index, 2);
+    EXPECT_GE(system.hybrid.mode(2).strangeness_index, 2);
+  }
 }
 
 }  // namespace
