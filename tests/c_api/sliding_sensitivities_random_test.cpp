@@ -302,7 +302,7 @@ struct Gradients {
 };
 
 // Steps are the same, as there is one time only, at which they end, and states are chosen from the array.
-Gradients gradients_of(const Family& family, int method, double tolerance, bool by_adjoint) {
+Gradients gradients_of(const Family& family, int method, double tolerance, bool by_adjoint, long max_kept_steps = 0) {
   const int size = family.size();
   const Sample sample = family.at(in_use);
   sfdae::Options options = sfdae_test::solver_options(tolerance, method);
@@ -314,6 +314,7 @@ Gradients gradients_of(const Family& family, int method, double tolerance, bool 
   sfdae::Sensitivities wanted;
   wanted.parameters = {"p", "r", "", ""};
   wanted.adjoint = by_adjoint;
+  wanted.max_kept_steps = max_kept_steps;
   wanted.directions = sfdae::Matrix(size, 4);
   for (int j = 2; j < 4; ++j)
     for (int i = 0; i < size; ++i) wanted.directions(i, j) = std::cos(3.0 * i + j);
@@ -360,6 +361,12 @@ TEST(RandomSlidingGradients, AreThoseOfForwardSensitivities) {
       const Gradients forward = gradients_of(family, method, 1e-7, false),
                       adjoint = gradients_of(family, method, 1e-7, true);
       EXPECT_EQ(adjoint.way, forward.way);
+      // The same in every bit with steps that are made again.
+      if (runs_of_kind == 1) {
+        const Gradients again = gradients_of(family, method, 1e-7, true, 2);
+        for (int q = 0; q < 2; ++q)
+          for (int j = 0; j < 4; ++j) EXPECT_EQ(again.values(j, q), adjoint.values(j, q));
+      }
       double size = 1.0, error = 0.0;
       for (int q = 0; q < 2; ++q)
         for (int j = 0; j < 4; ++j) {
