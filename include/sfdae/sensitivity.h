@@ -117,8 +117,8 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * asked for again with other weights.
  *
  * Points within a step, events among them, are what S is there, as sfdae_get_sensitivities has it: with BDF the polynomial through the last
- * points, made consistent; with Radau the end of a shorter step, whose stages are solved for once more, so that such a point costs as
- * much as a step or two. (x there is that of the polynomial: both are the same within the tolerances.)
+ * points, made consistent; with Radau the end of a shorter step, whose stages are solved for once more. Such a point costs about as much as
+ * three steps of BDF, or one of Radau. (x there is that of the polynomial: both are the same within the tolerances.)
  *
  * With the option max_kept_steps steps are kept of the end of the integration alone, at most two thirds of that number; of earlier pieces of
  * it, a third long, there is a checkpoint each, about as large as ten steps, and some 30 bytes for each step. (Pieces are not
