@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-using Vector = std::vector<double>;
+using Exponents = std::vector<double>;
 
 // Squares of gradients below this are those of exponents that are right to a fraction of a bit.
 constexpr double converged = 1e-3;
@@ -23,11 +23,13 @@ constexpr int reweightings = 25;
 struct Layout {
   int m, n;
   std::size_t size() const { return index(m) + index(n) + 1; }
-  double* columns(Vector& v) const { return v.data() + m; }
-  const double* columns(const Vector& v) const { return v.data() + m; }
+  double* columns(Exponents& v) const { return v.data() + m; }
+  const double* columns(const Exponents& v) const { return v.data() + m; }
 };
 
-double dot(const Vector& a, const Vector& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+double scalar_product(const Exponents& a, const Exponents& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
 
 // The normal equations of the sum of w (bits + r_i + c_j - time s)^2.
 class NormalEquations {
@@ -45,24 +47,24 @@ class NormalEquations {
   enum class Weighting { even, by_size };
   void weigh(const UnitExponents& x, Weighting weighting);
   // Half the gradient at the x weighed last, downward.
-  const Vector& descent() const { return descent_; }
+  const Exponents& descent() const { return descent_; }
   // q := (half the matrix of second derivatives) d
-  void apply(const Vector& d, Vector& q) const;
+  void apply(const Exponents& d, Exponents& q) const;
 
  private:
-  double add_sums(ConstView entries, double factor, Vector& to) const;
+  double add_sums(ConstView entries, double factor, Exponents& to) const;
 
   Layout of_;
   const EntrySizes& sizes_;
   Matrix weights_, weights_of_E_;
   // Rows and columns of the matrix: the weights are beside the diagonal of rows and unknowns, those of E are sums in the
   // row of time.
-  Vector diagonal_, beside_time_, descent_, ones_;
+  Exponents diagonal_, beside_time_, descent_, ones_;
 };
 
 // to += factor (row sums, column sums, 0); returns the sum of all entries.
-double NormalEquations::add_sums(ConstView entries, double factor, Vector& to) const {
-  Vector sums(index(entries.rows));
+double NormalEquations::add_sums(ConstView entries, double factor, Exponents& to) const {
+  Exponents sums(index(entries.rows));
   multiply(1.0, Op::plain, entries, ones_.data(), 0.0, sums.data());
   for (std::size_t i = 0; i < sums.size(); ++i) to[i] += factor * sums[i];
   multiply(factor, Op::transposed, entries, ones_.data(), 1.0, of_.columns(to));
@@ -97,15 +99,15 @@ void NormalEquations::weigh(const UnitExponents& x, Weighting weighting) {
   diagonal_.back() = add_sums(weights_of_E_, -1.0, beside_time_);
 }
 
-void NormalEquations::apply(const Vector& d, Vector& q) const {
+void NormalEquations::apply(const Exponents& d, Exponents& q) const {
   const double s = d.back();
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = diagonal_[i] * d[i] + s * beside_time_[i];
-  q.back() += dot(beside_time_, d);
+  q.back() += scalar_product(beside_time_, d);
   multiply(1.0, Op::plain, weights_, of_.columns(d), 1.0, q.data());
   multiply(1.0, Op::transposed, weights_, d.data(), 1.0, of_.columns(q));
 }
 
-void add(double length, const Vector& d, UnitExponents& x) {
+void add(double length, const Exponents& d, UnitExponents& x) {
   const std::size_t m = x.rows.size();
   for (std::size_t i = 0; i < m; ++i) x.rows[i] += length * d[i];
   for (std::size_t j = 0; j < x.unknowns.size(); ++j) x.unknowns[j] += length * d[m + j];
@@ -114,18 +116,18 @@ void add(double length, const Vector& d, UnitExponents& x) {
 
 // Conjugate gradients. False if x was right.
 bool descend(const NormalEquations& equations, UnitExponents& x) {
-  Vector gradient = equations.descent(), direction = gradient, change(gradient.size());
-  double size = dot(gradient, gradient);
+  Exponents gradient = equations.descent(), direction = gradient, change(gradient.size());
+  double size = scalar_product(gradient, gradient);
   if (!(size > converged)) return false;
   const std::size_t most_steps = 4 * gradient.size();
   for (std::size_t step = 0; step < most_steps && size > converged; ++step) {
     equations.apply(direction, change);
-    const double curvature = dot(direction, change);
+    const double curvature = scalar_product(direction, change);
     if (!(curvature > 0.0)) return step > 0;
     const double length = size / curvature;
     add(length, direction, x);
     for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] -= length * change[i];
-    const double next = dot(gradient, gradient);
+    const double next = scalar_product(gradient, gradient);
     for (std::size_t i = 0; i < direction.size(); ++i) direction[i] = gradient[i] + next / size * direction[i];
     size = next;
   }
