@@ -158,9 +158,9 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
  *
  * M(t, x, p): the values after it, by the rule of sfdae_jump or your jump function. S after is consistent with the constraints of the
  * mode that begins, hidden ones too. Derivatives of g, and of M where the equations of a jump do not say them, are differences of
- * fourth order: your functions are called with values nearby, too, and g with x' that mean nothing. Your functions depend on parameters through x alone, g_p = 0: one that is in them
- * otherwise has to be an unknown, p' = 0, with its unit vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from
- * the transition). Surfaces of switches are formulas: g_p is that of their parameters.
+ * fourth order: your functions are called with values nearby, too, and g with x' that mean nothing. They depend on parameters
+ * through x alone, g_p = 0: one that is in them otherwise has to be an unknown, p' = 0, with its unit vector as direction. g must
+ * not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the transition). Surfaces of switches are formulas: g_p is that of their parameters.
  *
  * Along surfaces S has n rows, too, as s stays inside. Where factors of equations in two modes are the same by the values of
  * parameters only, m1 x' and m2 x' with m1 = m2, there are sensitivities by these if the equation has one x' alone;
