@@ -109,7 +109,7 @@ class InRuns {
   // Slots that it computes get the level, too.
   int level_of(const Instruction& instruction) {
     const bool is_function = instruction.code == Code::function;
-    const int arguments = is_function ? instruction.b - instruction.a : 0;
+    const int arguments = is_function ? instruction.call->function->num_arguments() : 0;
     int level = 0;
     const auto read = [&](int slot) {
       if (slot >= 0 && block_of_[index(slot)] == number_) level = std::max(level, level_of_[index(slot)] + 1);
@@ -120,7 +120,7 @@ class InRuns {
       level_of_[index(slot)] = level;
     };
     if (is_function)
-      for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
+      for (int argument = 0; argument < arguments; ++argument) read(instruction.a + argument);
     else
       for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
     for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);

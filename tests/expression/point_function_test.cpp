@@ -100,6 +100,24 @@ TEST(PointFunction, HasTheSeriesAndGradientsOfTheFormula) {
     }
 }
 
+// Instructions are sorted: a call has to come after all of its arguments, not only the first.
+TEST(PointFunction, WaitsForArgumentsThatTakeLonger) {
+  for (const int late : {0, 1, 2}) {
+    Recording r(2);
+    std::vector<Term> arguments = {0.1 * r.x[0], 0.2 * r.x[0], 0.3 * r.x[0]};
+    for (int depth = 0; depth < 5; ++depth)
+      arguments[size(late)] = sin(arguments[size(late)]) * r.x[1] + arguments[size(late)];
+    const Term by_call = call(std::make_shared<ExpSin>(3, 2), arguments);
+    const Term by_formula = exp(arguments[0] + arguments[1]) * sin(arguments[2]);
+    TaylorEvaluator evaluator(r.finish({by_call, by_formula}));
+    const double jet[] = {0.7, -0.4, 0.3, 0.2, 0.0, 0.0};
+    double F[4];
+    // Nothing is there from an evaluation before.
+    ASSERT_TRUE(evaluator.values(0.0, jet, 1, F));
+    for (int k : {0, 1}) EXPECT_NEAR(F[2 * k], F[2 * k + 1], 1e-14) << late << ", " << k;
+  }
+}
+
 // As the points one by one, to the last bit.
 TEST(PointFunction, IsTheSameInLanes) {
   Recording r(2);
