@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "integrate/step_control.h"
 #include "linalg/index.h"
@@ -188,12 +190,12 @@ int check_continuation(const Arguments& arguments, const Options& options, doubl
 core::IntegrationOptions integration_options(const Arguments& arguments, const Options& options) {
   core::IntegrationOptions result;
   const std::size_t n = core::index(arguments.n);
-  result.tolerances.rtol.resize(n);
-  result.tolerances.atol.resize(n);
+  std::vector<double> rtol(n), atol(n);
   for (int i = 0; i < arguments.n; ++i) {
-    result.tolerances.rtol[core::index(i)] = arguments.rtol_of(i);
-    result.tolerances.atol[core::index(i)] = arguments.atol_of(i);
+    rtol[core::index(i)] = arguments.rtol_of(i);
+    atol[core::index(i)] = arguments.atol_of(i);
   }
+  result.tolerances = {std::move(rtol), std::move(atol)};
   result.method = arguments.method == radau_method ? core::Method::radau : core::Method::bdf;
   result.never_pass_output = arguments.method == radau_method;
   result.stepping = options.stepping;

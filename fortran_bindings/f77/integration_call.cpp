@@ -214,7 +214,7 @@ int IntegrationCall::go_on() {
 
 core::IntegrationOptions IntegrationCall::options_of_integration() {
   core::IntegrationOptions options = integration_options(arguments_, options_);
-  const std::vector<double>& atol = options.tolerances.atol;
+  const std::vector<double> atol = options.tolerances.atol.different();
   if (std::any_of(atol.begin(), atol.end(), [](double a) { return a == 0.0; })) {
     options.monitor = watch_weights;
     options.monitor_user = this;

@@ -27,7 +27,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           analysis.rank_E,
           code_of(solver.system()->leading_term()),
           analysis.time_scale,
-          smallest_gap(solver.decisions)};
+          smallest_gap(solver.decisions.different())};
 }
 
 sfdae_statistics statistics_of(const sfdae_solver& solver) {

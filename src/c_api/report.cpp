@@ -52,9 +52,9 @@ std::string analysis_report(const sfdae_solver& solver) {
   std::string text = format("strangeness index %d", values.mu);
   if (values.u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
   text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, values.u, values.v);
-  const double gap = smallest_gap(solver.decisions);
+  const double gap = smallest_gap(solver.decisions.different());
   Verdict worst = Verdict::clear;
-  for (const RankDecision& decision : solver.decisions) worst = std::max(worst, decision.verdict);
+  for (const RankDecision& decision : solver.decisions.different()) worst = std::max(worst, decision.verdict);
   const char* summary = worst == Verdict::clear       ? "every decision is safe"
                         : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second computation"
                         : worst == Verdict::user      ? "ranks were decided by rank_tol"
@@ -153,10 +153,10 @@ std::string report_of(const sfdae_solver& solver) {
     return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n) + about_modes +
            breakpoints_report(solver);
   // A checkpoint has the analysis without its decisions.
-  const double t = solver.decisions.empty() ? solver.system()->analysis().t : solver.decisions.front().t;
+  const double t = solver.decisions.empty() ? solver.system()->analysis().t : solver.decisions[0].t;
   std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", t, m, n);
   text += solver.decisions.empty() ? "  restored from a checkpoint, without its rank decisions\n"
-                                   : decision_table(solver.decisions);
+                                   : decision_table(solver.decisions.all());
   text += solver.system() != nullptr ? analysis_report(solver) : "the analysis failed\n";
   if (solver.system() != nullptr && solver.kind.multibody != nullptr) text += constraints_report(solver);
   if (const auto extension = solver.model.extension())

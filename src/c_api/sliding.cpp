@@ -42,7 +42,7 @@ TaylorEvaluator formulas_of(const sfdae_solver& solver, const char* which) {
 // Those of the mode below, and of the part of the mode above what the others have at best.
 SolverOptions with_part(SolverOptions options, int n) {
   double tolerance = 1.0;
-  for (const double rtol : options.model.tolerances.rtol)
+  for (const double rtol : options.model.tolerances.rtol.different())
     if (rtol > 0.0) tolerance = std::min(tolerance, rtol);
   if (tolerance == 1.0) tolerance = 1e-6;
   options.model.tolerances.rtol.push_back(tolerance);

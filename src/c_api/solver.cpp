@@ -33,6 +33,18 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
 // Failures of an analysis that wrong derivatives may cause.
 bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
 
+void analyze_model(sfdae_solver& solver, const PointOfInterest& point) {
+  solver.decisions = {};
+  std::vector<RankDecision> decisions;
+  try {
+    solver.model.analyze(point, solver.options.model, decisions);
+  } catch (...) {
+    solver.decisions = KeptDecisions(decisions);
+    throw;
+  }
+  solver.decisions = KeptDecisions(decisions);
+}
+
 // An analysis that is not to be trusted is forgotten.
 void demand_derivatives(sfdae_solver& solver, const PointOfInterest& point) {
   try {
@@ -75,11 +87,11 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n)
   if (o.initial_values == SFDAE_INITIAL_FIXED)
     for (int i = 0; i < n; ++i) model.consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
   if (o.initial_weights != nullptr) model.consistency.weights.assign(o.initial_weights, o.initial_weights + n);
-  for (int i = 0; i < n; ++i) {
-    model.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
-    model.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
-  }
-  model.analysis.least_useful_pivot = least_useful_pivot(model.tolerances.rtol);
+  const auto tolerance = [n](const double* each, double all) {
+    return each != nullptr ? PerComponent(std::vector<double>(each, each + n)) : PerComponent::same(index(n), all);
+  };
+  model.tolerances = {tolerance(o.rtol_vector, o.rtol), tolerance(o.atol_vector, o.atol)};
+  model.analysis.least_useful_pivot = least_useful_pivot(model.tolerances.rtol.different());
   model.ignore_inconsistency = o.ignore_inconsistency != 0;
   model.consistency_tol = o.consistency_tol;
   static_cast<Acceptance&>(integration) = model;
@@ -108,8 +120,7 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   solver.forget_analysis();
   const bool checks = solver.options.checks_derivatives;
   try {
-    solver.decisions.clear();
-    solver.model.analyze(point, solver.options.model, solver.decisions);
+    analyze_model(solver, point);
   } catch (const Failure& failure) {
     if (checks && may_be_of_derivatives(failure.status()))
       solver.model.demand_derivatives(point, solver.options.model);
@@ -440,7 +451,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->note_differentiations();
     solver->jumps.forget();
     solver->integration->record(solver->solution);
-    solver->decisions.clear();
+    solver->decisions = {};
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();
     solver->breakpoints->set_size(solver->integration->size_of_times());

@@ -19,6 +19,7 @@
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
 #include "integrate/jump_rule.h"
+#include "linalg/kept_decisions.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
@@ -112,7 +113,7 @@ struct sfdae_solver {
   sfdae::core::AnyModel kind;
   sfdae::core::Model& model;
   sfdae::core::SolverOptions options;
-  std::vector<sfdae::core::RankDecision> decisions;  // of the last analysis, failed or not
+  sfdae::core::KeptDecisions decisions;  // of the last analysis, failed or not
   // After an analysis:
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them

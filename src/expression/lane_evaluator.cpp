@@ -304,9 +304,10 @@ void sweep_back(const Pass& pass, std::size_t i, int length, LaneMask& bad, Orde
   const Tape::EdgesOfEquation edges = tape.edges_of(i, tape.edges, pass.factors);
   if (tape.has_choices) follow<true>(edges, pass.slots, pass.adjoints, K);
   else follow<false>(edges, pass.slots, pass.adjoints, K);
-  for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e)
+  const int* adjoint = tape.adjoints_of_targets(i);
+  for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e, ++adjoint)
     for (int k = 0; k <= K; ++k) {
-      const Lanes entry = pass.adjoints[tape.targets[e].slot * (K + 1) + k];
+      const Lanes entry = pass.adjoints[*adjoint * (K + 1) + k];
       note_not_finite(entry, bad);
       pass.gradients[e * index(length) + index(k)] = entry;
     }

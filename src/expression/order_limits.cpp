@@ -52,7 +52,7 @@ InstructionsByOrder::InstructionsByOrder(const Tape& tape, const OrderLimits& li
   }
   lists.resize(index(limits.highest + 1));
   for (std::size_t k = 0; k < all.size(); ++k) lists[index(order_of_instruction[k])].push_back(all[k]);
-  for (InstructionList& list : lists) list.shrink_to_fit();
+  for (InstructionList& list : lists) list.finish();
   for (const Tape::Leaf& leaf : tape.leaves) of_leaves.push_back(order_of[index(leaf.slot)]);
 }
 

@@ -80,10 +80,9 @@ Record::Record(Parts parts) : parts_(std::move(parts)), nodes_(parts_.nodes) {
       // A choice between numbers has no derivative, and jumps.
       jumps_ = jumps_ || jumps_with_state(*this, carrier);
       if (!is_leaf(carrier.operation)) continue;
-      entries_.push_back(
-          {carrier.a, carrier.operation == Operation::derivative, static_cast<StoredDependence>(adjoint.dependence)});
+      entries_.emplace_back(carrier.a, carrier.operation == Operation::derivative, adjoint.dependence);
     }
-    first_entry_.push_back(entries_.size());
+    first_entry_.push_back(static_cast<std::uint32_t>(entries_.size()));
   }
   entries_.shrink_to_fit();
   first_entry_.shrink_to_fit();

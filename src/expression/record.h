@@ -79,9 +79,11 @@ struct Parameter {
 
 // An entry of F_x or F_x' that is not identically zero.
 struct Entry {
-  int unknown;      // j of x_j
-  bool derivative;  // x'_j instead
-  StoredDependence dependence;
+  Entry(int j, bool is_derivative, Dependence its_dependence)
+      : unknown(j & 0x3ffffff), derivative(is_derivative), dependence(its_dependence & 0xf) {}
+  int unknown : 27;     // j of x_j
+  bool derivative : 1;  // x'_j instead
+  Dependence dependence : 4;
   bool is_constant() const { return !varies_in_time(dependence); }
 };
 
@@ -136,7 +138,7 @@ class Record {
   Nodes nodes_;
   std::vector<StoredDependence> dependence_;
   std::vector<Entry> entries_;  // of all equations
-  std::vector<std::size_t> first_entry_{0};
+  std::vector<std::uint32_t> first_entry_{0};
   bool jumps_ = false;  // a choice depends on x or x'
 };
 

@@ -134,25 +134,31 @@ class InRuns {
   std::vector<int> block_of_, level_of_;            // of slots
 };
 
-// Edges that have been seen before are not kept again.
+// Edges, and adjoints of targets, that have been seen before are not kept again.
 class Forms {
  public:
-  explicit Forms(Tape& tape) : tape_(tape) { tape_.first_edge.assign(1, 0); }
+  explicit Forms(Tape& tape) : tape_(tape) {
+    tape_.first_edge.assign(1, 0);
+    tape_.first_target_adjoint.assign(1, 0);
+  }
 
-  int number_of(const std::vector<Edge>& edges) {
-    const auto [first, last] = known_.equal_range(hash_of(edges));
+  int number_of(const std::vector<Edge>& edges, const std::vector<int>& targets) {
+    const std::uint64_t hash = hash_of(edges, targets);
+    const auto [first, last] = known_.equal_range(hash);
     for (auto known = first; known != last; ++known)
-      if (is_form(known->second, edges)) return known->second;
+      if (is_form(known->second, edges, targets)) return known->second;
     const int number = static_cast<int>(tape_.first_edge.size()) - 1;
     tape_.edges.insert(tape_.edges.end(), edges.begin(), edges.end());
     tape_.first_edge.push_back(tape_.edges.size());
-    known_.emplace(hash_of(edges), number);
+    tape_.target_adjoints.insert(tape_.target_adjoints.end(), targets.begin(), targets.end());
+    tape_.first_target_adjoint.push_back(tape_.target_adjoints.size());
+    known_.emplace(hash, number);
     return number;
   }
 
  private:
   // FNV-1a with the prime for 64 bits.
-  static std::uint64_t hash_of(const std::vector<Edge>& edges) {
+  static std::uint64_t hash_of(const std::vector<Edge>& edges, const std::vector<int>& targets) {
     std::uint64_t hash = 0xcbf29ce484222325u;
     const auto add = [&hash](int part) { hash = (hash ^ static_cast<std::uint32_t>(part)) * 0x100000001b3u; };
     for (const Edge& edge : edges) {
@@ -160,9 +166,13 @@ class Forms {
       add(edge.from);
       add(edge.to);
     }
+    for (int adjoint : targets) add(adjoint);
     return hash ^ (hash >> 32);
   }
-  bool is_form(int number, const std::vector<Edge>& edges) const {
+  bool is_form(int number, const std::vector<Edge>& edges, const std::vector<int>& targets) const {
+    const int *const of_form = tape_.target_adjoints.data() + tape_.first_target_adjoint[index(number)],
+                     *const last = tape_.target_adjoints.data() + tape_.first_target_adjoint[index(number + 1)];
+    if (!std::equal(of_form, last, targets.begin(), targets.end())) return false;
     const std::size_t first = tape_.first_edge[index(number)];
     if (tape_.first_edge[index(number + 1)] - first != edges.size()) return false;
     return std::equal(edges.begin(), edges.end(), tape_.edges.begin() + static_cast<std::ptrdiff_t>(first),
@@ -191,7 +201,8 @@ class Builder {
       else add_instruction(i);
     }
     of_state_.finish();
-    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) instructions->shrink_to_fit();
+    renumber();
+    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) instructions->finish();
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
   }
 
@@ -201,23 +212,46 @@ class Builder {
     BackwardWalk backward(record_);
     Forms forms(tape_);
     for (int i = 0; i < record_.m(); ++i) {
-      tape_.first_factor.push_back(tape_.factors.size());
-      tape_.first_target.push_back(tape_.targets.size());
+      tape_.first_factor.push_back(static_cast<std::uint32_t>(tape_.factors.size()));
+      tape_.first_target.push_back(static_cast<std::uint32_t>(tape_.targets.size()));
       add_edges(i, backward.walk(i));
-      tape_.form_of.push_back(forms.number_of(edges_));
+      tape_.form_of.push_back(forms.number_of(edges_, target_adjoints_));
     }
     tape_.factors.push_back(0);
-    tape_.first_target.push_back(tape_.targets.size());
+    tape_.first_target.push_back(static_cast<std::uint32_t>(tape_.targets.size()));
     tape_.edges.shrink_to_fit();
     tape_.factors.shrink_to_fit();
     tape_.targets.shrink_to_fit();
-    for (auto* first : {&tape_.first_edge, &tape_.first_factor, &tape_.first_target}) first->shrink_to_fit();
+    for (auto* first : {&tape_.first_edge, &tape_.first_target_adjoint}) first->shrink_to_fit();
+    for (auto* first : {&tape_.first_factor, &tape_.first_target}) first->shrink_to_fit();
+    tape_.target_adjoints.shrink_to_fit();
     tape_.form_of.shrink_to_fit();
     tape_.residuals.shrink_to_fit();
     tape_.leaves.shrink_to_fit();
   }
 
  private:
+  // Results of binary instructions come last, as these are executed: they need not be listed.
+  void renumber() {
+    const auto lists = {&tape_.of_parameters, &tape_.of_time, &tape_.of_state};
+    std::vector<int> number(index(tape_.num_slots), 0);
+    for (const InstructionList* list : lists)
+      for (int result : list->results()) number[index(result)] = -1;
+    int next = 0;
+    for (int& slot : number)
+      if (slot == 0) slot = next++;
+    for (const InstructionList* list : lists)
+      for (int result : list->results()) number[index(result)] = next++;
+    for (InstructionList* list : lists) list->renumber(number);
+    for (auto* numbers : {&tape_.constants, &tape_.parameters})
+      for (Tape::Number& of_slot : *numbers) of_slot.slot = number[index(of_slot.slot)];
+    for (Tape::Leaf& leaf : tape_.leaves) leaf.slot = number[index(leaf.slot)];
+    if (tape_.time >= 0) tape_.time = number[index(tape_.time)];
+    for (auto* slots : {&v_of_, &p_of_, &q_of_})
+      for (int& slot : *slots)
+        if (slot >= 0) slot = number[index(slot)];
+  }
+
   int slot(int node) const { return node < 0 ? -1 : v_of_[index(node)]; }
   bool is_number(int node) const { return !varies_in_time(record_.dependence(node)); }
 
@@ -303,16 +337,19 @@ class Builder {
 
   void add_edges(int equation, const std::vector<Adjoint>& adjoints) {
     edges_.clear();
+    target_adjoints_.clear();
     equation_ = equation;
     num_adjoints_ = 0;
     if (!adjoints.empty()) touch(slot(adjoints.front().node));
     for (const Adjoint& adjoint : adjoints) {
       const Node node = record_.node(adjoint.node);
       from_number_ = !varies_in_time(adjoint.dependence);
-      if (is_leaf(node.operation))
-        tape_.targets.push_back(
-            {adjoint_of_[index(slot(adjoint.node))], node.a, node.operation == Operation::derivative});
-      else add_edges_of(adjoint.node);
+      if (!is_leaf(node.operation)) {
+        add_edges_of(adjoint.node);
+        continue;
+      }
+      tape_.targets.push_back({node.a, node.operation == Operation::derivative});
+      target_adjoints_.push_back(adjoint_of_[index(slot(adjoint.node))]);
     }
   }
 
@@ -376,6 +413,7 @@ class Builder {
   InRuns of_state_;
   std::vector<int> partner_, hyperbolic_partner_;
   std::vector<Edge> edges_;                // of the equation
+  std::vector<int> target_adjoints_;       // of the equation
   std::vector<int> touched_, adjoint_of_;  // slots: by which equation, and the number of its adjoint there
   int num_adjoints_ = 0;
   int equation_ = 0;

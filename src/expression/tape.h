@@ -62,16 +62,18 @@ enum class EdgeCode : std::uint8_t {
 // The instruction that computes an operation (which is no leaf): without regard to what kind of operands it has.
 Code code_of(Operation operation);
 
-// Instructions in their order. Most are of four kinds with two operands, of which three slots are kept and the kind once for all
-// that follow each other; others are kept as they are.
+// Instructions in their order. Most are of four kinds with two operands, of which the slots are kept and the kind once for all
+// that follow each other, and so is the slot of the result where these follow each other as well; others are kept as they are.
 class InstructionList {
  public:
-  struct Binary {
-    int v, a, b;
+  struct Operands {
+    int a, b;
   };
   // Instructions of that code, of the binary ones; others, whatever they are, where the code is none of these.
   struct Run {
     Code code;
+    // Of the first binary one, those of the others are `step()` apart; -1: they are listed.
+    int result;
     std::size_t count;
   };
   static bool is_binary(Code code) {
@@ -79,19 +81,28 @@ class InstructionList {
   }
 
   void push_back(const Instruction& instruction);
-  void shrink_to_fit();
+  // No more instructions follow.
+  void finish();
   std::vector<Instruction> all() const;
+  // The results of binary ones, in their order; before finish().
+  const std::vector<int>& results() const { return results_; }
+  // Each slot becomes number[slot]; before finish().
+  void renumber(const std::vector<int>& number);
   // Slots as offsets, `stride` numbers for each.
   InstructionList in_offsets(int stride) const;
 
   bool empty() const { return runs_.empty(); }
   const std::vector<Run>& runs() const { return runs_; }
-  const Binary* binary() const { return binary_.data(); }
+  const Operands* operands() const { return operands_.data(); }
+  const int* listed_results() const { return results_.data(); }
+  int step() const { return step_; }
   const Instruction* others() const { return others_.data(); }
 
  private:
   std::vector<Run> runs_;
-  std::vector<Binary> binary_;
+  std::vector<Operands> operands_;
+  std::vector<int> results_;
+  int step_ = 1;
   std::vector<Instruction> others_;
 };
 
@@ -123,12 +134,15 @@ struct Tape {
   struct Number {
     int slot, index;  // of a constant or a parameter
   };
-  struct Leaf {
-    Leaf(int slot_, int unknown_, bool derivative_)
-        : slot(slot_), unknown(unknown_ & 0x3fffffff), derivative(derivative_) {}
-    int slot;
+  // x_j or x_j'
+  struct Variable {
+    Variable(int j, bool is_derivative) : unknown(j & 0x3fffffff), derivative(is_derivative) {}
     int unknown : 31;
     bool derivative : 1;
+  };
+  struct Leaf : Variable {
+    Leaf(int slot_, int j, bool is_derivative) : Variable(j, is_derivative), slot(slot_) {}
+    int slot;
   };
 
   int num_slots = 0;
@@ -141,7 +155,8 @@ struct Tape {
   std::vector<int> residuals;  // slots
   bool has_choices = false;    // among the values that depend on x or x'
 
-  // Equations of one form share their edges and have factors of their own (docs/decisions/74-tapes-of-forms.md).
+  // Equations of one form share their edges and the adjoints of their targets, and have factors of their own
+  // (docs/decisions/74-tapes-of-forms.md).
   struct EdgesOfEquation {
     const Edge *first, *last;
     const int* factors;  // slots
@@ -154,16 +169,22 @@ struct Tape {
     return {all_edges.data() + first_edge[form], all_edges.data() + first_edge[form + 1],
             all_factors.data() + first_factor[equation]};
   }
+  // In the order of the targets of the equation.
+  const int* adjoints_of_targets(std::size_t equation) const {
+    return target_adjoints.data() + first_target_adjoint[index(form_of[equation])];
+  }
   std::vector<Edge> edges;              // of all forms
   std::vector<std::size_t> first_edge;  // of each form, and their number
-  std::vector<int> form_of;             // equations
-  std::vector<int> factors;             // of all equations, and one more
-  std::vector<std::size_t> first_factor;
+  std::vector<int> target_adjoints;     // of all forms
+  std::vector<std::size_t> first_target_adjoint;
+  std::vector<int> form_of;  // equations
+  std::vector<int> factors;  // of all equations, and one more
+  std::vector<std::uint32_t> first_factor;
   int num_adjoints = 1;  // of the equation that has most of them
 
-  // The leaves that the edges of equation i lead to are those from first_target[i] to first_target[i + 1].
-  std::vector<Leaf> targets;  // slot: the number of the adjoint
-  std::vector<std::size_t> first_target;
+  // The variables that the edges of equation i lead to are those from first_target[i] to first_target[i + 1].
+  std::vector<Variable> targets;
+  std::vector<std::uint32_t> first_target;
 };
 
 }  // namespace sfdae::core

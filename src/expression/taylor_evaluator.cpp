@@ -166,7 +166,7 @@ bool TaylorEvaluator::varying_entries(double t, const double* jet, const Varying
     else follow<false>(varying.edges_of(row), slots, adjoints, Fixed<0>());
     for (std::size_t k = row.first_target; k < row.last_target; ++k) {
       const std::size_t e = varying.target(k);
-      values[e] = adjoints[index(tape_.targets[e].slot) * index(stride_)];
+      values[e] = adjoints[index(varying.adjoint(k)) * index(stride_)];
       finite &= std::isfinite(values[e]);
     }
   }
@@ -323,8 +323,9 @@ bool TaylorEvaluator::write_entries(int order, const std::vector<int>& limits, d
     const int own = std::min(order, limits[index(i)]);
     with_order(own, [&](auto G) { sweep_back(i, G); });
     bool finite = true;
+    const int* adjoint = tape_.adjoints_of_targets(index(i));
     for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
-      const double* const from = adjoints_.data() + index(tape_.targets[e].slot) * index(stride_);
+      const double* const from = adjoints_.data() + index(*adjoint++) * index(stride_);
       for (int k = 0; k <= own; ++k) {
         values[e * length + index(k)] = from[k];
         finite = finite && std::isfinite(from[k]);
@@ -377,9 +378,10 @@ void TaylorEvaluator::sweep_back(int equation, Order order) {
 bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const {
   const std::size_t m = index(record_->m()), area = m * index(record_->n());
   bool finite = true;
+  const int* adjoint = tape_.adjoints_of_targets(index(equation));
   for (std::size_t e = tape_.first_target[index(equation)]; e < tape_.first_target[index(equation + 1)]; ++e) {
-    const Tape::Leaf& leaf = tape_.targets[e];
-    const double* const from = adjoints_.data() + index(leaf.slot) * index(stride_);
+    const Tape::Variable& leaf = tape_.targets[e];
+    const double* const from = adjoints_.data() + index(*adjoint++) * index(stride_);
     const int order = leaf.derivative ? orders.F_xdot : orders.F_x;
     if (order < 0) continue;  // there is no array either
     double* const to = (leaf.derivative ? F_xdot : F_x) + index(equation) + index(leaf.unknown) * m;

@@ -70,10 +70,11 @@ void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<ch
     if (!hands_on_numbers(*edge)) varying.push_back(edge->to);
   std::sort(varying.begin(), varying.end());
   Row row{edges_.size(), edges_.size(), targets_.size(), targets_.size()};
-  for (std::size_t e = tape.first_target[index(equation)]; e < tape.first_target[index(equation + 1)]; ++e)
-    if ((is_wanted_.empty() || is_wanted_[e] != 0) && has(varying, tape.targets[e].slot)) {
-      targets_.push_back(e);
-      wanted.push_back(tape.targets[e].slot);
+  const int* adjoint = tape.adjoints_of_targets(index(equation));
+  for (std::size_t e = tape.first_target[index(equation)]; e < tape.first_target[index(equation + 1)]; ++e, ++adjoint)
+    if ((is_wanted_.empty() || is_wanted_[e] != 0) && has(varying, *adjoint)) {
+      targets_.push_back({e, *adjoint});
+      wanted.push_back(*adjoint);
     }
   row.last_target = targets_.size();
   if (row.last_target == row.first_target) return;

@@ -31,7 +31,9 @@ class VaryingEntries {
   Tape::EdgesOfEquation edges_of(const Row& row) const {
     return {edges_.data() + row.first_edge, edges_.data() + row.last_edge, factors_.data()};
   }
-  std::size_t target(std::size_t k) const { return targets_[k]; }
+  std::size_t target(std::size_t k) const { return targets_[k].number; }
+  // Its adjoint in the equation.
+  int adjoint(std::size_t k) const { return targets_[k].adjoint; }
 
   // The parameters with which the other derivatives have been evaluated, as TaylorEvaluator counts them; -1: none.
   long version = -1;
@@ -46,7 +48,11 @@ class VaryingEntries {
   std::vector<Row> rows_;
   std::vector<Edge> edges_;
   std::vector<int> factors_;  // the first one for edges that have none
-  std::vector<std::size_t> targets_;
+  struct Target {
+    std::size_t number;
+    int adjoint;
+  };
+  std::vector<Target> targets_;
 };
 
 }  // namespace sfdae::core

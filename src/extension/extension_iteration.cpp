@@ -35,12 +35,13 @@ void ExtensionIteration::set_slopes(const StateChoice& choice, double c, const d
 
 // Changes of derivatives count as far as they act over the step.
 void ExtensionIteration::set_weights(double c, const double* inverse_weights, const StateChoice& choice) {
-  weights_.clear();
+  weights_.resize(choice.changed().size());
+  double* to = weights_.data();
   for (const StateChoice::Changed& changed : choice.changed()) {
     const auto [unknown, order] = extension_.columns()[index(changed.column)];
     double weight = inverse_weights[unknown];
     for (int k = 0; k < order; ++k) weight /= std::fabs(c);
-    weights_.push_back(weight);
+    *to++ = weight;
   }
 }
 
@@ -129,7 +130,8 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
   constexpr double negligible = 4.0 * unit_roundoff, small_derivatives = 1e-8;
   const double small = hope == Hope::none ? 1e-10 : 1e-13;
   r_.resize(index(extension_.num_rows()) + 1);
-  std::vector<double> noise = linearization.noise();
+  std::vector<double> larger_noise;
+  const std::vector<double>* noise = &linearization.noise();
   Norms before, earlier;
   for (int iteration = 0; iteration < most_iterations_held; ++iteration) {
     const PointStatus status = evaluate(jet, r_.data());
@@ -137,10 +139,12 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
     linearization.solve_held(r_.data());
     // Where the equations were linearized the unknowns may have been much smaller, as at a start from rest.
     if (iteration == 2) {
-      const std::vector<double> here = linearization.noise_at(jet);
-      for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = std::max(noise[k], here[k]);
+      larger_noise = linearization.noise_at(jet);
+      for (std::size_t k = 0; k < larger_noise.size(); ++k)
+        larger_noise[k] = std::max(linearization.noise()[k], larger_noise[k]);
+      noise = &larger_noise;
     }
-    const Norms norms = apply_held({scales, noise}, linearization.choice(), jet);
+    const Norms norms = apply_held({scales, *noise}, linearization.choice(), jet);
     if (!std::isfinite(norms.of_x) || !std::isfinite(norms.of_derivatives)) return PointStatus::not_converged;
     const bool is_x_there =
         norms.of_x <= negligible || (iteration > 1 && norms.of_x <= small && norms.of_x > 0.5 * before.of_x);
@@ -164,12 +168,15 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
   constexpr double small = 1e-10, small_where_slow = 1e-8;
   const int n = extension_.n();
   const std::vector<int>& d = extension_.offsets().d;
+  if (std::find(d.begin(), d.end(), 0) == d.end()) {
+    std::copy_n(jet.column(1), n, xdot);
+    return PointStatus::ok;
+  }
   longer_ = jet;
   longer_.set_order(jet.order + 1);
   r_.resize(index(extension_.num_rows()) + 1);
-  const bool has_all = std::find(d.begin(), d.end(), 0) == d.end();
   double before = 0.0;
-  bool is_there = has_all;
+  bool is_there = false;
   for (int iteration = 0; !is_there && iteration < most_iterations; ++iteration) {
     callback_error_ = extension_.slopes(longer_, r_.data());
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;

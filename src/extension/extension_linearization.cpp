@@ -40,10 +40,9 @@ PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& err
   held_.forget();
   for (auto& pair : pairs_) pair.forget();
   ++counts_.reductions;
-  error = extension_.linearize(jet);
+  error = extension_.linearize(jet, values_);
   if (error.status != SFDAE_OK) return PointStatus::callback_error;
   origin_ = jet;
-  values_ = extension_.values();
   return PointStatus::ok;
 }
 
@@ -115,6 +114,7 @@ std::vector<double> ExtensionLinearization::values_in_own_time() const {
 // column in its stage.
 std::optional<std::vector<int>> ExtensionLinearization::states_by_stages(const std::vector<double>& values) const {
   std::vector<int> states;
+  states.reserve(index(extension_.freedom()));
   SparseRows stage_rows;
   for (int stage = extension_.first_stage(); stage < 0; ++stage) {
     const int first_column = extension_.first_column(stage);

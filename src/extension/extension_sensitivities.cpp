@@ -35,9 +35,8 @@ void ExtensionSensitivities::take_choice() {
   const StateChoice& choice = system_.linearization().choice();
   choice_number_ = -1;  // while memory may be missing
   slots_.set(extension_, choice);
-  step_.analyze(choice.layout(false).pattern,
-                extension_.highest_level() > 0 ? rounding_of_residuals : harmless_residuals);
-  held_.analyze(choice.layout(true).pattern);
+  step_.analyze(choice.pattern(false), extension_.highest_level() > 0 ? rounding_of_residuals : harmless_residuals);
+  held_.analyze(choice.pattern(true));
   stages_.set_choice(choice, slots_);
   right_.assign(index(extension_.num_rows()) * index(count()) + 1, 0.0);
   solution_ = right_;
@@ -63,11 +62,10 @@ PointStatus ExtensionSensitivities::solve_step(double c, const double* rest, con
   const PointStatus status = linearize(system_.jet());
   if (status != PointStatus::ok) return status;
   const StateChoice& choice = system_.linearization().choice();
-  const StateChoice::Layout& layout = choice.layout(false);
-  values_.assign(layout.pattern.row.size(), 0.0);
-  for (std::size_t e = 0; e < layout.place.size(); ++e)
-    values_[index(layout.place[e])] +=
-        choice.is_slope(extension_.column()[e]) ? c * here_.values[e] : here_.values[e];
+  const std::vector<int>& places = choice.places();
+  values_.assign(choice.pattern(false).row.size(), 0.0);
+  for (std::size_t e = 0; e < places.size(); ++e)
+    values_[index(places[e])] += choice.is_slope(extension_.column()[e]) ? c * here_.values[e] : here_.values[e];
   std::copy(here_.right.begin(), here_.right.end(), right_.begin());
   for (int q = 0; q < count(); ++q, rest += unknowns())
     for (const SensitivitySlots::Entry& entry : slots_.slopes())
@@ -110,11 +108,9 @@ PointStatus ExtensionSensitivities::solve_kept_stages(const StageMethod& method,
 // ---- Points ----------------------------------------------------------------------------------------------------
 
 bool ExtensionSensitivities::solve_held(const double* S) {
-  const StateChoice& choice = system_.linearization().choice();
-  const StateChoice::Layout& layout = choice.layout(true);
-  values_.assign(layout.pattern.row.size(), 0.0);
-  for (std::size_t e = 0; e < layout.place.size(); ++e)
-    if (layout.place[e] >= 0) values_[index(layout.place[e])] += here_.values[e];
+  values_.clear();
+  // 0: not -0
+  for (int e : system_.linearization().choice().entries_of_held()) values_.push_back(0.0 + here_.values[index(e)]);
   std::copy(here_.right.begin(), here_.right.end(), right_.begin());
   for (int q = 0; q < count(); ++q, S += unknowns())
     for (const SensitivitySlots::Entry& entry : slots_.held())

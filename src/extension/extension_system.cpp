@@ -51,6 +51,7 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
                                                   callback_error_.detail + " Give a better guess.");
   if (status != PointStatus::ok) throw Failure(SFDAE_RANK_UNCLEAR, what_is_unclear(status));
   find_values();
+  extension_.forget_values();
 }
 
 // What follows from the blocks alone is certain where no states are found.
@@ -84,7 +85,8 @@ void ExtensionSystem::resize() {
              .differential = extension_.freedom(),
              .undetermined = 0,
              .leading_size = n,
-             .taylor_order = order};
+             .taylor_order = order,
+             .maps_errors_in_place = true};
   history_.resize(n, order);
   jet_.n = n;
   jet_.set_order(order);
@@ -212,8 +214,8 @@ PointStatus ExtensionSystem::move_to(double t) {
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
 // With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
-template <class Iterate>
-PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iterate) {
+template <class Start, class Iterate>
+PointStatus ExtensionSystem::iterate_with_renewal(Start guess, Iterate iterate) {
   const Jet& accepted = history_.accepted();
   PointStatus status = PointStatus::not_converged;
   if (linearization_.is_usable()) {
@@ -226,7 +228,7 @@ PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iter
     if (status == PointStatus::ok) status = iterate();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
-  status = renew(start);
+  status = renew(guess());
   if (status == PointStatus::ok) status = iterate();
   if (status != PointStatus::ok) linearization_.forget();
   return status;
@@ -267,18 +269,22 @@ PointStatus ExtensionSystem::review() {
 }
 
 PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
-  history_.predict(equations.guess, 0, determined_, {}, jet_);
-  start_ = jet_;
+  bool holds_derivatives = false;
+  const auto guess = [&]() -> const Jet& {
+    history_.predict(equations.guess, 0, determined_, {}, jet_);
+    if (holds_derivatives) history_.hold_derivatives(jet_);
+    return jet_;
+  };
   const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, step_tolerance};
   const auto iterate = [&] {
-    return iterate_with_renewal(start_, [&] {
-      jet_ = start_;
+    return iterate_with_renewal(guess, [&] {
+      guess();
       return iteration_.solve_step(task, linearization_, jet_);
     });
   };
   PointStatus status = iterate();
   if (status != PointStatus::ok && !is_hopeless(status) && analysis_.values.mu > 0) {
-    history_.hold_derivatives(start_);
+    holds_derivatives = true;
     status = iterate();
   }
   if (status == PointStatus::ok) status = review();
@@ -304,7 +310,8 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   }
   const auto iterate = [&] {
     return iterate_with_renewal(
-        stages_.middle(), [&] { return stages_.solve(equations, Linearized::once, linearization_, iteration_); });
+        [this]() -> const Jet& { return stages_.middle(); },
+        [&] { return stages_.solve(equations, Linearized::once, linearization_, iteration_); });
   };
   PointStatus status = iterate();
   if (status != PointStatus::ok && !is_hopeless(status) && analysis_.values.mu > 0) {
@@ -346,7 +353,7 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   const int n = unknowns();
   const StateChoice& choice = linearization_.choice();
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
-    std::copy_n(dw, n, dx);
+    if (dx != dw) std::copy_n(dw, n, dx);
     if (!linearization_.is_usable() || differential() == n) continue;
     const ConstView tangents = has_end_tangents_ ? stages_.end_tangents() : linearization_.tangents();
     if (tangents.cols > 0) {
@@ -375,19 +382,20 @@ void ExtensionSystem::add_tangents(ConstView T, const double* dw, double* dx) co
 // ---- Outputs ---------------------------------------------------------------------------------------------------
 
 // With the linearization that is there; else with one at the jet, which is used once. xdot: the derivative, or null.
-PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
+template <class Start>
+PointStatus ExtensionSystem::solve_held(Start start, Jet& jet, double* xdot) {
   using Hope = ExtensionIteration::Hope;
   const auto solve = [&](ExtensionLinearization& linearization, Hope hope) {
     const PointStatus status = iteration_.solve_held(linearization, scales_, hope, jet);
     return status == PointStatus::ok && xdot != nullptr ? iteration_.derivative(linearization, hope, jet, xdot)
                                                         : status;
   };
-  const Jet start = jet;
+  start(jet);
   PointStatus status =
       linearization_.is_usable() ? solve(linearization_, Hope::other_linearization) : PointStatus::not_converged;
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   ExtensionLinearization here(extension_, counts_);
-  jet = start;
+  start(jet);
   status = here.renew(jet, callback_error_);
   return status == PointStatus::ok ? solve(here, Hope::none) : status;
 }
@@ -397,7 +405,8 @@ PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
 void ExtensionSystem::restore(const double*, const double* x_free, const Guess& guess, double* x) {
   if (guess.taylor != nullptr && jet_.t != history_.accepted().t) history_.predict(guess, 0, determined_, {}, jet_);
   std::copy_n(x_free, unknowns(), jet_.x.data());
-  const PointStatus status = solve_held(jet_, nullptr);
+  const Jet guessed = jet_;
+  const PointStatus status = solve_held([&guessed](Jet& jet) { jet = guessed; }, jet_, nullptr);
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
@@ -406,17 +415,20 @@ void ExtensionSystem::restore(const double*, const double* x_free, const Guess& 
 }
 
 bool ExtensionSystem::exact_derivative(const double* x, double* xdot) {
-  Jet jet = jet_;
-  std::copy_n(x, unknowns(), jet.x.data());
-  const PointStatus status = solve_held(jet, xdot);
+  const auto start = [this, x](Jet& jet) {
+    jet = jet_;
+    std::copy_n(x, unknowns(), jet.x.data());
+  };
+  Jet jet;
+  const PointStatus status = solve_held(start, jet, xdot);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   return status == PointStatus::ok;
 }
 
 bool ExtensionSystem::find_longer_jet(Jet& longer) {
-  Jet jet = jet_;
+  Jet jet;
   std::vector<double> xdot(index(unknowns()));
-  if (solve_held(jet, xdot.data()) != PointStatus::ok) return false;
+  if (solve_held([this](Jet& to) { to = jet_; }, jet, xdot.data()) != PointStatus::ok) return false;
   longer = iteration_.longer_jet();
   return true;
 }

@@ -108,13 +108,16 @@ class ExtensionSystem final : public DaeSystem {
                       Certificates certificates = Certificates::not_kept);
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
-  template <class Iterate>
-  PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
+  // guess: the jet to start from.
+  template <class Start, class Iterate>
+  PointStatus iterate_with_renewal(Start guess, Iterate iterate);
   void take_stages(double* x, double* w);
   void add_tangents(ConstView T, const double* dw, double* dx) const;
   PointStatus review();
   PointStatus review_local();
-  PointStatus solve_held(Jet& jet, double* xdot);
+  // start: makes the jet to start from, once or twice.
+  template <class Start>
+  PointStatus solve_held(Start start, Jet& jet, double* xdot);
 
   RecordedProblem& problem_;
   AnalysisSettings settings_;
@@ -131,7 +134,7 @@ class ExtensionSystem final : public DaeSystem {
   double smallest_kept_ = 1.0;
   std::string about_change_, about_later_point_;
   JetHistory history_;
-  Jet jet_, start_;
+  Jet jet_;
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
   int unjudged_ = 0;         // points since the structure was judged

@@ -29,8 +29,7 @@ bool LocalStages::is_of_use(int s) const {
 bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
   values_of_stage_.clear();
   for (const LaneBlock& value : values_) values_of_stage_.push_back(value.lane[stage]);
-  return elimination_.choose(choice.layout(true).pattern, values_of_stage_.data()) ==
-         RecordedElimination::Choice::made;
+  return elimination_.choose(choice.pattern(true), values_of_stage_.data()) == RecordedElimination::Choice::made;
 }
 
 // Other states have other matrices.
@@ -62,14 +61,15 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
     elimination_ = std::move(copy);
     return true;
   }
-  const StateChoice::Layout& layout = linearization.choice().layout(true);
-  linearization.choice().assemble(layout, linearization.derivatives(), 0.0, values_of_stage_);
-  return elimination_.choose(layout.pattern, values_of_stage_.data()) == RecordedElimination::Choice::made;
+  const StateChoice& choice = linearization.choice();
+  values_of_stage_.resize(choice.pattern(true).row.size());
+  choice.assemble(true, linearization.derivatives(), 0.0, values_of_stage_.data());
+  return elimination_.choose(choice.pattern(true), values_of_stage_.data()) == RecordedElimination::Choice::made;
 }
 
 void LocalStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
   if (archive.is_reading() || choice_ != linearization.choice_number()) note_choice(linearization);
-  elimination_.archive(linearization.choice().layout(true).pattern, archive);
+  elimination_.archive(linearization.choice().pattern(true), archive);
 }
 
 // Lanes beyond those of the stages repeat the last one.
@@ -92,13 +92,11 @@ PointStatus LocalStages::evaluate(const std::vector<Jet>& jets, ExtensionLineari
 }
 
 void LocalStages::assemble(const StateChoice& choice) {
-  const StateChoice::Layout& layout = choice.layout(true);
-  values_.assign(layout.pattern.row.size(), LaneBlock());
-  for (std::size_t e = 0; e < layout.place.size(); ++e) {
-    if (layout.place[e] < 0) continue;
-    LaneBlock& value = values_[index(layout.place[e])];
-    for (int l = 0; l < lane_count; ++l) value.lane[l] += derivatives_[e].lane[l];
-  }
+  const std::vector<int>& entries = choice.entries_of_held();
+  values_.resize(entries.size());
+  // 0: not -0
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    for (int l = 0; l < lane_count; ++l) values_[k].lane[l] = 0.0 + derivatives_[index(entries[k])].lane[l];
 }
 
 // Where pivots do not suit a stage, with those of that stage.

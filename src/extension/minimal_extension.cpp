@@ -39,7 +39,7 @@ MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<con
 
 void MinimalExtension::number_rows_and_columns() {
   for (int j = 0; j < n_; ++j) {
-    first_place_.push_back(place_.size());
+    first_place_.push_back(static_cast<int>(place_.size()));
     place_.resize(place_.size() + index(offsets().d[index(j)] + 1), -1);
   }
   for (int stage = first_stage(); stage <= 0; ++stage) {
@@ -49,7 +49,7 @@ void MinimalExtension::number_rows_and_columns() {
       if (offsets().c[index(i)] + stage >= 0) rows_.push_back({i, offsets().c[index(i)] + stage});
     for (int j = 0; j < n_; ++j) {
       if (offsets().d[index(j)] + stage < 0) continue;
-      place_[first_place_[index(j)] + index(-stage)] = num_columns();
+      place_[index(first_place_[index(j)] - stage)] = num_columns();
       columns_.push_back({j, offsets().d[index(j)] + stage});
     }
   }
@@ -64,23 +64,22 @@ void MinimalExtension::number_rows_and_columns() {
 // (D^m f)_k = (k + m)! / k! f_(k+m)
 void MinimalExtension::note_parts() {
   std::vector<int> levels(index(n_), 0);
+  const bool are_sums = structure_->equations.num_replaced() > 0;
+  if (are_sums) first_part_.push_back(0);
   for (const Row& row : rows_) {
     for (const EquationTerm& term : structure_->equations.of(row.equation)) {
       double factor = term.factor;
       for (int k = row.order + 1; k <= row.order + term.order; ++k) factor *= k;
-      parts_.push_back({term.equation, row.order + term.order, factor});
       int& level = levels[index(term.equation)];
-      level = std::max(level, parts_.back().order);
+      level = std::max(level, row.order + term.order);
+      if (are_sums) parts_.push_back({term.equation, row.order + term.order, factor});
     }
-    first_part_.push_back(static_cast<int>(parts_.size()));
+    if (are_sums) first_part_.push_back(static_cast<int>(parts_.size()));
   }
   levels_ = std::make_shared<const OrderLimits>(std::move(levels));
   highest_level_ = levels_->highest;
-  bool are_single = highest_level_ > 0 && parts_.size() == rows_.size();
-  for (std::size_t row = 0; row < rows_.size(); ++row)
-    are_single = are_single && index(first_part_[row]) == row && parts_[row].factor == 1.0;
-  if (are_single)
-    for (const Part& part : parts_) places_.push_back(part.equation + part.order * n_);
+  if (!are_sums && highest_level_ > 0)
+    for (const Row& row : rows_) places_.push_back(row.equation + row.order * n_);
   parts_.shrink_to_fit();
   first_part_.shrink_to_fit();
 }
@@ -92,6 +91,7 @@ void MinimalExtension::make_pattern() {
   const std::size_t length = index(highest_level_ + 1);
   std::vector<int> highest_order(index(n_), -1);  // of the unknowns in a row
   std::vector<int> entry_of(columns_.size(), -1);
+  first_.reserve(rows_.size() + 1);
   first_.assign(1, 0);
   for (int row = 0; row < num_rows(); ++row) {
     const int begin = first_.back();
@@ -121,14 +121,13 @@ void MinimalExtension::make_pattern() {
     first_.push_back(static_cast<int>(column_.size()));
   }
   column_.shrink_to_fit();
-  values_.assign(column_.size(), 0.0);
   if (are_as_recorded(terms_, tape.targets.size() * length)) terms_ = {};
   else coefficients_.assign(tape.targets.size() * length, 0.0);
   terms_.shrink_to_fit();
 }
 
 CallbackError MinimalExtension::evaluate(const Jet& jet, int more) {
-  F_.resize(index(n_) * index(highest_level_ + 2));
+  F_.resize(std::max(F_.size(), index(n_) * index(highest_level_ + 1 + std::max(more, 0))));
   return problem_.residuals_within(jet.t, jet.x.data(), levels_, more, F_.data());
 }
 
@@ -138,7 +137,15 @@ double MinimalExtension::value_of(int row) const {
   return value;
 }
 
+// The sums below have no -0.
+CallbackError MinimalExtension::residuals_as_recorded(const Jet& jet, double* r) {
+  CallbackError error = problem_.residuals_within(jet.t, jet.x.data(), levels_, 0, r);
+  for (int row = 0; row < num_rows(); ++row) r[row] += 0.0;
+  return error;
+}
+
 CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
+  if (are_rows_as_recorded()) return residuals_as_recorded(jet, r);
   CallbackError error = evaluate(jet, 0);
   const double* const F = F_.data();
   if (!places_.empty()) {
@@ -211,6 +218,7 @@ CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
 
 // Of f_i rows end with order c_i + stage.
 CallbackError MinimalExtension::stage_residuals(int stage, const Jet& jet, double* r) {
+  if (stage == 0 && are_rows_as_recorded()) return residuals_as_recorded(jet, r);
   CallbackError error = evaluate(jet, stage);
   for (int row = first_row(stage); row < first_row(stage + 1); ++row) *r++ = value_of(row);
   return error;
@@ -243,11 +251,12 @@ void MinimalExtension::perturb(double size) {
   for (double& value : values_) value *= 1.0 + size * symmetric_random(generator);
 }
 
-CallbackError MinimalExtension::linearize(const Jet& jet) {
-  double* const entries = terms_.empty() ? values_.data() : coefficients_.data();
+CallbackError MinimalExtension::linearize(const Jet& jet, std::vector<double>& values) {
+  values.resize(column_.size());
+  double* const entries = terms_.empty() ? values.data() : coefficients_.data();
   CallbackError error = problem_.gradient_entries_within(jet.t, jet.x.data(), levels_, entries);
   if (error.status != SFDAE_OK) return error;
-  if (!terms_.empty()) sum_terms(terms_, coefficients_, values_);
+  if (!terms_.empty()) sum_terms(terms_, coefficients_, values);
   return error;
 }
 

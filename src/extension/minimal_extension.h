@@ -43,7 +43,7 @@ class MinimalExtension {
   int freedom() const { return num_columns() - num_rows(); }
   // The column of x_j^(order), order <= d_j.
   int column_of(int unknown, int order) const {
-    return place_[first_place_[index(unknown)] + index(offsets().d[index(unknown)] - order)];
+    return place_[index(first_place_[index(unknown)] + offsets().d[index(unknown)] - order)];
   }
   const Structure& structure() const { return *structure_; }
   const std::shared_ptr<const Structure>& shared_structure() const { return structure_; }
@@ -54,7 +54,20 @@ class MinimalExtension {
     int equation, order;
     double factor;
   };
-  std::span<const Part> parts(int row) const {
+  // Pointers into it live no longer than it does.
+  class Parts {
+   public:
+    explicit Parts(const Row& row) : only_{row.equation, row.order, 1.0} {}
+    Parts(const Part* first, const Part* last) : first_(first), last_(last) {}
+    const Part* begin() const { return first_ != nullptr ? first_ : &only_; }
+    const Part* end() const { return first_ != nullptr ? last_ : &only_ + 1; }
+
+   private:
+    Part only_{};
+    const Part *first_ = nullptr, *last_ = nullptr;
+  };
+  Parts parts(int row) const {
+    if (parts_.empty()) return Parts(rows_[index(row)]);
     return {parts_.data() + first_part_[index(row)], parts_.data() + first_part_[index(row + 1)]};
   }
   // Stages are first_stage(), ..., 0; each has the rows and the columns from these to those of the next one.
@@ -88,7 +101,9 @@ class MinimalExtension {
   CallbackError linearize_stage(int stage, const Jet& jet, StageMatrix& matrix);
 
   // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
-  CallbackError linearize(const Jet& jet);
+  CallbackError linearize(const Jet& jet) { return linearize(jet, values_); }
+  // values: to, in place of values().
+  CallbackError linearize(const Jet& jet, std::vector<double>& values);
   // The same along the first `count` jets at once; values: of all entries, not those of values(). False: as
   // residuals_side_by_side().
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values);
@@ -100,6 +115,8 @@ class MinimalExtension {
   std::shared_ptr<OrderedBlocks> take_ordered_blocks() { return std::move(ordered_); }
   // The system Jacobian, for anyone who evaluates it first.
   SystemJacobian& leading() { return leading_; }
+  // Until they are made the next time, there are none, and there is no memory for them.
+  void forget_values() { std::vector<double>().swap(values_); }
   // Each value times 1 + size times a random number, until they are made anew.
   void perturb(double size);
   const std::vector<int>& first() const { return first_; }
@@ -109,6 +126,9 @@ class MinimalExtension {
  private:
   void number_rows_and_columns();
   void note_parts();
+  // Nothing is differentiated or replaced.
+  bool are_rows_as_recorded() const { return highest_level_ == 0 && parts_.empty(); }
+  CallbackError residuals_as_recorded(const Jet& jet, double* r);
   void make_pattern();
   CallbackError evaluate(const Jet& jet, int more);
   const LaneEvaluator* evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients);
@@ -123,21 +143,21 @@ class MinimalExtension {
   std::vector<Row> rows_;
   std::vector<Column> columns_;
   std::vector<int> first_rows_, first_columns_;
+  // None, where each row is one coefficient.
   std::vector<Part> parts_;
-  std::vector<int> first_part_{0};
-  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are sums, or coefficients
-  // in their order.
+  std::vector<int> first_part_;
+  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are sums, or the
+  // equations as they are.
   std::vector<int> places_;
   std::shared_ptr<const OrderLimits> levels_;  // of each recorded equation, the highest
   // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.
-  std::vector<int> place_;
-  std::vector<std::size_t> first_place_;
+  std::vector<int> place_, first_place_;
   std::vector<int> first_, column_;
   // None, where values are derivatives of the recorded equations as they are, in their order.
   std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
-  std::vector<double> F_;
+  std::vector<double> F_;  // coefficients of the recorded equations; none where residuals are these as they are
   JetLanes lanes_;
 };
 

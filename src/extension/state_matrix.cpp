@@ -16,6 +16,7 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
   is_slope_ = is_held_;
   slot_.assign(extension.columns().size(), -1);
   state_slots_.clear();
+  state_slots_.reserve(states_.size());
   for (int j : states_) {
     is_state_[index(j)] = 1;
     is_held_[index(extension.column_of(j, 0))] = 1;
@@ -30,13 +31,14 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
   }
   size_ = slots;
   changed_.clear();
+  changed_.reserve(extension.columns().size() - states_.size());
   for (int column = 0; column < extension.num_columns(); ++column) {
     const auto [unknown, order] = extension.columns()[index(column)];
     if (!is_slope(column)) changed_.push_back({column, slot(column), unknown + order * extension.n()});
   }
   list_held_entries(extension);
-  layout_ = layout_of(extension, false);
-  held_layout_ = layout_of(extension, true);
+  lay_out(extension);
+  lay_out_held(extension);
 }
 
 void StateChoice::list_held_entries(const MinimalExtension& extension) {
@@ -55,36 +57,65 @@ void StateChoice::list_held_entries(const MinimalExtension& extension) {
     }
 }
 
-// By columns: the rows of each, ascending as rows are gone through in their order; two entries of a row may meet.
-StateChoice::Layout StateChoice::layout_of(const MinimalExtension& extension, bool holds_states) const {
-  Layout layout;
-  SparsePattern& pattern = layout.pattern;
-  pattern.size = size_;
+namespace {
+
+// action(row, entry, slot) for all entries of the extension, rows in their order; without those left out.
+template <class LeavesOut, class Action>
+void for_each_entry(const MinimalExtension& extension, const StateChoice& choice, LeavesOut leaves_out,
+                    Action action) {
   const std::vector<int>& first = extension.first();
-  const auto for_each = [&](auto action) {
-    for (int row = 0; row < extension.num_rows(); ++row)
-      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
-        const int column = extension.column()[index(e)];
-        if (!holds_states || !is_held(column)) action(row, e, index(slot(column)));
-      }
-  };
-  std::vector<int> last_row(index(size_), -1), count(index(size_), 0);
-  for_each([&](int row, int, std::size_t column) {
-    if (last_row[column] != row) ++count[column];
+  for (int row = 0; row < extension.num_rows(); ++row)
+    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+      const int column = extension.column()[index(e)];
+      if (!leaves_out(column)) action(row, e, index(choice.slot(column)));
+    }
+}
+
+std::shared_ptr<SparsePattern> pattern_of_columns(const std::vector<int>& count) {
+  auto pattern = std::make_shared<SparsePattern>();
+  pattern->size = static_cast<int>(count.size());
+  pattern->first.reserve(count.size() + 1);
+  pattern->first.push_back(0);
+  for (int entries : count) pattern->first.push_back(pattern->first.back() + entries);
+  pattern->row.assign(index(pattern->first.back()), 0);
+  return pattern;
+}
+
+}  // namespace
+
+// By columns: the rows of each, ascending as rows are gone through in their order; two entries of a row may meet.
+void StateChoice::lay_out(const MinimalExtension& extension) {
+  const auto none = [](int) { return false; };
+  std::vector<int> last_row(index(size_), -1), next(index(size_), 0);
+  for_each_entry(extension, *this, none, [&](int row, int, std::size_t column) {
+    if (last_row[column] != row) ++next[column];
     last_row[column] = row;
   });
-  pattern.first.assign(1, 0);
-  for (int entries : count) pattern.first.push_back(pattern.first.back() + entries);
-  pattern.row.assign(index(pattern.first.back()), 0);
-  layout.place.assign(extension.column().size(), -1);
-  std::vector<int> next(pattern.first.begin(), pattern.first.end() - 1);
+  const auto pattern = pattern_of_columns(next);
+  std::copy(pattern->first.begin(), pattern->first.end() - 1, next.begin());
+  places_.resize(extension.column().size());
   last_row.assign(index(size_), -1);
-  for_each([&](int row, int e, std::size_t column) {
-    if (last_row[column] != row) pattern.row[index(next[column]++)] = row;
+  for_each_entry(extension, *this, none, [&](int row, int e, std::size_t column) {
+    if (last_row[column] != row) pattern->row[index(next[column]++)] = row;
     last_row[column] = row;
-    layout.place[index(e)] = next[column] - 1;
+    places_[index(e)] = next[column] - 1;
   });
-  return layout;
+  pattern_ = pattern;
+}
+
+void StateChoice::lay_out_held(const MinimalExtension& extension) {
+  const auto held = [this](int column) { return is_held(column); };
+  std::vector<int> next(index(size_), 0);
+  for_each_entry(extension, *this, held, [&](int, int, std::size_t column) { ++next[column]; });
+  const auto pattern = pattern_of_columns(next);
+  std::copy(pattern->first.begin(), pattern->first.end() - 1, next.begin());
+  entries_of_held_.resize(pattern->row.size());
+  for_each_entry(extension, *this, held, [&](int row, int e, std::size_t column) {
+    const std::size_t place = index(next[column]++);
+    pattern->row[place] = row;
+    entries_of_held_[place] = e;
+  });
+  held_pattern_ = pattern;
 }
 
 }  // namespace sfdae::core

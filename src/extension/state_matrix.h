@@ -7,7 +7,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <complex>
+#include <memory>
 #include <optional>
 #include <type_traits>
 #include <vector>
@@ -56,18 +58,22 @@ class StateChoice {
     for (int slot : state_slots_) z[slot] *= epsilon;
   }
   int size() const { return size_; }
-  struct Layout {
-    SparsePattern pattern;
-    std::vector<int> place;  // in the pattern, of the entries of the extension; -1: left out
-  };
-  const Layout& layout(bool holds_states) const { return holds_states ? held_layout_ : layout_; }
-  // values: to, in the order of the pattern.
+  // holds_states: see StateMatrix.
+  const std::shared_ptr<const SparsePattern>& shared_pattern(bool holds_states) const {
+    return holds_states ? held_pattern_ : pattern_;
+  }
+  const SparsePattern& pattern(bool holds_states) const { return *shared_pattern(holds_states); }
+  // Of the entries of the extension, where they are added in the pattern of a step.
+  const std::vector<int>& places() const { return places_; }
+  // In the order of the pattern with the states held, the entries of the extension: there is one for each place.
+  const std::vector<int>& entries_of_held() const { return entries_of_held_; }
+  // to: in the order of the pattern.
   template <class Number>
-  void assemble(const Layout& layout, const ExtensionDerivatives& from, Number epsilon,
-                std::vector<Number>& values) const;
+  void assemble(bool holds_states, const ExtensionDerivatives& from, Number epsilon, Number* to) const;
 
  private:
-  Layout layout_of(const MinimalExtension& extension, bool holds_states) const;
+  void lay_out(const MinimalExtension& extension);
+  void lay_out_held(const MinimalExtension& extension);
   void list_held_entries(const MinimalExtension& extension);
 
   std::vector<int> states_;
@@ -77,22 +83,25 @@ class StateChoice {
   bool has_held_entries_ = false;
   std::vector<HeldEntry> held_entries_;
   int size_ = 0;
-  Layout layout_, held_layout_;
+  std::shared_ptr<const SparsePattern> pattern_, held_pattern_;
+  std::vector<int> places_, entries_of_held_;
 };
 
 template <class Number>
-void StateChoice::assemble(const Layout& layout, const ExtensionDerivatives& from, Number epsilon,
-                           std::vector<Number>& values) const {
-  values.assign(layout.pattern.row.size(), Number(0));
-  Number* const to = values.data();
+void StateChoice::assemble(bool holds_states, const ExtensionDerivatives& from, Number epsilon, Number* to) const {
   const double* const own = from.values.data();
+  if (holds_states) {
+    // 0: not -0
+    for (int e : entries_of_held_) *to++ = Number(0.0 + own[e]);
+    return;
+  }
+  std::fill_n(to, pattern_->row.size(), Number(0));
   const int* const columns = from.extension.column().data();
   const char* const held = is_held_.data();
-  const std::size_t entries = layout.place.size();
-  for (std::size_t e = 0; e < entries; ++e) {
-    const int place = layout.place[e];
-    if (place >= 0) to[place] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
-  }
+  const int* const places = places_.data();
+  const std::size_t entries = places_.size();
+  for (std::size_t e = 0; e < entries; ++e)
+    to[places[e]] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
 }
 
 // Factored for one epsilon at a time. Real ones that are not too large by a list of operations (linalg/listed_factors.h), whose
@@ -126,16 +135,12 @@ class StateMatrix {
   // False: singular.
   bool factor(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
     epsilon_.reset();
-    choice.assemble(choice.layout(holds_states_), from, epsilon, values_);
-    if constexpr (may_be_listed) {
-      is_listed_ = list_.factor(choice.layout(holds_states_).pattern, values_.data());
-      if (is_listed_) epsilon_ = epsilon;
-    }
-    return is_listed_ || factor_unlisted(choice, epsilon);
+    is_listed_ = factor_listed(from, choice, epsilon);
+    return is_listed_ || factor_unlisted(from, choice, epsilon);
   }
   // The pivots of the list. Reading: before anything is factored.
   void archive_list(Archive& archive, const StateChoice& choice) {
-    if constexpr (may_be_listed) list_.archive(choice.layout(holds_states_).pattern, archive);
+    if constexpr (may_be_listed) list_.archive(choice.pattern(holds_states_), archive);
   }
   // Reading: of the same values, choice and list. False: singular.
   bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
@@ -148,7 +153,7 @@ class StateMatrix {
     archive.reals(parts(now), sizeof(Number) / sizeof(double));
     if (!archive.is_reading()) return true;
     if (is_listed_) return factor(from, choice, now) && is_listed_;
-    return restore(from, choice, pivots) && (now == pivots || restore(from, choice, now));
+    return factor_unlisted(from, choice, pivots) && (now == pivots || factor_unlisted(from, choice, now));
   }
   void solve(Number* b, int count = 1) {
     if constexpr (may_be_listed)
@@ -172,25 +177,35 @@ class StateMatrix {
  private:
   static constexpr bool may_be_listed = std::is_same_v<Number, double>;
 
-  bool factor_unlisted(const StateChoice& choice, Number epsilon) {
-    if (!is_analyzed_) lu_.analyze(choice.layout(holds_states_).pattern);
+  bool factor_listed(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
+    if constexpr (may_be_listed) {
+      const SparsePattern& pattern = choice.pattern(holds_states_);
+      if (!list_.may_factor(pattern)) return false;
+      values_.resize(pattern.row.size());
+      choice.assemble(holds_states_, from, epsilon, values_.data());
+      if (!list_.factor(pattern, values_.data())) return false;
+      epsilon_ = epsilon;
+      return true;
+    }
+    return false;
+  }
+  bool factor_unlisted(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
+    epsilon_.reset();
+    if (!is_analyzed_) lu_.analyze(choice.shared_pattern(holds_states_));
     is_analyzed_ = true;
-    if (!lu_.factor(values_.data())) return false;
+    Number* const values = lu_.own_values();
+    choice.assemble(holds_states_, from, epsilon, values);
+    if (!lu_.factor(values)) return false;
     if (lu_.has_new_pivots()) epsilon_of_pivots_ = epsilon;
     epsilon_ = epsilon;
     return true;
-  }
-  bool restore(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
-    epsilon_.reset();
-    choice.assemble(choice.layout(holds_states_), from, epsilon, values_);
-    return factor_unlisted(choice, epsilon);
   }
   static double* parts(Number& number) { return reinterpret_cast<double*>(&number); }
 
   SparseLu<Number> lu_;
   ListedFactors list_;
   bool holds_states_, is_analyzed_ = false, is_listed_ = false;
-  std::vector<Number> values_;
+  std::vector<Number> values_;  // of the list
   std::optional<Number> epsilon_;
   Number epsilon_of_pivots_{};
 };

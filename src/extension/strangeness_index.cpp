@@ -23,14 +23,16 @@ constexpr double hardly_a_part = 1e-6;
 
 class LevelEffects {
  public:
-  LevelEffects(const MinimalExtension& extension, const StateChoice& choice, double tau)
+  // values: derivatives of the rows, in their order.
+  LevelEffects(const MinimalExtension& extension, const std::vector<double>& values, const StateChoice& choice,
+               double tau)
       : extension_(extension),
         choice_(choice),
         tau_(tau),
         n_(index(extension.n())),
         changes_(n_ * index(extension.highest_level() + 1), 0.0),
         work_(index(extension.num_rows()) + 1) {
-    note_changes();
+    note_changes(values);
   }
 
   // Of all levels, what their changes do to the unknowns x_j, the states given. solve: of the matrix with the states held.
@@ -44,13 +46,13 @@ class LevelEffects {
  private:
   // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of, all with time in units
   // of tau.
-  void note_changes() {
+  void note_changes(const std::vector<double>& values) {
     const std::vector<int>& first = extension_.first();
     for (int row = 0; row < extension_.num_rows(); ++row) {
       double size = 0.0;
       for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
         const int order = extension_.columns()[index(extension_.column()[index(e)])].order;
-        size = std::max(size, std::fabs(extension_.values()[index(e)]) * std::pow(tau_, -order));
+        size = std::max(size, std::fabs(values[index(e)]) * std::pow(tau_, -order));
       }
       double largest = 0.0;
       for (const MinimalExtension::Part& part : extension_.parts(row)) largest = std::max(largest, weight(part));
@@ -113,7 +115,7 @@ void change_entries(MinimalExtension& extension, const ExtensionLinearization& l
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();
-  LevelEffects effects(extension, choice, tau);
+  LevelEffects effects(extension, linearization.derivatives().values, choice, tau);
   const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
   // Made when they are asked for first, which is seldom.
   std::vector<std::vector<double>> changed;

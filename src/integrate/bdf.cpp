@@ -41,8 +41,8 @@ void Bdf::set_options(const StepOptions& options) {
 // For the points of the history.
 void Bdf::resize(const StrangenessFreeSystem& system) {
   const std::size_t n = history_.size_x(), size_w = history_.size_w();
-  tried_.resize(n, size_w);
-  estimate_.resize(n, size_w);
+  tried_.resize(n, size_w, system.undetermined() > 0);
+  estimate_.resize(n, size_w, system.maps_errors_in_place());
   const std::size_t columns = system.is_linear() ? 0 : index(system.taylor_order() + 1);
   guess_.assign_zero(n * columns);
   is_linear_ = system.is_linear();

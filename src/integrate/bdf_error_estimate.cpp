@@ -39,11 +39,11 @@ class ErrorOfX final : public ErrorMap {
 
 }  // namespace
 
-void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w) {
+void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w, bool in_place) {
   difference_.assign(size_w, 0.0);
   error_.assign(n, 0.0);
   differences_.assign(most_orders * size_w, 0.0);
-  mapped_.assign(most_orders * n, 0.0);
+  mapped_.assign(in_place ? 0 : most_orders * n, 0.0);
 }
 
 double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
@@ -80,16 +80,16 @@ double BdfErrorEstimate::estimate(ErrorMap& errors, const BdfHistory& history, c
     factors[q] = factorial / product;
     if (q >= first) std::copy_n(difference_.data(), size, differences_.data() + size * index(q - first));
   }
+  double* const mapped = mapped_.empty() ? differences_.data() : mapped_.data();
   const auto map = [&](int from, int to) {
     const std::size_t column = index(from - first);
-    errors.map(differences_.data() + size * column, to - from + 1, mapped_.data() + n * column);
-    for (int q = from; q <= to; ++q)
-      terms.of_order[q] = factors[q] * errors.norm(mapped_.data() + n * index(q - first));
+    errors.map(differences_.data() + size * column, to - from + 1, mapped + n * column);
+    for (int q = from; q <= to; ++q) terms.of_order[q] = factors[q] * errors.norm(mapped + n * index(q - first));
   };
   map(std::max(first, k - 1), last);
   // That of order k - 2 counts only where that of order k - 1 calls for a lower order, too.
   if (first < k - 1 && can_lower_order(k, terms)) map(first, k - 2);
-  std::copy_n(mapped_.data() + n * index(k - first), n, error_.data());
+  std::copy_n(mapped + n * index(k - first), n, error_.data());
   return error_constant(history, step) * errors.norm(error_.data());
 }
 

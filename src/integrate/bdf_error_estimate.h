@@ -20,7 +20,8 @@ class ErrorMap {
 
 class BdfErrorEstimate {
  public:
-  void resize(std::size_t n, std::size_t size_w);
+  // in_place: errors are mapped so, see SystemTraits.
+  void resize(std::size_t n, std::size_t size_w, bool in_place);
   // The error of a step in units of the tolerances, the system standing at its end, and the local terms of the orders
   // around that of the step: that of the next higher one if it may become the order (may_rise), and those of lower ones
   // as far as they can lower the order.
@@ -37,7 +38,8 @@ class BdfErrorEstimate {
 
  private:
   std::vector<double> difference_, error_;
-  std::vector<double> differences_, mapped_;  // of the orders around that of the step, a column each
+  // Of the orders around that of the step, a column each.
+  std::vector<double> differences_, mapped_;  // the latter: none, where they are mapped in place
 };
 
 }  // namespace sfdae::core

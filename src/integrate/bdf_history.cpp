@@ -3,13 +3,29 @@
 #include "integrate/bdf_history.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace sfdae::core {
 
+namespace {
+
+// In every bit: those of x are not kept then.
+bool slopes_are_same(const StartingPoint& point) {
+  return !point.xdot.empty() && point.xdot.size() == point.wdot.size() &&
+         std::memcmp(point.xdot.data(), point.wdot.data(), point.xdot.size() * sizeof(double)) == 0;
+}
+
+}  // namespace
+
+// Memory is taken here, and touched when points come.
 void BdfHistory::resize(std::size_t n, std::size_t size_w) {
   n_ = n;
   for (Table* table : {&w_, &dw_})
-    for (std::vector<double>& values : *table) values.resize(size_w);
+    for (std::vector<double>& values : *table) {
+      values.clear();
+      values.reserve(size_w);
+    }
+  w_[0].resize(size_w);
 }
 
 void BdfHistory::reserve_x() {
@@ -34,7 +50,8 @@ void BdfHistory::start(const StartingPoint& point) {
   times_[0] = point.t;
   w_[0] = point.w;
   slope_w_ = point.wdot;
-  slope_x_ = point.xdot;
+  if (slopes_are_same(point)) std::vector<double>().swap(slope_x_);
+  else slope_x_ = point.xdot;
   points_ = 2;
   is_fictitious_ = true;
   set_x(0, point.x.data());
@@ -42,13 +59,15 @@ void BdfHistory::start(const StartingPoint& point) {
 
 void BdfHistory::place_fictitious_point(double h) {
   times_[1] = times_[0] - h;
+  w_[1].resize(size_w());
   for (std::size_t i = 0; i < slope_w_.size(); ++i) w_[1][i] = w_[0][i] - h * slope_w_[i];
-  const bool is_same = is_same_[0] && slope_x_ == slope_w_;
+  const std::vector<double>& slope_x = slope_x_.empty() && n_ > 0 ? slope_w_ : slope_x_;
+  const bool is_same = is_same_[0] && slope_x == slope_w_;
   if (!is_same) reserve_x();
   is_same_[1] = is_same;
   if (is_same) return;
   const std::vector<double>& x = x_at(0);
-  for (std::size_t i = 0; i < slope_x_.size(); ++i) x_[1][i] = x[i] - h * slope_x_[i];
+  for (std::size_t i = 0; i < slope_x.size(); ++i) x_[1][i] = x[i] - h * slope_x[i];
 }
 
 void BdfHistory::append(double t, const std::vector<double>& w, const std::vector<double>& x) {
@@ -56,6 +75,7 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   if (size_w() != n_ || !std::equal(w.data(), w.data() + n_, x.data())) reserve_x();
   // The oldest vectors make room for the newest.
   const int count = std::min(points_ + 1, capacity);
+  w_[index(count - 1)].resize(size_w());
   std::rotate(w_.begin(), w_.begin() + count - 1, w_.begin() + count);
   std::rotate(x_.begin(), x_.begin() + count - 1, x_.begin() + count);
   std::rotate(times_.begin(), times_.begin() + count - 1, times_.begin() + count);
@@ -64,6 +84,7 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   std::copy_n(w.data(), w_[0].size(), w_[0].data());
   set_x(0, x.data());
   points_ = count;
+  for (std::vector<double>* slope : {&slope_w_, &slope_x_}) std::vector<double>().swap(*slope);
 }
 
 // With Lagrange's polynomials, L_i' = L_i sum of 1 / (t - t_j), j != i.
@@ -88,6 +109,7 @@ double BdfHistory::formula_by_points(double t, int count, double* predicted, dou
 }
 
 void BdfHistory::compute_differences(int count, bool with_x) {
+  for (int i = 0; i < count; ++i) dw_[index(i)].resize(size_w());
   differences_of_history(times_, w_, count, dw_);
   shares_ = std::all_of(is_same_.begin(), is_same_.begin() + count, [](bool same) { return same; });
   if (!with_x || shares_) return;
@@ -119,6 +141,7 @@ void BdfHistory::archive_points(Archive& archive, int points) {
   }
   if (has_slope) {
     archive.reals(slope_w_, size_w());
+    if (!archive.is_reading() && slope_x_.empty() && n_ > 0) slope_x_ = slope_w_;
     archive.reals(slope_x_, size_x());
   }
 }

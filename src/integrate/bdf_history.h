@@ -62,8 +62,8 @@ class BdfHistory {
   std::size_t n_ = 0;
   Table w_, x_;
   int points_ = 0;
-  bool is_fictitious_ = false;  // the second one of the start
-  std::vector<double> slope_w_, slope_x_;
+  bool is_fictitious_ = false;             // the second one of the start
+  std::vector<double> slope_w_, slope_x_;  // until there is a second point; of x none where it is the same
   Table dw_, dx_;
   // x = w at these points, in every bit, as with W = I: w and its differences serve both, and x_ and dx_ have no memory as long
   // as there is no other point.

@@ -16,9 +16,10 @@ void rest_of_formula(const BdfHistory::Polynomial& p, double t, double c, double
 
 }  // namespace
 
-void BdfStep::resize(std::size_t n, std::size_t size_w) {
-  for (std::vector<double>* v : {&x, &x_rest}) v->assign(n, 0.0);
-  for (std::vector<double>* v : {&w, &w_rest, &predicted}) v->assign(std::max(n, size_w), 0.0);
+void BdfStep::resize(std::size_t n, std::size_t size_w, bool needs_x) {
+  x.assign(n, 0.0);
+  x_rest.assign(needs_x ? n : 0, 0.0);
+  for (std::vector<double>* v : {&w, &w_rest}) v->assign(std::max(n, size_w), 0.0);
 }
 
 void BdfStep::set_formula(const BdfHistory& history, bool is_constant, bool needs_x) {
@@ -28,8 +29,8 @@ void BdfStep::set_formula(const BdfHistory& history, bool is_constant, bool need
   if (has_fixed_leading) c = bdf_alpha[order] / h;
   else
     for (int i = 0; i < order; ++i) c += 1.0 / (t - history.time(i));
-  rest_of_formula(history.polynomial_w(degree), t, c, predicted.data(), w_rest.data());
-  if (needs_x) rest_of_formula(history.polynomial_x(degree), t, c, predicted.data(), x_rest.data());
+  rest_of_formula(history.polynomial_w(degree), t, c, w.data(), w_rest.data());
+  if (needs_x) rest_of_formula(history.polynomial_x(degree), t, c, w.data(), x_rest.data());
 }
 
 }  // namespace sfdae::core

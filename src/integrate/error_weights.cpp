@@ -36,10 +36,9 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
   set.rtol_ = tolerances.rtol;
   set.atol_ = tolerances.atol;
   set.inverse_.assign(tolerances.rtol.size(), 1.0);
-  set.reduction_.assign(tolerances.rtol.size(), 1.0);
-  set.relative_ = tolerances.rtol;
-  for (std::size_t i = 0; i < tolerances.rtol.size(); ++i)
-    if (tolerances.rtol[i] > 0.0) set.reduction_[i] = set.reduction(tolerances.rtol[i]);
+  set.reduction_ = tolerances.rtol.mapped([&set](double rtol) { return rtol > 0.0 ? set.reduction(rtol) : 1.0; });
+  if (tightening == Tightening::none)
+    for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) set.relative_.push_back(tolerances.rtol[i]);
   *this = std::move(set);
 }
 
@@ -60,6 +59,7 @@ void ErrorWeights::update(const double* x) {
 
 void ErrorWeights::update(const double* x, const double* scale) {
   update(x);
+  relative_.resize(rtol_.size());
   for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) relative_[index(i)] = relative_tolerance(i, scale[i]);
 }
 
@@ -79,7 +79,9 @@ double ErrorWeights::norm(const double* e, double exponent) const {
   for (std::size_t i = 0; i < inverse_.size(); ++i) {
     const double error = std::fabs(e[i]) * inverse_[i];
     // Most components do not come near the largest, and the power is expensive.
-    if (error > largest) largest = std::max(largest, error * std::pow(std::min(relative_[i], 1.0), 1.0 - exponent));
+    if (!(error > largest)) continue;
+    const double relative = relative_.empty() ? rtol_[i] : relative_[i];
+    largest = std::max(largest, error * std::pow(std::min(relative, 1.0), 1.0 - exponent));
   }
   return largest;
 }

@@ -54,8 +54,10 @@ class ErrorWeights {
   double safety_ = 1.0;
   const double* floor_ = nullptr;
   double floor_ratio_ = 0.0;
-  std::vector<double> rtol_, atol_, reduction_, inverse_;
-  std::vector<double> relative_;  // tolerance relative to the component
+  PerComponent rtol_, atol_, reduction_;
+  std::vector<double> inverse_;
+  // Tolerances relative to the components: of those that are not tightened, as the errors of BDF are not measured by them.
+  std::vector<double> relative_;
 };
 
 }  // namespace sfdae::core

@@ -81,8 +81,8 @@ void Sensitivities::start(const Integrator& integrator) {
   history_.start({t, none, none, S_, Sdot_});
   estimate_.forget();
   if (options_.error_test && integrator.method == Method::radau) estimate_.start(t, S_, Sdot_);
-  step_.resize(0, size());
-  if (options_.error_test && integrator.method == Method::bdf) estimate_of_bdf_.resize(size(), size());
+  step_.resize(0, size(), false);
+  if (options_.error_test && integrator.method == Method::bdf) estimate_of_bdf_.resize(size(), size(), false);
 }
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
@@ -104,8 +104,8 @@ void Sensitivities::archive_history(Archive& archive, const Integrator& integrat
     const bool is_radau = integrator.method == Method::radau;
     if (s != 0 && (!is_radau || s < 0 || s > max_stages || s % 2 == 0)) throw DamagedArchive();
     method_ = s != 0 ? &radau_method(s).stages : nullptr;
-    step_.resize(0, size());
-    if (options_.error_test && !is_radau) estimate_of_bdf_.resize(size(), size());
+    step_.resize(0, size(), false);
+    if (options_.error_test && !is_radau) estimate_of_bdf_.resize(size(), size(), false);
   }
   if (integrator.method == Method::bdf) {
     int order = 0;
@@ -159,7 +159,7 @@ void Sensitivities::set_weights(const Tolerances& tolerances, Tightening tighten
   tolerances_ = {};  // while memory may be missing
   for (std::size_t j = 0; j < weights_.size(); ++j) {
     Tolerances scaled = tolerances;
-    for (double& atol : scaled.atol) atol /= options_.scales[j];
+    scaled.atol = tolerances.atol.mapped([scale = options_.scales[j]](double atol) { return atol / scale; });
     weights_[j].set(scaled, tightening);
   }
   tightening_ = tightening;
@@ -206,10 +206,10 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
     history_.compute_differences(std::min(history_.points(), tried.order + 3), false);
     step_.set_formula(history_, false, false);
   } else {
-    step_.c = history_.formula_by_points(tried.t, tried.order, step_.predicted.data(), step_.w_rest.data());
+    step_.c = history_.formula_by_points(tried.t, tried.order, step_.w.data(), step_.w_rest.data());
   }
   discretized_slope(tried, 0, xdot_);
-  std::copy_n(step_.predicted.data(), size(), tried_.data());
+  std::copy_n(step_.w.data(), size(), tried_.data());
   return system_->solve_step(step_.c, step_.w_rest.data(), xdot_.data(), tried_.data());
 }
 

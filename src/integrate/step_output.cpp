@@ -51,7 +51,7 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
 
 void StepOutput::resize(const DaeSystem& system) {
   w_.resize(std::max(w_.size(), index(system.leading_size())));
-  for (std::vector<double>* v : {&x_free_, &x_, &slopes_}) v->resize(index(system.unknowns()));
+  x_free_.resize(index(system.unknowns()));
 }
 
 void StepOutput::interpolate(Stepper& stepper, double t, double* x, double* xdot) {
@@ -93,7 +93,8 @@ void StepOutput::find_values(Integrator& integrator, const PointRequest& request
 
 void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& request,
                                 const IntegrationOptions& options, double* x, double* xdot) {
-  evaluate(integrator, request, options, x_.data(), slopes_.data());
+  x_.resize(x_free_.size());
+  evaluate(integrator, request, options, x_.data(), unused_slopes());
   std::copy(x_.begin(), x_.end(), x);
   if (xdot != nullptr) std::copy(slopes_.begin(), slopes_.end(), xdot);
 }

@@ -32,7 +32,10 @@ class StepOutput {
   void evaluate_aside(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                       double* x, double* xdot);
   // Where slopes go that nobody looks at: n values.
-  double* unused_slopes() { return slopes_.data(); }
+  double* unused_slopes() {
+    slopes_.resize(x_free_.size());
+    return slopes_.data();
+  }
   // The polynomials of the last step as they are, or made accurate first where they are not.
   void interpolate(Stepper& stepper, double t, double* x, double* xdot);
   PointStatus refine(Integrator& integrator, double t, double* x, double* xdot);
@@ -52,7 +55,7 @@ class StepOutput {
   void restore(Integrator& integrator, double t, double* x);
 
   std::vector<double> w_, x_free_;  // by the polynomials
-  std::vector<double> x_, slopes_;  // what is not handed out, or not yet
+  std::vector<double> x_, slopes_;  // what is not handed out, or not yet; there when they are wanted first
 };
 
 }  // namespace sfdae::core

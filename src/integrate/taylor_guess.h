@@ -10,10 +10,12 @@
 namespace sfdae::core {
 
 struct TaylorGuess {
-  std::vector<double> here, before, at_start;  // n x (order + 1): at the point, at the ends of the step
+  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first.
+  std::vector<double> here, before, at_start;
 
   void assign_zero(std::size_t size) {
-    for (std::vector<double>* v : {&here, &before, &at_start}) v->assign(size, 0.0);
+    for (std::vector<double>* v : {&here, &before}) v->assign(size, 0.0);
+    at_start.clear();
   }
   struct Times {
     double t, newest, start;
@@ -22,6 +24,7 @@ struct TaylorGuess {
   Guess within(const Polynomial& polynomial, const Times& times, int order) {
     polynomial.taylor(times.t, order, here.data());
     polynomial.taylor(times.newest, order, before.data());
+    at_start.resize(here.size());
     polynomial.taylor(times.start, order, at_start.data());
     return {here.data(), before.data(), nullptr, at_start.data()};
   }

@@ -15,40 +15,34 @@ bool is_zero(int exponent) { return exponent < exponent_of_zero / 2; }
 
 template <class Number>
 bool Equilibration::compute(const CompressedLines& matrix, const Number* values) {
-  const std::size_t count = index(matrix.first[matrix.lines]);
-  exponents_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) exponents_[k] = binary_exponent(values[k]);
   line_.assign(index(matrix.lines), 0);
   crossing_.assign(index(matrix.crossings), 0);
-  return scale_largest(matrix);
-}
-
-bool Equilibration::scale_largest(const CompressedLines& matrix) {
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    find_largest(matrix);
+    find_largest(matrix, values);
     if (!halve_distances()) break;
   }
   // What is left, so that the largest of each column is between 1 and 2, none above.
-  find_largest(matrix);
+  find_largest(matrix, values);
   bool has_zeros = false;
   for (std::size_t i = 0; i < crossing_.size(); ++i)
     if (is_zero(largest_crossing_[i])) has_zeros = true;
     else crossing_[i] -= largest_crossing_[i];
-  find_largest(matrix);
+  find_largest(matrix, values);
   for (std::size_t j = 0; j < line_.size(); ++j)
     if (is_zero(largest_in_line_[j])) has_zeros = true;
     else line_[j] -= largest_in_line_[j];
   return !has_zeros;
 }
 
-void Equilibration::find_largest(const CompressedLines& matrix) {
+template <class Number>
+void Equilibration::find_largest(const CompressedLines& matrix, const Number* values) {
   largest_in_line_.assign(index(matrix.lines), exponent_of_zero);
   largest_crossing_.assign(index(matrix.crossings), exponent_of_zero);
   for (int j = 0; j < matrix.lines; ++j) {
     int largest = exponent_of_zero;
     for (int k = matrix.first[j]; k < matrix.first[j + 1]; ++k) {
       const std::size_t i = index(matrix.crossing[k]);
-      const int exponent = exponents_[index(k)] + line_[index(j)] + crossing_[i];
+      const int exponent = binary_exponent(values[k]) + line_[index(j)] + crossing_[i];
       largest = std::max(largest, exponent);
       largest_crossing_[i] = std::max(largest_crossing_[i], exponent);
     }

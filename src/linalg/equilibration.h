@@ -69,12 +69,11 @@ class Equilibration {
   const std::vector<int>& of_crossings() const { return crossing_; }
 
  private:
-  void find_largest(const CompressedLines& matrix);
+  template <class Number>
+  void find_largest(const CompressedLines& matrix, const Number* values);
   bool halve_distances();
-  bool scale_largest(const CompressedLines& matrix);
 
   std::vector<int> line_, crossing_;
-  std::vector<int> exponents_;                           // of the entries
   std::vector<int> largest_in_line_, largest_crossing_;  // exponents after scaling
 };
 

@@ -23,12 +23,14 @@ class ListedFactors {
     elimination_.forget();
     is_too_long_ = false;
   }
+  // Whether other methods are not known to be faster.
+  bool may_factor(const SparsePattern& pattern) const {
+    return !is_too_long_ && pattern.size > 0 && pattern.size <= largest_size;
+  }
   // Values in the order of the pattern. False: A is singular to working precision, a value is not finite, or other methods
   // are faster; nothing may be solved then. Allocates where pivots are chosen; raises no floating-point exception.
   bool factor(const SparsePattern& pattern, const double* values) {
-    if (is_too_long_ || pattern.size == 0 || pattern.size > largest_size ||
-        !all_finite_numbers(values, pattern.row.size()))
-      return false;
+    if (!may_factor(pattern) || !all_finite_numbers(values, pattern.row.size())) return false;
     const QuietArithmetic quiet;
     factors_.resize(elimination_.fill());
     if (elimination_.has_pivots() && elimination_.factor(values, factors_.data())) return true;

@@ -28,6 +28,7 @@ struct RankDecision {
   double threshold = 0.0;
   double gap = 0.0;  // kept / max(dropped, noise); 1e300 if nothing was kept
   Verdict verdict = Verdict::clear;
+  bool operator==(const RankDecision&) const = default;
 };
 
 // A smaller gap does not separate a rank from rounding errors. Kept values of well-posed problems lie 1e6 and more

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "linalg/condition.h"
@@ -58,16 +59,25 @@ typename SparseLu<Number>::Times SparseLu<Number>::klu_times(double n, double fi
 }
 
 template <class Number>
-void SparseLu<Number>::analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
-  assert(pattern.first.size() == index(pattern.size) + 1);
+void SparseLu<Number>::analyze(std::shared_ptr<const SparsePattern> pattern, std::optional<SparseMethod> forced) {
+  assert(pattern->first.size() == index(pattern->size) + 1);
   is_factored_ = may_be_regular_ = false;
-  pattern_ = pattern;
+  pattern_ = std::move(pattern);
   scales_ = Equilibration();
-  choose(pattern, forced);
+  choose(*pattern_, forced);
 }
 
 template <class Number>
 void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
+  // The quotients of KLU, which are not those of std::complex.
+  if (std::is_same_v<Number, double> && !forced && pattern.size > 0 && is_diagonal(pattern)) {
+    may_be_regular_ = true;
+    DiagonalFactors<Number> diagonal;
+    diagonal.analyze(pattern);
+    times_ = klu_times(pattern.size, static_cast<double>(diagonal.fill()), 0.0);
+    factors_ = std::move(diagonal);
+    return;
+  }
   const std::vector<int> column_of = maximum_matching(pattern);
   may_be_regular_ = std::find(column_of.begin(), column_of.end(), -1) == column_of.end();
   const auto wants = [&](SparseMethod method) { return !forced || *forced == method; };
@@ -101,23 +111,30 @@ void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<Sparse
 }
 
 template <class Number>
+Number* SparseLu<Number>::own_values() {
+  scaled_.resize(pattern_->row.size());
+  return scaled_.data();
+}
+
+template <class Number>
 bool SparseLu<Number>::factor(const Number* values) {
   is_factored_ = false;
-  if (!may_be_regular_ || !all_finite_numbers(values, pattern_.row.size())) return false;
-  const CompressedLines columns{pattern_.size, pattern_.size, pattern_.first.data(), pattern_.row.data()};
+  if (!may_be_regular_ || !all_finite_numbers(values, pattern_->row.size())) return false;
+  const SparsePattern& pattern = *pattern_;
+  const CompressedLines columns{pattern.size, pattern.size, pattern.first.data(), pattern.row.data()};
   if (!scales_.compute(columns, values)) return false;
-  scaled_.resize(pattern_.row.size());
+  scaled_.resize(pattern.row.size());
   norm_ = 0.0;
-  for (int j = 0; j < pattern_.size; ++j) {
+  for (int j = 0; j < pattern.size; ++j) {
     double sum = 0.0;
-    for (std::size_t k = index(pattern_.first[index(j)]); k < index(pattern_.first[index(j) + 1]); ++k) {
-      scaled_[k] = times_power_of_two(values[k],
-                                      scales_.of_lines()[index(j)] + scales_.of_crossings()[index(pattern_.row[k])]);
+    for (std::size_t k = index(pattern.first[index(j)]); k < index(pattern.first[index(j) + 1]); ++k) {
+      scaled_[k] =
+          times_power_of_two(values[k], scales_.of_lines()[index(j)] + scales_.of_crossings()[index(pattern.row[k])]);
       sum += std::abs(scaled_[k]);
     }
     norm_ = std::max(norm_, sum);
   }
-  is_factored_ = std::visit([&](auto& factors) { return factors.factor(pattern_, scaled_.data()); }, factors_);
+  is_factored_ = std::visit([&](auto& factors) { return factors.factor(pattern, scaled_.data()); }, factors_);
   return is_factored_;
 }
 
@@ -139,20 +156,20 @@ void SparseLu<Number>::solve(Op op, Number* b, int count) {
   const std::vector<int>& in = op == Op::plain ? scales_.of_crossings() : scales_.of_lines();
   const std::vector<int>& out = op == Op::plain ? scales_.of_lines() : scales_.of_crossings();
   shifts_.resize(std::max(shifts_.size(), index(count)));
-  for (int c = 0; c < count; ++c) shifts_[index(c)] = scale_in(in, b + index(c) * index(pattern_.size));
+  for (int c = 0; c < count; ++c) shifts_[index(c)] = scale_in(in, b + index(c) * index(pattern_->size));
   std::visit([&](auto& factors) { factors.solve(op, b, count); }, factors_);
-  for (int c = 0; c < count; ++c) scale_out(out, shifts_[index(c)], b + index(c) * index(pattern_.size));
+  for (int c = 0; c < count; ++c) scale_out(out, shifts_[index(c)], b + index(c) * index(pattern_->size));
 }
 
 template <class Number>
 double SparseLu<Number>::reciprocal_condition() {
   if (!is_factored_) return 0.0;
-  if (pattern_.size == 0) return 1.0;
+  if (pattern_->size == 0) return 1.0;
   const QuietArithmetic quiet;
   const double inverse_norm = std::visit(
       [&](auto& factors) {
         return estimate_inverse_norm<Number>(
-            pattern_.size, [&](Number* x) { factors.solve(Op::plain, x, 1); },
+            pattern_->size, [&](Number* x) { factors.solve(Op::plain, x, 1); },
             [&](Number* x) { factors.solve(Op::transposed, x, 1); });
       },
       factors_);

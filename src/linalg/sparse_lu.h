@@ -2,12 +2,13 @@
 //
 // Rows and columns are scaled by powers of two first, as units differ (equilibration.h). Three methods: a band of
 // LAPACK after reordering (band_order.h), KLU of SuiteSparse where the library is built with it (klu_factors.h), and a full
-// matrix where a band would be no narrower.
+// matrix where a band would be no narrower. Diagonal matrices need none of them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -15,13 +16,15 @@
 #include "linalg/band_factors.h"
 #include "linalg/dense_factors.h"
 #include "linalg/determinant.h"
+#include "linalg/diagonal_factors.h"
 #include "linalg/equilibration.h"
 #include "linalg/klu_factors.h"
 #include "linalg/sparse_pattern.h"
 
 namespace sfdae::core {
 
-enum class SparseMethod { dense, band, klu };
+// diagonal: for real matrices that are, and never forced.
+enum class SparseMethod { dense, band, klu, diagonal };
 
 // Instances for double and std::complex<double>. Copies are deep: they go on with the same bits, apart from each other.
 // Where there is no memory std::bad_alloc is thrown, and analyze() or factor() has to be called again. With a band or a full
@@ -30,10 +33,15 @@ template <class Number>
 class SparseLu {
  public:
   // Once for a pattern, any: chooses the method by its estimated time, or takes `forced` (klu needs klu_is_available()).
-  void analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced = {});
+  void analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced = {}) {
+    analyze(std::make_shared<const SparsePattern>(pattern), forced);
+  }
+  void analyze(std::shared_ptr<const SparsePattern> pattern, std::optional<SparseMethod> forced = {});
   // Values in the order of the pattern, zeros welcome. False: A is singular to working precision (a pivot vanishes), or a
   // value is not finite; nothing may be solved then. Raises no floating-point exception.
   bool factor(const Number* values);
+  // Room for values, which factor() takes from there as well, and changes: large matrices need no other.
+  Number* own_values();
   // Pivots of the factorization before are taken again where they are good enough. Those of the last one are its own, so that
   // it depends on nothing before it:
   bool has_new_pivots() const;
@@ -66,15 +74,16 @@ class SparseLu {
   void choose(const SparsePattern& pattern, std::optional<SparseMethod> forced);
   void solve(Op op, Number* b, int count);
 
-  SparsePattern pattern_;
-  bool may_be_regular_ = false;  // the pattern
+  std::shared_ptr<const SparsePattern> pattern_;  // null until analyze()
+  bool may_be_regular_ = false;                   // the pattern
   bool is_factored_ = false;
   Times times_;
   Equilibration scales_;
   std::vector<Number> scaled_;  // S, values in the order of the pattern
   double norm_ = 0.0;           // |S|
   std::vector<int> shifts_;     // of right-hand sides
-  std::variant<DenseFactors<Number>, BandFactors<Number>, KluFactors<Number>> factors_;  // of S; as in SparseMethod
+  // Of S; as in SparseMethod.
+  std::variant<DenseFactors<Number>, BandFactors<Number>, KluFactors<Number>, DiagonalFactors<Number>> factors_;
 };
 
 extern template class SparseLu<double>;

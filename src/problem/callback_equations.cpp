@@ -50,7 +50,7 @@ void PatternedEquations::set_targets(const Tape& tape, const JacobianPatterns& p
   places_.clear();
   for (int i = 0; i < m_; ++i)
     for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e) {
-      const Tape::Leaf& leaf = tape.targets[e];
+      const Tape::Variable& leaf = tape.targets[e];
       const auto& row = (leaf.derivative ? of_F_xdot : of_F_x)[index(i)];
       const auto found = std::lower_bound(row.begin(), row.end(), std::pair(leaf.unknown, 0));
       places_.push_back({found->second, i, leaf.derivative});

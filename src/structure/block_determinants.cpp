@@ -26,8 +26,9 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
       char& to = of_adjoint[index(edge.to)];
       to = is_same && (edge.is_first || to != 0) ? 1 : 0;
     }
+    const int* adjoint = tape.adjoints_of_targets(index(i));
     for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e)
-      is_constant[e] = of_adjoint[index(tape.targets[e].slot)];
+      is_constant[e] = of_adjoint[index(*adjoint++)];
   }
   return is_constant;
 }
@@ -41,7 +42,7 @@ std::vector<char> varying_equations(const Structure& structure, const TaylorEval
     varies[index(i)] = structure.equations.is_replaced(i);
     if (varies[index(i)] != 0) continue;
     for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e) {
-      const Tape::Leaf& leaf = tape.targets[e];
+      const Tape::Variable& leaf = tape.targets[e];
       if (is_constant[e] == 0 && structure.offsets.is_leading(i, {leaf.unknown, leaf.derivative ? 1 : 0}))
         varies[index(i)] = 1;
     }

@@ -84,8 +84,11 @@ Blocks::Blocks(const Signature& signature, const Transversal& transversal, const
   ComponentSearch(signature, transversal, offsets).run([&](std::span<const int> equations) {
     equations_.insert(equations_.end(), equations.begin(), equations.end());
     std::sort(equations_.end() - static_cast<std::ptrdiff_t>(equations.size()), equations_.end());
-    first_.push_back(equations_.size());
+    first_.push_back(static_cast<int>(equations_.size()));
   });
+  equations_.shrink_to_fit();
+  first_.shrink_to_fit();
+  unknowns_.reserve(equations_.size());
   for (int i : equations_) unknowns_.push_back(transversal.unknown_of[index(i)]);
 }
 

@@ -29,7 +29,7 @@ class Blocks {
   }
 
   std::vector<int> equations_, unknowns_;
-  std::vector<std::size_t> first_{0};
+  std::vector<int> first_{0};
 };
 
 }  // namespace sfdae::core

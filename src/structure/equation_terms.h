@@ -27,16 +27,24 @@ struct EquationTerm {
 
 class EquationTerms {
  public:
-  // Every equation is that recorded.
-  explicit EquationTerms(int n) : place_(index(n), -1) {
-    for (int i = 0; i < n; ++i) recorded_.push_back({i, 0, 1.0});
-  }
+  // Of one equation. Pointers into it live no longer than it does.
+  class Terms {
+   public:
+    explicit Terms(int recorded) : recorded_{recorded, 0, 1.0} {}
+    explicit Terms(const std::vector<EquationTerm>& replaced) : replaced_(&replaced) {}
+    const EquationTerm* begin() const { return replaced_ != nullptr ? replaced_->data() : &recorded_; }
+    const EquationTerm* end() const { return begin() + (replaced_ != nullptr ? replaced_->size() : 1); }
 
-  std::span<const EquationTerm> of(int i) const {
-    const int place = place_[index(i)];
-    return place < 0 ? std::span(&recorded_[index(i)], 1) : std::span<const EquationTerm>(replaced_[index(place)]);
-  }
-  bool is_replaced(int i) const { return place_[index(i)] >= 0; }
+   private:
+    EquationTerm recorded_{};
+    const std::vector<EquationTerm>* replaced_ = nullptr;
+  };
+
+  // Every equation is that recorded.
+  explicit EquationTerms(int n) : n_(n) {}
+
+  Terms of(int i) const { return is_replaced(i) ? Terms(replaced_[index(place_[index(i)])]) : Terms(i); }
+  bool is_replaced(int i) const { return !place_.empty() && place_[index(i)] >= 0; }
   int num_replaced() const { return static_cast<int>(replaced_.size()); }
   // Of D, in all terms.
   int highest_order() const { return highest_order_; }
@@ -44,6 +52,7 @@ class EquationTerms {
   void replace(int i, std::vector<EquationTerm> terms) {
     for (const EquationTerm& term : terms) highest_order_ = std::max(highest_order_, term.order);
     if (!is_replaced(i)) {
+      place_.resize(index(n_), -1);
       place_[index(i)] = num_replaced();
       replaced_.emplace_back();
     }
@@ -51,8 +60,8 @@ class EquationTerms {
   }
 
  private:
-  std::vector<EquationTerm> recorded_;
-  std::vector<int> place_;  // in replaced_, or -1
+  int n_;
+  std::vector<int> place_;  // in replaced_, or -1; empty where nothing is replaced
   std::vector<std::vector<EquationTerm>> replaced_;
   int highest_order_ = 0;
 };

@@ -69,7 +69,7 @@ class Gradients {
 
  private:
   void add(const EquationTerm& term, std::size_t e, std::vector<Derivative>& parts) const {
-    const Tape::Leaf& leaf = tape_->targets[e];
+    const Tape::Variable& leaf = tape_->targets[e];
     for (int s = 0; s <= term.order + 1; ++s) {
       const SeriesTerm part = series_term(term, leaf.derivative, s);
       if (part.order < 0) continue;
@@ -204,7 +204,8 @@ bool Replacement::replace_in(const Structure& structure, const SystemJacobian& j
   const std::vector<DependentEquation> dependent = dependent_equations(structure, jacobian, block);
   const std::vector<int>& c = structure.offsets.c;
   for (const auto& [equation, parts] : dependent) {
-    std::vector<EquationTerm> terms(terms_.of(equation).begin(), terms_.of(equation).end());
+    const EquationTerms::Terms known = terms_.of(equation);
+    std::vector<EquationTerm> terms(known.begin(), known.end());
     for (const DependentEquation::Part& part : parts) {
       const int more = c[index(part.equation)] - c[index(equation)];
       for (const EquationTerm& term : structure.equations.of(part.equation))

@@ -29,7 +29,7 @@ Signature::Signature(const Record& record) {
 
 void Signature::add(const std::vector<Entry>& row) {
   entries_.insert(entries_.end(), row.begin(), row.end());
-  first_.push_back(entries_.size());
+  first_.push_back(static_cast<int>(entries_.size()));
 }
 
 int Signature::highest_order() const {

@@ -39,7 +39,7 @@ class Signature {
   void add(const std::vector<Entry>& row);
 
   std::vector<Entry> entries_;
-  std::vector<std::size_t> first_{0};
+  std::vector<int> first_{0};
 };
 
 }  // namespace sfdae::core

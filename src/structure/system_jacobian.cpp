@@ -23,7 +23,7 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
       limit = std::max(limit, term.order);
       for (std::size_t e = tape.first_target[index(term.equation)]; e < tape.first_target[index(term.equation + 1)];
            ++e) {
-        const Tape::Leaf& leaf = tape.targets[e];
+        const Tape::Variable& leaf = tape.targets[e];
         const int entry = entry_of[index(leaf.unknown)];
         if (entry < 0) continue;
         const int s = structure.offsets.d[index(leaf.unknown)] - structure.offsets.c[index(i)];
@@ -36,10 +36,22 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
   }
   first_.shrink_to_fit();
   unknown_.shrink_to_fit();
+  note_places();
   terms_.shrink_to_fit();
   num_coefficients_ = tape.targets.size() * length;
   coefficients_.resize(num_coefficients_);
   values_.resize(unknown_.size());
+}
+
+// As a rule, where nothing is replaced.
+void SystemJacobian::note_places() {
+  std::vector<char> is_met(unknown_.size(), 0);
+  for (const EntryTerm& term : terms_)
+    if (term.factor != 1.0 || is_met[index(term.entry)]++ != 0) return;
+  if (terms_.size() != unknown_.size()) return;
+  places_.resize(unknown_.size());
+  for (const EntryTerm& term : terms_) places_[index(term.entry)] = term.coefficient;
+  terms_.clear();
 }
 
 // Series are not known to VaryingEntries.
@@ -47,6 +59,7 @@ void SystemJacobian::expect_many_points() {
   if (varying_ || order_ > 0) return;
   std::vector<char> is_wanted(num_coefficients_, 0);
   for (const EntryTerm& term : terms_) is_wanted[term.coefficient] = 1;
+  for (std::uint32_t place : places_) is_wanted[place] = 1;
   varying_.emplace(std::move(is_wanted));
 }
 
@@ -62,7 +75,9 @@ bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double
   const bool is_evaluated = varying_ ? evaluator.entries(t, jet, *varying_, coefficients_.data())
                                      : evaluator.entries(t, jet, order_, limits_, coefficients_.data());
   if (!is_evaluated) return false;
-  sum_terms(terms_, coefficients_, values_);
+  // The sums have no -0.
+  for (std::size_t e = 0; e < places_.size(); ++e) values_[e] = 0.0 + coefficients_[places_[e]];
+  if (places_.empty()) sum_terms(terms_, coefficients_, values_);
   return true;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -36,10 +37,13 @@ class SystemJacobian {
   const std::vector<double>& values() const { return values_; }
 
  private:
+  void note_places();
+
   int order_;
   std::vector<int> first_{0}, unknown_;
-  std::vector<int> limits_;  // of the coefficients of each recorded equation
-  std::vector<EntryTerm> terms_;
+  std::vector<int> limits_;            // of the coefficients of each recorded equation
+  std::vector<EntryTerm> terms_;       // none where each entry is one coefficient,
+  std::vector<std::uint32_t> places_;  // and where that is
   std::size_t num_coefficients_ = 0;
   std::vector<double> coefficients_, values_;
   std::optional<VaryingEntries> varying_;  // where many points are expected

@@ -34,6 +34,8 @@ struct SystemTraits {
   bool is_linear = false;
   // Else the highest order of the Taylor coefficients that a guess has to provide; 0: values alone.
   int taylor_order = 0;
+  // error_in_x() may write over the errors in w: w has n entries.
+  bool maps_errors_in_place = false;
 };
 
 // What the iteration for nonlinear equations starts from and is measured by.
@@ -81,6 +83,7 @@ class StrangenessFreeSystem {
   bool is_constant() const { return traits_.is_constant; }
   bool is_linear() const { return traits_.is_linear; }
   int taylor_order() const { return traits_.taylor_order; }
+  bool maps_errors_in_place() const { return traits_.maps_errors_in_place; }
   // Guesses are values of x alone, without derivatives.
   bool guesses_values() const { return !traits_.is_linear && traits_.taylor_order == 0; }
 

@@ -52,7 +52,7 @@ void expect_as_alone(const std::vector<Equation>& equations, int n) {
       // Operands of sums and products are in the order in which they were recorded first.
       for (std::size_t e = first; e < last; ++e)
         for (std::size_t own_e = 0; own_e < last - first; ++own_e) {
-          const Tape::Leaf &leaf = all.tape().targets[e], &own_leaf = alone.tape().targets[own_e];
+          const Tape::Variable &leaf = all.tape().targets[e], &own_leaf = alone.tape().targets[own_e];
           if (leaf.unknown != own_leaf.unknown || leaf.derivative != own_leaf.derivative) continue;
           for (std::size_t k = 0; k < size(order + 1); ++k)
             EXPECT_NEAR(of_all[e * size(order + 1) + k], own[own_e * size(order + 1) + k], rounding(100));

@@ -89,7 +89,7 @@ TEST(VaryingEntries, LeaveOutWhatIsNotWanted) {
   TaylorEvaluator source(recording.finish({x[1] * x[1] * recording.xdot[0] - sqrt(x[0])}));
   const Tape& tape = source.tape();
   std::vector<char> is_wanted;
-  for (const Tape::Leaf& leaf : tape.targets) is_wanted.push_back(leaf.derivative ? 1 : 0);
+  for (const Tape::Variable& leaf : tape.targets) is_wanted.push_back(leaf.derivative ? 1 : 0);
   VaryingEntries varying(is_wanted);
   Numbers values(tape.targets.size());
   const double first[] = {4.0, 2.0, 1.0, 0.0}, second[] = {0.0, 3.0, 1.0, 0.0};

@@ -66,7 +66,7 @@ TEST(BdfHistory, HasFormulasByPoints) {
   for (int order = 1; order <= 5; ++order) {
     SCOPED_TRACE(order);
     BdfStep step;
-    step.resize(0, 2);
+    step.resize(0, 2, false);
     step.t = time_at(points - 1) + 0.17;
     step.h = 0.17;
     step.order = order;
@@ -75,7 +75,7 @@ TEST(BdfHistory, HasFormulasByPoints) {
     std::vector<double> predicted(2), rest(2);
     EXPECT_EQ(history.formula_by_points(step.t, order, predicted.data(), rest.data()), step.c);
     for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_NEAR(predicted[i], step.predicted[i], 1e-13);
+      EXPECT_NEAR(predicted[i], step.w[i], 1e-13);
       EXPECT_NEAR(rest[i], step.w_rest[i], 1e-13 * (1.0 + std::fabs(step.w_rest[i])));
     }
   }

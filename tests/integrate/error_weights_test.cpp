@@ -67,6 +67,31 @@ TEST(ErrorWeights, TolerancesBelowRoundingAreNoticed) {
   EXPECT_GT(weights.rounding(large), 1.0);
 }
 
+// One number for all components gives the bits of as many that are equal.
+TEST(ErrorWeights, OfOneToleranceAreThoseOfManyThatAreEqual) {
+  using sfdae::core::PerComponent;
+  for (Tightening tightening : {Tightening::none, Tightening::sixth_root})
+    for (double rtol : {1e-5, 0.0}) {
+      ErrorWeights one, many;
+      one.set({PerComponent::same(3, rtol), PerComponent::same(3, 1e-7)}, tightening, 0.2);
+      many.set({{rtol, rtol, rtol}, {1e-7, 1e-7, 1e-7}}, tightening, 0.2);
+      const double x[] = {2.0, -30.0, 0.0}, e[] = {1e-4, -3e-5, 1e-6}, scale[] = {4.0, 30.0, 1.0};
+      for (ErrorWeights* weights : {&one, &many}) weights->update(x);
+      EXPECT_EQ(one.norm(e), many.norm(e));
+      EXPECT_EQ(one.norm(e, 0.75), many.norm(e, 0.75));
+      EXPECT_EQ(one.first_step(x, e, 0.5), many.first_step(x, e, 0.5));
+      EXPECT_EQ(one.tightest(x), many.tightest(x));
+      for (ErrorWeights* weights : {&one, &many}) weights->update(x, scale);
+      EXPECT_EQ(one.norm(e, 0.75), many.norm(e, 0.75));
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(one.inverse()[i], many.inverse()[i]);
+    }
+  PerComponent grown = PerComponent::same(2, 3.0);
+  grown.push_back(4.0);
+  EXPECT_EQ(grown, PerComponent({3.0, 3.0, 4.0}));
+  EXPECT_EQ(PerComponent::same(5, 2.0).different(), std::vector<double>{2.0});
+  EXPECT_EQ(grown.mapped([](double value) { return 2.0 * value; }), PerComponent({6.0, 6.0, 8.0}));
+}
+
 TEST(ErrorWeights, SafetyTightensAllTolerances) {
   for (Tightening tightening : {Tightening::none, Tightening::sixth_root}) {
     ErrorWeights weights, safe;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "linalg/kept_decisions.h"
+
 namespace sfdae::core {
 
 namespace {
@@ -109,6 +111,25 @@ TEST(DecideRank, FollowsTheToleranceOfTheUser) {
   EXPECT_EQ(decide({0.0}, scale).verdict, Verdict::user);
   // Also below the noise.
   EXPECT_EQ(decide({1.0, 1e-14}, {noise, 1.0, 5, 1e-15}).rank, 2);
+}
+
+// Thousands that differ by the number of their block alone take the place of one.
+TEST(KeptDecisions, AreThoseThatWereMade) {
+  std::vector<RankDecision> decisions;
+  for (int stage = 0; stage < 1000; ++stage) {
+    decisions.push_back({.t = 1.0, .stage = stage, .subject = Subject::block, .rows = 1, .cols = 1, .rank = 1});
+    decisions.back().kept = stage == 500 ? 0.5 : 1.0;
+  }
+  decisions.push_back(decisions.back());  // of the same stage
+  decisions.push_back({.level = 1, .verdict = Verdict::unclear});
+  const KeptDecisions kept(decisions);
+  EXPECT_EQ(kept.size(), decisions.size());
+  EXPECT_EQ(kept.all(), decisions);
+  for (std::size_t i : {0, 499, 500, 501, 999, 1000, 1001}) EXPECT_EQ(kept[i], decisions[i]) << i;
+  EXPECT_EQ(kept.different().size(), 5u);
+  EXPECT_EQ(smallest_kept(kept.different()), smallest_kept(decisions));
+  EXPECT_TRUE(KeptDecisions().empty());
+  EXPECT_TRUE(KeptDecisions(std::vector<RankDecision>()).all().empty());
 }
 
 }  // namespace sfdae::core

@@ -396,6 +396,62 @@ TEST(SparseLu, ChoosesFullMatricesAndBands) {
   EXPECT_EQ(lu.method(), klu_is_available() ? SparseMethod::klu : SparseMethod::band);
 }
 
+// Quotients, scaled by powers of two as ever: the bits of KLU.
+TEST(SparseLu, DividesByDiagonalMatrices) {
+  const int n = 50;
+  std::vector<sfdae_test::Triplet> entries;
+  for (int i = 0; i < n; ++i) entries.push_back({i, i, std::ldexp(1.1 + 0.3 * std::sin(i), 40 * (i % 5 - 2))});
+  const SparseMatrix matrix = sfdae_test::sparse_matrix(n, entries);
+  SparseLu<double> lu, other;
+  lu.analyze(matrix.pattern);
+  EXPECT_EQ(lu.method(), SparseMethod::diagonal);
+  for (const SparseMethod method : methods()) {
+    other.analyze(matrix.pattern, method);
+    ASSERT_TRUE(lu.factor(matrix.values.data()) && other.factor(matrix.values.data()));
+    std::vector<double> b(3 * index(n)), of_other;
+    for (std::size_t i = 0; i < b.size(); ++i) b[i] = std::cos(static_cast<double>(i));
+    of_other = b;
+    lu.solve(b.data(), 2);
+    lu.solve_transposed(b.data() + 2 * n);
+    other.solve(of_other.data(), 2);
+    other.solve_transposed(of_other.data() + 2 * n);
+    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_NEAR(b[i], of_other[i], 4.0 * unit_roundoff * std::fabs(b[i]));
+    EXPECT_NEAR(lu.reciprocal_condition(), other.reciprocal_condition(), 1e-12);
+    EXPECT_NEAR(lu.determinant().log2, other.determinant().log2, 1e-9);
+    if (method == SparseMethod::klu) {
+      EXPECT_EQ(b, of_other);
+      EXPECT_EQ(lu.reciprocal_condition(), other.reciprocal_condition());
+      EXPECT_EQ(lu.fill(), other.fill());
+    }
+  }
+  std::vector<double> singular = matrix.values;
+  singular[7] = 0.0;
+  EXPECT_FALSE(lu.factor(singular.data()));
+  SparseLu<double> zero_line;
+  zero_line.analyze(sfdae_test::sparse_matrix(2, {{0, 0, 1.0}}).pattern);
+  EXPECT_NE(zero_line.method(), SparseMethod::diagonal);
+}
+
+// Values may stand where the factorization scales them.
+TEST(SparseLu, TakesItsOwnValues) {
+  for (const Named& named : matrices())
+    for (const SparseMethod method : methods()) {
+      SparseLu<double> lu, other;
+      lu.analyze(named.matrix.pattern, method);
+      other.analyze(named.matrix.pattern, method);
+      for (const double factor : {1.0, 3.0}) {
+        std::vector<double> values = named.matrix.values;
+        for (double& value : values) value *= factor;
+        std::copy(values.begin(), values.end(), lu.own_values());
+        ASSERT_TRUE(lu.factor(lu.own_values()) && other.factor(values.data())) << named.name;
+        std::vector<double> b(index(named.matrix.pattern.size), 1.0), of_other = b;
+        lu.solve(b.data());
+        other.solve(of_other.data());
+        EXPECT_EQ(b, of_other) << named.name;
+      }
+    }
+}
+
 // A band of one off-diagonal line takes a few solutions, a full matrix n / 45 of them and more (2/3 n^3 operations at three times
 // the speed of 2 n^2), and both kinds the more the more is filled in.
 TEST(SparseLu, EstimatesWhatFactorizationsTake) {
