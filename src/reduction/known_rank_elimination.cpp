@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int versions = LockstepMatrix::versions;
+constexpr int num_versions = LockstepMatrix::versions;
 // Pivots that are taken one by one before products of matrices do the rest: chosen.
 constexpr int pivots_at_once = 8;
 // As those of lockstep_kernel.cpp: rounding errors of the elimination itself, and what makes divisions possible.
@@ -24,7 +24,7 @@ constexpr double arithmetic = 0x1p-47, negligible = 1e-30, smallest_unit = 1e-30
 
 double ratio(double a, double b) { return a / std::max(b, negligible * a + smallest_unit); }
 
-using Versions = std::array<Matrix, versions>;
+using Versions = std::array<Matrix, num_versions>;
 
 // Row rows[i] and column columns[j] of the matrix are row i and column j here.
 struct Order {
@@ -35,7 +35,7 @@ struct Order {
 struct RowPlace {
   std::size_t block, lane;
   explicit RowPlace(int row)
-      : block(index(row) / index(lane_count) * index(versions)), lane(index(row) % index(lane_count)) {}
+      : block(index(row) / index(lane_count) * index(num_versions)), lane(index(row) % index(lane_count)) {}
 };
 
 void read(const LockstepMatrix& from, int version, const Order& order, Matrix& to) {
@@ -53,7 +53,7 @@ void write(const Matrix& from, int version, const Order& order, LockstepMatrix& 
   for (int j = 0; j < to.cols(); ++j) {
     LaneBlock* blocks = to.column(order.columns[index(j)]) + version;
     const double* column = from.view().column(j);
-    for (int i = 0; i < to.rows(); ++i) blocks[i / lane_count * versions].lane[i % lane_count] = column[i];
+    for (int i = 0; i < to.rows(); ++i) blocks[i / lane_count * num_versions].lane[i % lane_count] = column[i];
   }
 }
 
@@ -289,7 +289,7 @@ void eliminate_with_rank(LockstepMatrix& matrix, int width, int rank, Significan
   Versions all;
   read(matrix, 0, order, all[0]);
   bool has_pivots = factor(all[0], rank, &order.rows);
-  for (int k = 1; k < versions && has_pivots; ++k) {
+  for (int k = 1; k < num_versions && has_pivots; ++k) {
     read(matrix, k, order, all[index(k)]);
     has_pivots = factor(all[index(k)], rank, nullptr);
   }
@@ -303,7 +303,7 @@ void eliminate_with_rank(LockstepMatrix& matrix, int width, int rank, Significan
   remainder.drop_rounding();
   remainder.drop_columns(width, scale == ZeroScale::whole_rows ? matrix.cols() : width);
   remainder.drop_rows(width);
-  for (int k = 0; k < versions; ++k) write(all[index(k)], k, order, matrix);
+  for (int k = 0; k < num_versions; ++k) write(all[index(k)], k, order, matrix);
 }
 
 }  // namespace sfdae::core

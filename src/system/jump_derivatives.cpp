@@ -25,7 +25,7 @@ constexpr double least_pivot = 1e-13;
 constexpr double contradiction = 1e-6;
 // Changes of x after the jump, relative, that count as none.
 constexpr double converged = 1e-10;
-constexpr int most_iterations = 3;
+constexpr int most_corrections = 3;
 
 void add_absolute(ConstView A, ConstView X, View sums) {
   for (int j = 0; j < X.cols; ++j)
@@ -88,7 +88,7 @@ bool JumpDerivatives::solve_jump(const LinearizedConstraints::Known& known, cons
   const std::vector<int> no_components;
   const InputsAfter no_inputs{no_components, {}};
   JetSolver solver(problem_, known.units);
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_corrections; ++iteration) {
     Jet longer = solution.jet;
     longer.set_order(mu + 2);
     constraints.linearize(solution.jet);
