@@ -63,7 +63,7 @@ double StructuredModel::distance_of_units(const PointOfInterest& point) {
   jet.t = point.t;
   jet.n = n();
   jet.set_order(1);
-  std::copy_n(point.x, n(), jet.column(0));
+  if (point.x != nullptr) std::copy_n(point.x, n(), jet.column(0));
   if (point.xdot != nullptr) std::copy_n(point.xdot, n(), jet.column(1));
   JetCoefficients source(problem_, jet, {});
   try {

@@ -12,11 +12,14 @@
 
 namespace sfdae::core {
 
-// In powers of two; `changes`, of the same shape, goes along. False, and nothing has changed: there are no such units.
-bool balance(Matrix& J, Matrix& changes);
+// In powers of two; `changes`, of the same shape, goes along. without_suspects: J, with zeros in place of entries that are so small
+// beside what all others suggest that they may be rounding errors of zeros: cos(pi / 2) = 6e-17. False, and nothing has changed:
+// there are no such units.
+bool balance(Matrix& J, Matrix& changes, Matrix& without_suspects);
 
-// Whether J, square, is regular in such units: then `decision` says so, else it stays. changes: how far rounding errors of the
-// data may have moved each entry.
+// Whether J, square, is regular in such units, with its suspects and without: then `decision` says so, else it stays. changes: how far
+// rounding errors of the data may have moved each entry. An entry alone in its row and column is as large as one whatever its
+// size.
 bool is_regular_in_balanced_units(Matrix J, Matrix changes, RankDecision& decision);
 
 }  // namespace sfdae::core

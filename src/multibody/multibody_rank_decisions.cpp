@@ -60,12 +60,27 @@ Matrix acceleration_matrix(const Matrix& M, const Matrix& C) {
   return K;
 }
 
+// Whether something else than a small mass, of which only the unit would be known by itself, has the same velocity.
+bool are_tied(const Matrix& M, const Matrix& C, double small) {
+  const int nv = M.rows();
+  for (int j = 0; j < nv; ++j) {
+    if (M(j, j) > small) continue;
+    bool is_tied = false;
+    for (int i = 0; i < nv; ++i) is_tied = is_tied || (i != j && M(i, j) != 0.0);
+    for (int k = 0; k < C.rows(); ++k) is_tied = is_tied || C(k, j) != 0.0;
+    if (!(M(j, j) > 0.0) || !is_tied) return false;
+  }
+  return true;
+}
+
 // The rank of M, if units of velocities and constraints make [M C^T; C 0] even and regular; -1: they do not. Masses and moments of
 // inertia of microsystems have sizes that only the joints between them explain.
-int rank_of_mass_in_balanced_units(Matrix K, int nv, RankDecision& decision, Arena& arena) {
-  Matrix unchanged(K.rows(), K.cols());
-  if (!is_regular_in_balanced_units(K, unchanged, decision) || !balance(K, unchanged)) return -1;
-  return judge_matrix(to_matrix(K.view().block(0, 0, nv, nv)), arena).rank;
+int rank_of_mass_in_balanced_units(const Matrix& M, const Matrix& C, double small, RankDecision& decision,
+                                   Arena& arena) {
+  if (!are_tied(M, C, small)) return -1;
+  Matrix K = acceleration_matrix(M, C), unchanged(K.rows(), K.cols()), without_suspects;
+  if (!is_regular_in_balanced_units(K, unchanged, decision) || !balance(K, unchanged, without_suspects)) return -1;
+  return judge_matrix(to_matrix(K.view().block(0, 0, M.rows(), M.cols())), arena).rank;
 }
 
 }  // namespace
@@ -130,8 +145,7 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   decisions.push_back(decision);
   const bool has_mass = mass > 0.0 || rank == nv;
   if (decision.rank == nv + rank && has_mass) return rank_of_mass;
-  if (const int found =
-          rank_of_mass_in_balanced_units(acceleration_matrix(M, C_as_it_is), nv, decisions.back(), arena);
+  if (const int found = rank_of_mass_in_balanced_units(M, C_as_it_is, least_mass * mass, decisions.back(), arena);
       found >= 0 && has_mass)
     return found;
   // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M

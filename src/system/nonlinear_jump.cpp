@@ -148,17 +148,30 @@ void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Kn
   }
 }
 
+// No rows are left out while this lives, which may be ended by an exception.
+class WholeRows {
+ public:
+  explicit WholeRows(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
+    problem_.follow_structure(false);
+  }
+  WholeRows(const WholeRows&) = delete;
+  WholeRows& operator=(const WholeRows&) = delete;
+  ~WholeRows() { problem_.follow_structure(followed_); }
+
+ private:
+  NonlinearProblem& problem_;
+  bool followed_;
+};
+
 }  // namespace
 
 TaylorData coefficients_of_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
                                 const Vector* rows, Orders orders) {
-  const bool follows = problem.follows_structure();
-  problem.follow_structure(false);
+  const WholeRows whole(problem);
   TaylorData data;
   const NonlinearProblem::Scaling scaling{
       known.analysis.time_scale, rows != nullptr ? RowScaling::given : known.analysis.rows, rows, &known.units};
   const CallbackError error = problem.linearize(jet.t, jet.x.data(), orders, scaling, data);
-  problem.follow_structure(follows);
   if (error.status != SFDAE_OK) error.raise();
   return data;
 }

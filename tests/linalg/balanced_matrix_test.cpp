@@ -64,16 +64,23 @@ TEST(BalancedMatrix, RowsThatDependOnEachOtherDoSoInAllUnits) {
   }
 }
 
-// 1e-17 beside entries of size one may be a rounding error, and so may be all that is regular by it alone.
-TEST(BalancedMatrix, NothingIsSaidOfEntriesThatUnitsDoNotExplain) {
-  Matrix J = random_matrix(3);
+// 1e-17 beside entries of size one may be a rounding error of a zero: J has to be regular with it and without.
+TEST(BalancedMatrix, NothingDependsOnEntriesThatUnitsDoNotExplain) {
+  Matrix J = random_matrix(3), changes(n, n), without_suspects;
   J(2, 1) = 1e-17;
-  Matrix before = J, changes(n, n);
   RankDecision decision;
-  EXPECT_FALSE(is_regular(J, decision));
-  EXPECT_FALSE(balance(J, changes));
+  EXPECT_TRUE(is_regular(J, decision));
+  ASSERT_TRUE(balance(J, changes, without_suspects));
+  EXPECT_NE(J(2, 1), 0.0);
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) EXPECT_EQ(J(i, j), before(i, j));
+    for (int i = 0; i < n; ++i) EXPECT_EQ(without_suspects(i, j), i == 2 && j == 1 ? 0.0 : J(i, j));
+  // Rows 0 and 1 differ by it alone.
+  J = random_matrix(3);
+  for (int j = 0; j < n; ++j) J(1, j) = J(0, j);
+  J(0, 2) = 0.0, J(1, 2) = 1e-9;
+  decision.rank = -1;
+  EXPECT_FALSE(is_regular(J, decision));
+  EXPECT_EQ(decision.rank, -1);
 }
 
 TEST(BalancedMatrix, ErrorsOfTheDataCount) {
