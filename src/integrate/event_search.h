@@ -29,6 +29,8 @@ class EventSearch {
   bool is_started() const { return started_; }
   void reset() { started_ = false; }
   double t() const { return t_; }
+  // Of the point searched last.
+  const std::vector<double>& g() const { return g_; }
   // +1 rising, -1 falling, for the event found last; 0 else.
   const std::vector<int>& fired() const { return signs_.fired(); }
   void forget_event() { signs_.forget_event(); }

@@ -14,6 +14,7 @@ void Events::resize(std::size_t n) {
     point->xdot.resize(n);
   }
   for (std::vector<double>* g : {&g_now, &g_rough, &rough_error}) g->resize(index(search.count()));
+  resolution.resize(index(search.count()));
 }
 
 int Events::evaluate(double t, const Point& point, std::vector<double>& g) const {

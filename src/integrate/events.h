@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrate/event_resolution.h"
 #include "integrate/event_search.h"
 #include "sfdae/sfdae.h"
 
@@ -35,7 +36,9 @@ struct Events {
   Point searched, candidate, now, rough;
   double t_now = 0.0;
   std::vector<double> g_now, g_rough;
-  std::vector<double> rough_error;  // of g at rough points of the last step, where it matters
+  // Of g at rough points of the last step, where it matters; beyond all numbers: they say nothing.
+  std::vector<double> rough_error;
+  EventResolution resolution;
 };
 
 }  // namespace sfdae::core

@@ -22,6 +22,10 @@ constexpr double rounding_unit = 8.0 * unit_roundoff;
 constexpr int patterns = 8;
 // Rough values of g are trusted where they are larger than their error by this factor: it is measured at one point.
 constexpr double clearly_wrong = 8.0;
+// A polynomial whose error is that part of g says nothing. (Chosen.)
+constexpr double misleading_part = 0.1, no_trust = 1e300;
+// Where in the last step, from its end, rates of change of g are looked at, and over which part of it. (Chosen.)
+constexpr double rate_places[] = {0.4, 0.153, 0.771, 0.587, 0.914}, rate_part = 1e-5;
 // Smaller errors, relative to g, change no sign that is not looked at closely anyway. (Chosen.)
 constexpr double least_error = 1e-4;
 
@@ -73,19 +77,63 @@ bool StepEventValues::approximate(double t, double* g) {
   return true;
 }
 
-void StepEventValues::measure_rough_error(double t) {
+bool StepEventValues::is_expected(double t_end) {
+  Vector& g = events_.g_now;
+  return approximate(t_end, g.data()) && events_.resolution.expects(t_end, g);
+}
+
+void StepEventValues::measure_rough_error(std::span<const double> places) {
+  const StepState state = step_.integrator.stepper->state();
   Vector& error = events_.rough_error;
-  std::fill(error.begin(), error.end(), 0.0);
-  if (!approximate(t, error.data())) return;
-  Events::Point& now = events_.now;
-  step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
-  const Vector& g = events_.g_now;
-  const bool is_known = events_.evaluate(t, now, events_.g_now) == 0 && are_finite(g);
-  for (std::size_t i = 0; i < error.size(); ++i) {
-    const double difference = std::fabs(error[i] - g[i]);
-    const bool matters = is_known && difference > least_error * std::max(std::fabs(error[i]), std::fabs(g[i]));
-    error[i] = matters ? difference : 0.0;
+  for (const double place : places) {
+    const double t = state.t - place * state.last.h;
+    Events::Point& now = events_.now;
+    const Vector &rough = events_.g_rough, &g = events_.g_now;
+    if (!approximate(t, events_.g_now.data())) continue;
+    step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
+    if (events_.evaluate(t, now, events_.g_now) != 0 || !are_finite(g)) continue;
+    if (is_misleading(rough)) {
+      look_at_rates();
+      std::fill(error.begin(), error.end(), no_trust);
+      return;
+    }
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      const double difference = std::fabs(rough[i] - g[i]);
+      const bool matters = difference > least_error * std::max(std::fabs(rough[i]), std::fabs(g[i]));
+      if (matters) error[i] = std::max(error[i], difference);
+    }
   }
+}
+
+// The larger one of g here and where the step began counts: near a zero every error is large beside g.
+bool StepEventValues::is_misleading(const Vector& rough) const {
+  const Vector &g = events_.g_now, &g_before = events_.search.g();
+  for (std::size_t i = 0; i < g.size(); ++i)
+    if (std::fabs(rough[i] - g[i]) >
+        misleading_part * std::max({std::fabs(g[i]), std::fabs(rough[i]), std::fabs(g_before[i])}))
+      return true;
+  return false;
+}
+
+// By differences of values as they are returned: x' there may be that of the polynomial.
+void StepEventValues::look_at_rates() {
+  const LastStep last = step_.integrator.stepper->state().last;
+  const double t_end = step_.integrator.stepper->state().t, delta = rate_part * last.h;
+  Events::Point& now = events_.now;
+  const auto is_known_at = [&](double t, Vector& g) {
+    step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
+    const bool is_known = events_.evaluate(t, now, g) == 0 && are_finite(g);
+    stop_if_asked(t);
+    return is_known;
+  };
+  EventResolution& resolution = events_.resolution;
+  resolution.start_rates();
+  for (const double place : rate_places) {
+    const double t = t_end - place * last.h;
+    if (is_known_at(t, events_.g_now) && is_known_at(t + delta, events_.g_rough))
+      resolution.add_rate(delta, events_.g_now, events_.g_rough);
+  }
+  resolution.take_rates(last.h);
 }
 
 // Whether g is the same for different x', of either sign, and much larger than those of the step; it may be meant for others where

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <utility>
 
 #include "integrate/event_values.h"
@@ -33,11 +34,15 @@ class StepEventValues final : public EventValues {
     events_.has_slopes = !events_.tries_without_slopes;
   }
 
-  // The error of values by the polynomial, at t. Steps are as long as w = W x allows; algebraic components may vary
-  // faster, and their polynomials show nothing then.
-  void measure_rough_error(double t);
+  // The error of values by the polynomial, at places of the last step in parts of it from its end. Steps are as long as w = W x
+  // allows; algebraic components may vary faster, and their polynomials show nothing then.
+  void measure_rough_error(std::span<const double> places);
+  // Whether g at the end of the step, which the polynomials go through, is what steps before lead to expect.
+  bool is_expected(double t_end);
 
  private:
+  bool is_misleading(const std::vector<double>& rough) const;
+  void look_at_rates();
   bool determine_without_slopes(double t, bool may_improve, double* g);
   void stop_if_asked(double t) const;
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <span>
 
 #include "linalg/index.h"
 #include "linalg/rank.h"
@@ -19,8 +22,9 @@ constexpr double start_width = 100.0;
 // The whole of the last step has still to be searched, but for rounding errors of its ends.
 constexpr double whole_step = 1.0 - 1e-10;
 // Where in the last step, from its end, the error of the rough values is measured: off the middle and the nodes of a
-// search. (Chosen.)
-constexpr double measured_part = 0.4;
+// search: the first one of Radau's steps, which are long, and of those of BDF whose end was not expected; all where steps may
+// mislead. (Chosen.)
+constexpr double measured_places[] = {0.4, 0.73, 0.17};
 // Halvings of a step without differential equations, which nothing limits: its points are those of a search.
 constexpr int halvings_of_search = 5;
 
@@ -28,10 +32,10 @@ constexpr int halvings_of_search = 5;
 int halvings_of_step(int order) { return order <= 2 ? 2 : order <= 5 ? 3 : 4; }
 
 // Of the interval from `from` to `to` within the last step.
-int halvings(const Integrator& integrator, double from, double to) {
+int halvings(const Integrator& integrator, const EventResolution& resolution, double from, double to) {
   const LastStep last = integrator.stepper->state().last;
   if (integrator.system.differential() == 0) return halvings_of_search;
-  const int whole = halvings_of_step(last.order);
+  const int whole = std::max(halvings_of_step(last.order), resolution.halvings());
   const double part = std::fabs((to - from) / last.h);
   if (!(part < 1.0)) return whole;
   const double fewer = part > 0.0 ? std::max<double>(-whole, std::ceil(std::log2(part))) : -whole;
@@ -61,6 +65,7 @@ void refine_polynomial(const SearchedStep& step) {
 
 void start_search(const SearchedStep& step, double t, double span) {
   step.events.resize(index(step.integrator.system.unknowns()));
+  step.events.resolution.start();
   StepEventValues values(step);
   step.events.search.start(values, t, start_width * 2.0 * unit_roundoff * std::max(std::fabs(t), span));
 }
@@ -73,11 +78,18 @@ bool search_step(const SearchedStep& step, double tout) {
   if (!((to - from) * integrator.direction > 0.0)) return false;
   StepEventValues values(step);
   const bool is_new_step = std::fabs(state.t - from) >= whole_step * std::fabs(state.last.h);
-  if (is_new_step && integrator.method == Method::radau && integrator.system.differential() > 0) {
-    refine_polynomial(step);
-    values.measure_rough_error(state.t - measured_part * state.last.h);
+  if (is_new_step && integrator.system.differential() > 0) {
+    step.events.resolution.begin_step(from, search.g());
+    if (integrator.method == Method::radau) refine_polynomial(step);
+    std::fill(step.events.rough_error.begin(), step.events.rough_error.end(), 0.0);
+    const bool is_long = integrator.method == Method::radau, is_expected = values.is_expected(state.t);
+    const std::size_t places = step.events.resolution.is_suspicious(state.last.h) || (is_long && !is_expected)
+                                   ? std::size(measured_places)
+                               : is_long || !is_expected ? 1
+                                                         : 0;
+    values.measure_rough_error(std::span(measured_places).first(places));
   }
-  return search.search(values, to, halvings(integrator, from, to));
+  return search.search(values, to, halvings(integrator, step.events.resolution, from, to));
 }
 
 void complete_slopes(const SearchedStep& step) {
@@ -117,6 +129,7 @@ void archive_events(Archive& archive, Events& events, std::size_t n, double& spa
   archive.reals(events.searched.x, n);
   archive.reals(events.searched.xdot, n);
   archive.reals(events.rough_error, index(count));
+  events.resolution.archive(archive);
 }
 
 void throw_events_differ(bool are_set) {
