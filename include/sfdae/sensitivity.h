@@ -107,8 +107,8 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * to which derivatives by p_j at fixed x are to be added. An integral is the value at the end of an unknown whose derivative is the
  * integrand: append it to the equations.
  *
- * t: `num_times` points (1 ...), in any order, from the start to the last step: those that sfdae_advance has gone to, where steps end, and any
- * others. weights: n x num_times for each of `num_functionals` functionals (1 ...), one after the other. gradient: count x
+ * t: `num_times` points (1 ...), in any order, from the start to the end of the last step, which may lie behind the point returned last: those
+ * that sfdae_advance has gone to, where steps end, and any others. weights: n x num_times for each of `num_functionals` functionals (1 ...), one after the other. gradient: count x
  * num_functionals.
  *
  * It is the exact gradient of what the steps have computed, hidden constraints and consistent start values included (sfdae_set_sensitivities
@@ -118,7 +118,8 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  *
  * Points within a step, events among them, are what S is there, as sfdae_get_sensitivities has it: with BDF the polynomial through the last
  * points, made consistent; with Radau the end of a shorter step, whose stages are solved for once more. Such a point costs about as much as
- * three steps of BDF, or one of Radau. (x there is that of the polynomial: both are the same within the tolerances.)
+ * three steps of BDF, or one of Radau. (With Radau x there is the end of that step, not that of the output: both are the same within
+ * the tolerances.)
  *
  * With the option max_kept_steps steps are kept of the end of the integration alone, at most two thirds of that number; of earlier pieces of
  * it, a third long, there is a checkpoint each, about as large as ten steps, and some 30 bytes for each step. (Pieces are not
@@ -128,7 +129,8 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * Functions that the equations call (sfdae_external) are called again, and have to return what they have returned.
  *
  * SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT names a time that no step has led to,
- * SFDAE_NO_CONSISTENT_VALUES one within a step whose equations have no solution. SFDAE_CALLBACK_FAILED: such functions return other values
+ * SFDAE_NO_CONSISTENT_VALUES one within a step whose equations have no solution, SFDAE_CHARACTERISTICS_CHANGED or SFDAE_SINGULAR
+ * one where the characteristic values do not hold, an isolated point. SFDAE_CALLBACK_FAILED: such functions return other values
  * than before. */
 SFDAE_API int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int num_functionals,
                                  const double* weights, double* gradient);

@@ -96,8 +96,14 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
   const bool is_required = options.structure == StructureUse::required || has_differences();
   if (is_required) demand_structure(options);
   const bool may_be_extended = is_required || may_extend(options);
+  // Who has some values stay, or move less, wants those near the guess, or none: the extension may find others.
+  const bool takes_any_values =
+      options.consistency.kind == InitialValues::nearest && options.consistency.weights.empty();
+  const auto units_are = [&](double distance) {
+    return may_be_extended && takes_any_values && distance_of_units(point) > distance;
+  };
   const bool is_extended_first =
-      is_required || (may_be_extended && (array_size() >= least_array || distance_of_units(point) > far_apart));
+      is_required || (may_be_extended && array_size() >= least_array) || units_are(far_apart);
   if (is_extended_first) {
     try {
       analyze_extended(point, options, decisions);
@@ -113,7 +119,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     else classical_->analyze(point, options, decisions);
   } catch (const Failure& failure) {
     if (!may_be_extended || is_extended_first) throw;
-    const bool is_led_astray = failure.status() == SFDAE_NO_CONSISTENT_VALUES && distance_of_units(point) > apart;
+    const bool is_led_astray = failure.status() == SFDAE_NO_CONSISTENT_VALUES && units_are(apart);
     if (failure.status() != SFDAE_RANK_UNCLEAR && !is_led_astray) throw;
     if (!settle_doubt(point, options, decisions)) throw;
   }

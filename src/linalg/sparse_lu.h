@@ -26,7 +26,8 @@ namespace sfdae::core {
 // diagonal: for real matrices that are, and never forced.
 enum class SparseMethod { dense, band, klu, diagonal };
 
-// Instances for double and std::complex<double>. Copies are deep: they go on with the same bits, apart from each other.
+// Instances for double and std::complex<double>. Copies go on with the same bits, apart from each other but for the
+// pattern, which nobody changes.
 // Where there is no memory std::bad_alloc is thrown, and analyze() or factor() has to be called again. With a band or a full
 // matrix factor() and solve() of as many right-hand sides allocate nothing after their first call.
 template <class Number>

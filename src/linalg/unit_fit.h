@@ -1,4 +1,5 @@
-// Exponents of units that bring the entries of E x' = A x near one, by weighted least squares of their logarithms.
+// Exponents of units that bring the entries of E x' = A x near one, by weighted least squares of their logarithms. A
+// single matrix stands in the place of A.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
