@@ -29,12 +29,13 @@ void EventResolution::resize(std::size_t functions) {
 }
 
 void EventResolution::begin_step(double t, const std::vector<double>& g) {
+  halvings_ = 0;
+  if (num_points_ > 0 && t == t_[0]) return;  // once more, after a failure
   std::rotate(g_.begin(), g_.end() - 1, g_.end());
   std::rotate(t_.begin(), t_.end() - 1, t_.end());
   std::copy(g.begin(), g.end(), g_[0].begin());
   t_[0] = t;
   num_points_ = std::min(num_points_ + 1, most_points);
-  halvings_ = 0;
 }
 
 bool EventResolution::expects(double t, const std::vector<double>& g) const {
