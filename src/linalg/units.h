@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -29,6 +31,12 @@ class Units {
     if (are_one()) return x;
     for (std::size_t j = 0; j < values_.size(); ++j) buffer[j] = x[j] / values_[j];
     return buffer;
+  }
+  // The largest component of the user's x, of n, in these units.
+  double largest(const double* x, int n) const {
+    double result = 0.0;
+    for (int j = 0; j < n; ++j) result = std::max(result, std::fabs(x[j]) / (*this)[j]);
+    return result;
   }
   // x in these units becomes the user's.
   void outward(double* x) const {

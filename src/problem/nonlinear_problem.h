@@ -100,6 +100,22 @@ class SuppliedEquations : public EquationSource {
   CallbackError error_;
 };
 
+// Arrays have all their rows while this lives, whatever the structure proposes to leave out.
+class WithoutStructure {
+ public:
+  explicit WithoutStructure(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
+    problem_.follow_structure(false);
+  }
+  WithoutStructure(const WithoutStructure&) = delete;
+  WithoutStructure& operator=(const WithoutStructure&) = delete;
+  ~WithoutStructure() { problem_.follow_structure(followed_); }
+  bool changes_rows() const { return followed_; }
+
+ private:
+  NonlinearProblem& problem_;
+  bool followed_;
+};
+
 // Recorded equations, or others that are evaluated as if they were.
 class RecordedProblem final : public NonlinearProblem {
  public:

@@ -241,9 +241,7 @@ void ArrayLinearization::set_constraints(const Jet& jet, const ArrayResiduals& r
   const Units& units = problem_.units();
   const Arena::Frame frame(arena_);
   elimination_.transform(residuals.f, residuals.transformed, arena_);
-  double largest = 0.0;
-  for (int i = 0; i < problem_.n(); ++i) largest = std::max(largest, std::fabs(jet.x[index(i)]) / units[i]);
-  data_.least_norm_f = data_.norm(problem_.mu()) * largest;
+  data_.least_norm_f = data_.norm(problem_.mu()) * units.largest(jet.x.data(), problem_.n());
   const std::vector<int>& components = problem_.prescribed();
   double* missing = arena_.take(components.size() + 1);
   for (std::size_t q = 0; q < components.size(); ++q) {

@@ -40,17 +40,16 @@ struct Unknowns {
   std::vector<int> components;
 };
 
-// Least squares problem C y = b, columns of C of length 1 by the factors.
+// Least squares problem C y = b.
 struct LeastSquares {
   Matrix C;
-  Vector b, factors;
+  Vector b;
 };
 
 LeastSquares least_squares_of(const ImpulseEquations& of, const Unknowns& unknowns, const Vector& change) {
   const int m = of.data.m, n = of.data.n, rows = (of.mu + 1) * m;
   const int known = static_cast<int>(of.inputs.values.size());
-  LeastSquares problem{Matrix(rows + known, unknowns.count), Vector(index(rows + known), 0.0),
-                       Vector(index(unknowns.count), 1.0)};
+  LeastSquares problem{Matrix(rows + known, unknowns.count), Vector(index(rows + known), 0.0)};
   Matrix& C = problem.C;
   multiply(1.0, Op::plain, of.data.E(0), Op::plain, of.point.form.T2(), 0.0, C.view().block(0, 0, m, unknowns.z));
   multiply(1.0, Op::plain, of.data.E(0), change.data(), 0.0, problem.b.data());
@@ -63,12 +62,6 @@ LeastSquares least_squares_of(const ImpulseEquations& of, const Unknowns& unknow
     const int i = of.inputs.components[index(k)];
     for (int j = 0; j < unknowns.z; ++j) C(rows + k, j) = of.point.form.T2()(i, j);
     problem.b[index(rows + k)] = of.inputs.values[index(k)] / of.point.units[i] - of.point.form.xp()[i];
-  }
-  for (int j = 0; j < C.cols(); ++j) {
-    double sum = 0.0;
-    for (int i = 0; i < C.rows(); ++i) sum += C(i, j) * C(i, j);
-    if (sum > 0.0) problem.factors[index(j)] = 1.0 / std::sqrt(sum);
-    for (int i = 0; i < C.rows(); ++i) C(i, j) *= problem.factors[index(j)];
   }
   return problem;
 }
@@ -88,15 +81,8 @@ Vector solve(LeastSquares problem, double t) {
   if (cols == 0) return y;
   if (rows < cols) throw_undetermined(t, "there are fewer equations than unknowns and impulses.");
   Arena arena;
-  std::vector<int> pivots(index(cols));
-  Vector tau(index(cols) + 1);
-  factor_qr_pivoted(C, pivots.data(), tau.data(), arena);
-  if (!(std::fabs(C(cols - 1, cols - 1)) > least_pivot * std::fabs(C(0, 0))))
+  if (!solve_least_squares(C, {b.data(), rows, 1, rows}, {y.data(), cols, 1, cols}, arena))
     throw_undetermined(t, "impulses of the equations can lead to several consistent values.");
-  const View right{b.data(), rows, 1, rows};
-  apply_q(Op::transposed, C, cols, tau.data(), right, arena);
-  solve_upper(Op::plain, C.view().block(0, 0, cols, cols), right.top(cols));
-  for (int j = 0; j < cols; ++j) y[index(pivots[index(j)])] = b[index(j)] * problem.factors[index(pivots[index(j)])];
   return y;
 }
 
@@ -113,6 +99,25 @@ void demand_solution(const TaylorData& data, int mu, ConstView theta, double rou
 }
 
 }  // namespace
+
+bool solve_least_squares(View C, View b, View y, Arena& arena) {
+  const int cols = C.cols;
+  Vector factors(index(cols), 1.0), tau(index(cols) + 1);
+  std::vector<int> pivots(index(cols));
+  for (int j = 0; j < cols; ++j) {
+    double sum = 0.0;
+    for (int i = 0; i < C.rows; ++i) sum += C(i, j) * C(i, j);
+    if (sum > 0.0) factors[index(j)] = 1.0 / std::sqrt(sum);
+    for (int i = 0; i < C.rows; ++i) C(i, j) *= factors[index(j)];
+  }
+  factor_qr_pivoted(C, pivots.data(), tau.data(), arena);
+  if (!(std::fabs(C(cols - 1, cols - 1)) > least_pivot * std::fabs(C(0, 0)))) return false;
+  apply_q(Op::transposed, C, cols, tau.data(), b, arena);
+  solve_upper(Op::plain, C.block(0, 0, cols, cols), b.top(cols));
+  for (int k = 0; k < y.cols; ++k)
+    for (int j = 0; j < cols; ++j) y(pivots[index(j)], k) = b(j, k) * factors[index(pivots[index(j)])];
+  return true;
+}
 
 void add_impulse_block(const TaylorData& data, int p, int j, View C) {
   const auto add = [&](double s, ConstView from) {

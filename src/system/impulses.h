@@ -23,6 +23,7 @@
 
 #include <vector>
 
+#include "linalg/arena.h"
 #include "linalg/matrix.h"
 #include "system/consistent_values.h"
 
@@ -71,6 +72,10 @@ Jump jump_by_impulses(const ImpulseEquations& equations, const std::vector<doubl
 void add_impulse_block(const TaylorData& data, int p, int j, View C);
 // Rows p = 0, ..., mu of the equations, columns theta_1, ..., theta_mu.
 Matrix impulse_columns(const TaylorData& data, int mu);
+
+// y := the least squares solutions of C y = b for all right-hand sides; C and b are overwritten. False where C has no full column
+// rank, as where impulses can lead to several values.
+bool solve_least_squares(View C, View b, View y, Arena& arena);
 
 // What is left of the equations above for these theta and the coefficients of another point, beyond rounding errors and
 // relative to what is added up in each: mu + 1 blocks of m rows.

@@ -18,8 +18,6 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of the largest pivot, as for the jump itself.
-constexpr double least_pivot = 1e-13;
 // Of what is added up in an equation, or of what moves: rounding errors, and errors of what moves, leave less where the jump moves
 // as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
 constexpr double contradiction = 1e-6;
@@ -31,32 +29,6 @@ void add_absolute(ConstView A, ConstView X, View sums) {
   for (int j = 0; j < X.cols; ++j)
     for (int k = 0; k < A.cols; ++k)
       for (int i = 0; i < A.rows; ++i) sums(i, j) += std::fabs(A(i, k) * X(k, j));
-}
-
-// y := the least squares solutions of C y = b; both are overwritten. False where C has no full column rank.
-bool solve_least_squares(View C, View b, View y, Arena& arena) {
-  const int cols = C.cols;
-  Vector factors(index(cols), 1.0), tau(index(cols) + 1);
-  std::vector<int> pivots(index(cols));
-  for (int j = 0; j < cols; ++j) {
-    double sum = 0.0;
-    for (int i = 0; i < C.rows; ++i) sum += C(i, j) * C(i, j);
-    if (sum > 0.0) factors[index(j)] = 1.0 / std::sqrt(sum);
-    for (int i = 0; i < C.rows; ++i) C(i, j) *= factors[index(j)];
-  }
-  factor_qr_pivoted(C, pivots.data(), tau.data(), arena);
-  if (!(std::fabs(C(cols - 1, cols - 1)) > least_pivot * std::fabs(C(0, 0)))) return false;
-  apply_q(Op::transposed, C, cols, tau.data(), b, arena);
-  solve_upper(Op::plain, C.block(0, 0, cols, cols), b.top(cols));
-  for (int k = 0; k < y.cols; ++k)
-    for (int j = 0; j < cols; ++j) y(pivots[index(j)], k) = b(j, k) * factors[index(pivots[index(j)])];
-  return true;
-}
-
-double largest_of(const double* x, const Units& units, int n) {
-  double largest = 0.0;
-  for (int i = 0; i < n; ++i) largest = std::max(largest, std::fabs(x[i]) / units[i]);
-  return largest;
 }
 
 }  // namespace
@@ -96,10 +68,10 @@ bool JumpDerivatives::solve_jump(const LinearizedConstraints::Known& known, cons
     solution.data = coefficients_of_jump(problem_, known, longer, nullptr, {mu + 1, mu, mu});
     Vector change(moving.before, moving.before + n);
     for (int i = 0; i < n; ++i) change[index(i)] -= solution.jet.x[index(i)];
-    const double size = std::max(constraints.size_of(solution.jet), largest_of(moving.before, known.units, n));
+    const double size = std::max(constraints.size_of(solution.jet), known.units.largest(moving.before, n));
     const Jump jump =
         jump_by_impulses({constraints.point(), solution.data, mu, no_inputs, size}, change, &solution.theta);
-    if (largest_of(jump.x.data(), known.units, n) <= converged * size) return true;
+    if (known.units.largest(jump.x.data(), n) <= converged * size) return true;
     constraints.move_by(jump.x, solution.jet);
     solver.solve(solution.jet, mu);
   }
@@ -148,7 +120,7 @@ bool JumpDerivatives::find_particular(const Solution& at, const MovingJump& movi
   Vector sizes(index(count), 0.0);
   for (int j = 0; j < count; ++j) {
     const double dt = moving.shifts[j];
-    sizes[index(j)] = largest_of(at.jet.column(1), units, n) * std::fabs(dt);
+    sizes[index(j)] = units.largest(at.jet.column(1), n) * std::fabs(dt);
     double power = dt;
     for (int k = 0; k <= mu; ++k) {
       power *= data.time_scale;
@@ -250,7 +222,7 @@ bool JumpDerivatives::find(const LinearizedConstraints::Known& known, const Jet&
   const View dtheta_0 = motion.dtheta.view().block(0, 0, n, count);
   for (int j = 0; j < count; ++j) {
     motion.sizes[index(j)] =
-        std::max(max_abs(motion.dx.view().column(j), n), largest_of(moving.moved.column(j), known.units, n));
+        std::max(max_abs(motion.dx.view().column(j), n), known.units.largest(moving.moved.column(j), n));
     for (int i = 0; i < n; ++i) dtheta_0(i, j) = motion.dx(i, j) - moving.moved(i, j) / known.units[i];
   }
 

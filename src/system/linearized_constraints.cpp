@@ -71,11 +71,7 @@ Vector LinearizedConstraints::violation() const {
   return change;
 }
 
-double LinearizedConstraints::size_of(const Jet& jet) const {
-  double size = 0.0;
-  for (int i = 0; i < jet.n; ++i) size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
-  return size;
-}
+double LinearizedConstraints::size_of(const Jet& jet) const { return units_.largest(jet.x.data(), jet.n); }
 
 Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {
   Vector target(given), values(problem.prescribed().size() + 1);

@@ -41,8 +41,7 @@ Vector difference(const Vector& a, const double* b) {
 double relative_change(const Vector& dx, const LinearizedConstraints& constraints, const Jet& jet,
                        const Units& units) {
   const double size = constraints.size_of(jet);
-  double largest = 0.0;
-  for (int i = 0; i < jet.n; ++i) largest = std::max(largest, std::fabs(dx[index(i)]) / units[i]);
+  const double largest = units.largest(dx.data(), jet.n);
   return size > 0.0 ? largest / size : largest;
 }
 
@@ -118,12 +117,8 @@ bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Kn
 
 // What jumps beyond rounding.
 bool has_jumped(const Found& found, const Units& units) {
-  double largest = 0.0, jumped = 0.0;
-  for (int i = 0; i < found.jet.n; ++i) {
-    largest = std::max(largest, std::fabs(found.jet.x[index(i)]) / units[i]);
-    for (int k = 0; k < found.theta.cols(); ++k) jumped = std::max(jumped, std::fabs(found.theta(i, k)));
-  }
-  return jumped > std::max(1e-10 * largest, found.rounding);
+  const double largest = units.largest(found.jet.x.data(), found.jet.n);
+  return max_abs(found.theta) > std::max(1e-10 * largest, found.rounding);
 }
 
 void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found) {
@@ -148,26 +143,11 @@ void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Kn
   }
 }
 
-// No rows are left out while this lives, which may be ended by an exception.
-class WholeRows {
- public:
-  explicit WholeRows(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
-    problem_.follow_structure(false);
-  }
-  WholeRows(const WholeRows&) = delete;
-  WholeRows& operator=(const WholeRows&) = delete;
-  ~WholeRows() { problem_.follow_structure(followed_); }
-
- private:
-  NonlinearProblem& problem_;
-  bool followed_;
-};
-
 }  // namespace
 
 TaylorData coefficients_of_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
                                 const Vector* rows, Orders orders) {
-  const WholeRows whole(problem);
+  const WithoutStructure whole(problem);
   TaylorData data;
   const NonlinearProblem::Scaling scaling{
       known.analysis.time_scale, rows != nullptr ? RowScaling::given : known.analysis.rows, rows, &known.units};

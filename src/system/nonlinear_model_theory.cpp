@@ -7,26 +7,6 @@
 
 namespace sfdae::core {
 
-namespace {
-
-// Arrays have all their rows while this lives, whatever the structure proposes to leave out.
-class WithoutStructure {
- public:
-  explicit WithoutStructure(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
-    problem_.follow_structure(false);
-  }
-  WithoutStructure(const WithoutStructure&) = delete;
-  WithoutStructure& operator=(const WithoutStructure&) = delete;
-  ~WithoutStructure() { problem_.follow_structure(followed_); }
-  bool changes_rows() const { return followed_; }
-
- private:
-  NonlinearProblem& problem_;
-  bool followed_;
-};
-
-}  // namespace
-
 // Derivatives that F_level = 0 leaves open are those of the point accepted last, whatever other points have been asked
 // for, so that objects of the same jet fit each other.
 Jet NonlinearModel::jet_through(double t, const double* x, int level) {

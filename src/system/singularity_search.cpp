@@ -38,11 +38,7 @@ constexpr int corrections = 2;
 // is by 1e12 to 1e15, as a rule.
 constexpr double credible_growth = 1e6;
 
-double size_of(const Jet& jet, const Units& units) {
-  double size = 0.0;
-  for (int i = 0; i < jet.n; ++i) size = std::max(size, std::fabs(jet.x[index(i)]) / units[i]);
-  return size;
-}
+double size_of(const Jet& jet, const Units& units) { return units.largest(jet.x.data(), jet.n); }
 
 bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units, double within) {
   double largest = 0.0, distance = 0.0;
