@@ -86,7 +86,7 @@ bool balance(Matrix& J, Matrix& changes, Matrix& without_suspects) {
   return true;
 }
 
-bool is_regular_in_balanced_units(Matrix J, Matrix changes, RankDecision& decision) {
+bool is_regular_in_balanced_units(Matrix& J, Matrix changes, RankDecision& decision) {
   Matrix without_suspects;
   if (!balance(J, changes, without_suspects)) return false;
   const int size = J.rows();

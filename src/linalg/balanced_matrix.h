@@ -17,9 +17,9 @@ namespace sfdae::core {
 // there are no such units.
 bool balance(Matrix& J, Matrix& changes, Matrix& without_suspects);
 
-// Whether J, square, is regular in such units, with its suspects and without: then `decision` says so, else it stays. changes: how far
-// rounding errors of the data may have moved each entry. An entry alone in its row and column is as large as one whatever its
-// size.
-bool is_regular_in_balanced_units(Matrix J, Matrix changes, RankDecision& decision);
+// Whether J, square, is regular in such units, with its suspects and without: then `decision` says so, else it stays. J is balanced
+// where that is possible. changes: how far rounding errors of the data may have moved each entry. An entry alone in its row and
+// column is as large as one whatever its size.
+bool is_regular_in_balanced_units(Matrix& J, Matrix changes, RankDecision& decision);
 
 }  // namespace sfdae::core

@@ -49,7 +49,7 @@ RankDecision judge_matrix(ConstView matrix, Arena& arena) {
   return decide_rank(work.data(), matrix.cols, matrix.cols + 1, scale);
 }
 
-// [M C^T; C 0], as it is.
+// [M C^T; C 0]
 Matrix acceleration_matrix(const Matrix& M, const Matrix& C) {
   const int nv = M.rows(), rank = C.rows();
   Matrix K(nv + rank, nv + rank);
@@ -78,8 +78,8 @@ bool are_tied(const Matrix& M, const Matrix& C, double small) {
 int rank_of_mass_in_balanced_units(const Matrix& M, const Matrix& C, double small, RankDecision& decision,
                                    Arena& arena) {
   if (!are_tied(M, C, small)) return -1;
-  Matrix K = acceleration_matrix(M, C), unchanged(K.rows(), K.cols()), without_suspects;
-  if (!is_regular_in_balanced_units(K, unchanged, decision) || !balance(K, unchanged, without_suspects)) return -1;
+  Matrix K = acceleration_matrix(M, C);
+  if (!is_regular_in_balanced_units(K, Matrix(K.rows(), K.cols()), decision)) return -1;
   return judge_matrix(to_matrix(K.view().block(0, 0, M.rows(), M.cols())), arena).rank;
 }
 
@@ -126,31 +126,29 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   Vector unit(index(nv + rank), 1.0);
   for (int j = 0; j < nv; ++j)
     unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), least_mass * mass, 1e-300}));
-  Matrix K(nv + rank, nv + rank), C(rank, nv), C_as_it_is(rank, nv);
+  Matrix scaled_M(nv, nv), C(rank, nv), scaled_C(rank, nv);
   for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nv; ++i) K(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
-    for (int k = 0; k < rank; ++k) C_as_it_is(k, j) = point.terms.C(partition.rows[index(k)], j);
-    for (int k = 0; k < rank; ++k) C(k, j) = unit[index(j)] * C_as_it_is(k, j);
+    for (int i = 0; i < nv; ++i) scaled_M(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
+    for (int k = 0; k < rank; ++k) C(k, j) = point.terms.C(partition.rows[index(k)], j);
+    for (int k = 0; k < rank; ++k) scaled_C(k, j) = unit[index(j)] * C(k, j);
   }
   const auto judge_with = [&](const Matrix& rows) {
-    for (int k = 0; k < rank; ++k)
-      for (int j = 0; j < nv; ++j) K(nv + k, j) = K(j, nv + k) = rows(k, j);
-    return judge_matrix(K, arena);
+    return judge_matrix(acceleration_matrix(scaled_M, rows), arena);
   };
-  const int rank_of_mass = judge_matrix(to_matrix(K.view().block(0, 0, nv, nv)), arena).rank;
-  RankDecision decision = judge_with(unit_rows(C));
+  const int rank_of_mass = judge_matrix(scaled_M, arena).rank;
+  RankDecision decision = judge_with(unit_rows(scaled_C));
   decision.t = point.t;
   decision.subject = Subject::array;
   decision.rows = decision.cols = nv + rank;
   decisions.push_back(decision);
   const bool has_mass = mass > 0.0 || rank == nv;
   if (decision.rank == nv + rank && has_mass) return rank_of_mass;
-  if (const int found = rank_of_mass_in_balanced_units(M, C_as_it_is, least_mass * mass, decisions.back(), arena);
+  if (const int found = rank_of_mass_in_balanced_units(M, C, least_mass * mass, decisions.back(), arena);
       found >= 0 && has_mass)
     return found;
   // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M
   // is left as the reason.
-  const int missing = nv + rank - judge_with(orthonormal_rows(C, arena)).rank;
+  const int missing = nv + rank - judge_with(orthonormal_rows(scaled_C, arena)).rank;
   if (missing == 0 && has_mass)
     throw Failure(
         SFDAE_SINGULAR,

@@ -178,10 +178,11 @@ class OrderedBlocks {
       const RankDecision decision = decision_on_large(block, pattern, std::move(of_block), t);
       if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
     }
-    RankDecision decision = judge(diagonal.block(block), t, rank_tol);
+    Matrix J = diagonal.block(block);
+    RankDecision decision = judge(J, t, rank_tol);
     const bool is_regular = decision.verdict == Verdict::clear && decision.rank == size;
     if (!is_regular && size <= largest_dense_block && rank_tol == 0.0)
-      is_regular_in_balanced_units(diagonal.block(block), diagonal.changes_of_block(block, nearby), decision);
+      is_regular_in_balanced_units(J, diagonal.changes_of_block(block, nearby), decision);
     return decision;
   }
 

@@ -26,10 +26,9 @@ std::string contradiction_of_structure(NonlinearProblem& problem, const Jet& jet
   if (!balanced.suspects_E.empty() || !balanced.suspects_A.empty()) return {};
   return format(
       "the derivative array and the structure of the equations disagree at t = %.15g: ranks say d = %d, u = %d, v = "
-      "%d, but "
-      "all blocks of the system Jacobian are regular, which means d = %d, u = v = 0. Scale the equations and "
-      "unknowns, or set "
-      "structure = SFDAE_STRUCTURE_REQUIRED, or rank_tol.",
+      "%d, "
+      "but all blocks of the system Jacobian are regular, which means d = %d, u = v = 0. Scale the equations and "
+      "unknowns, or set structure = SFDAE_STRUCTURE_REQUIRED, or rank_tol.",
       jet.t, values.d, values.u, values.v, freedom);
 }
 

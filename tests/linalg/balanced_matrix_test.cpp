@@ -33,9 +33,7 @@ void change_units(Matrix& J, unsigned seed, int bits) {
   }
 }
 
-bool is_regular(const Matrix& J, RankDecision& decision) {
-  return is_regular_in_balanced_units(J, Matrix(n, n), decision);
-}
+bool is_regular(Matrix J, RankDecision& decision) { return is_regular_in_balanced_units(J, Matrix(n, n), decision); }
 
 }  // namespace
 
