@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "linalg/dense.h"
@@ -41,6 +42,9 @@ std::shared_ptr<const IntegrationOptions> options_of_steps(const IntegrationOpti
   copy->never_pass_output = options.never_pass_output;
   return copy;
 }
+
+// In either direction.
+bool is_between(double from, double t, double to) { return from < to ? from < t && t < to : to < t && t < from; }
 
 // Steps take more memory than the checkpoint that they can be made again from.
 bool is_worth_dropping(const StepPiece& piece) { return piece.kept.bytes() > piece.bytes() - piece.kept.bytes(); }
@@ -259,7 +263,7 @@ std::optional<DiscreteAdjoint::Place> DiscreteAdjoint::place_of(double t) const 
   const KeptSteps& last = pieces_.back().kept;
   const bool ends_within = last.count() == 1 && last.step(0).is_within;
   for (std::size_t k = times_.size() - (ends_within ? 1 : 0); k-- > 1;)
-    if ((t - times_[k - 1]) * (times_[k] - t) > 0.0) return Place{k, true, t};
+    if (is_between(times_[k - 1], t, times_[k])) return Place{k, true, t};
   return std::nullopt;
 }
 
@@ -270,12 +274,24 @@ struct DiscreteAdjoint::Backward {
         functionals(its_functionals),
         surroundings(its_surroundings),
         gradient(its_gradient),
-        weights(window, Matrix(its_system.unknowns(), its_functionals.count)) {}
+        weights(window, Matrix(its_system.unknowns(), its_functionals.count)),
+        order(its_functionals.places.size()) {
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::size_t a, std::size_t b) { return point(a) < point(b); });
+  }
+  std::size_t point(std::size_t place) const { return functionals.places[place].point; }
+  // Those within the step to point k, or at its end.
+  template <class Action>
+  void for_places(std::size_t k, bool are_within, Action action) const {
+    const auto is_before = [this](std::size_t place, std::size_t wanted) { return point(place) < wanted; };
+    for (auto place = std::lower_bound(order.begin(), order.end(), k, is_before);
+         place != order.end() && point(*place) == k; ++place)
+      if (functionals.places[*place].is_within == are_within) action(*place);
+  }
   // Those of functionals at that point.
   void add_weights(std::size_t k) {
-    for (std::size_t place = 0; place < functionals.places.size(); ++place)
-      if (functionals.places[place].point == k && !functionals.places[place].is_within)
-        add_weights_of(place, weights[k % window]);
+    for_places(k, false, [&](std::size_t place) { add_weights_of(place, weights[k % window]); });
   }
   void add_weights_of(std::size_t place, View here) const {
     const std::size_t size = index(here.rows), places = functionals.places.size();
@@ -285,8 +301,7 @@ struct DiscreteAdjoint::Backward {
   }
   // Whether points from the first one on, or those before it by what has been read, say anything.
   bool has_anything(std::size_t first) const {
-    const auto is_later = [first](const Place& place) { return place.point >= first; };
-    return std::any_of(functionals.places.begin(), functionals.places.end(), is_later) ||
+    return (!order.empty() && point(order.back()) >= first) ||
            !std::all_of(weights.begin(), weights.end(), [](const Matrix& at) { return is_zero(at); });
   }
   void keep_to_piece(double t) const { surroundings.keep_to_piece(system.system(), t); }
@@ -299,7 +314,8 @@ struct DiscreteAdjoint::Backward {
   const Functionals& functionals;
   const Surroundings& surroundings;
   View gradient;
-  std::vector<Matrix> weights;  // of the last points
+  std::vector<Matrix> weights;     // of the last points
+  std::vector<std::size_t> order;  // of the places by their points
   std::optional<PointsWithin> within;
 };
 
@@ -332,11 +348,10 @@ void DiscreteAdjoint::read_within(const StepPiece& piece, const KeptSteps& steps
   const std::size_t k = piece.first + i;
   const View here = backward.weights[(k + 1) % window];
   const AdjointValues values{here, backward.gradient};
-  for (std::size_t place = 0; place < backward.functionals.places.size(); ++place) {
+  backward.for_places(k, true, [&](std::size_t place) {
     const Place& at = backward.functionals.places[place];
-    if (at.point != k || !at.is_within) continue;
     backward.add_weights_of(place, here);
-    if (is_zero(here)) continue;
+    if (is_zero(here)) return;
     const KeptStep& step = steps.step(i);
     const KeptSurroundings given{step, steps.points(i), points_before(piece, steps, i), &times_[k]};
     backward.keep_to_piece(times_[k - 1]);
@@ -354,7 +369,7 @@ void DiscreteAdjoint::read_within(const StepPiece& piece, const KeptSteps& steps
         demand(system_->restore_back(backward.points_within().interpolated(given, within), values), at.t);
       hand_on(within, k + 1, backward);
     }
-  }
+  });
 }
 
 void DiscreteAdjoint::read_piece(const StepPiece& piece, const KeptSteps& steps, Backward& backward) {

@@ -114,9 +114,11 @@ std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings
     const bool is_last = std::fabs(t - at) < 1.5 * std::fabs(h);
     const double to = is_last ? t : at + h;
     double reached = to;
+    // Halvings may end between two numbers.
     PointStatus status =
-        system.solve_stages({method, at, to, from.data(), from.data(), predict(method, at, to, given)},
-                            stages_.data(), w_.data(), reached);
+        to == at ? PointStatus::not_converged
+                 : system.solve_stages({method, at, to, from.data(), from.data(), predict(method, at, to, given)},
+                                       stages_.data(), w_.data(), reached);
     if (status == PointStatus::ok && !all_finite(stages_.data(), stages_.size())) status = PointStatus::not_converged;
     const bool is_final = status == PointStatus::callback_error && !system.callback_error().is_recoverable();
     if (is_final) system.callback_error().raise();

@@ -47,8 +47,8 @@ NonlinearEquations brusselator(int cells) {
   });
 }
 
-// In steps of BDF, bytes for each unknown: some 1300 of them. What would be noticed: a second copy of a pattern and its values (44 for
-// each unknown), a decision of the report for each of them (80), tolerances one by one (88), slots of results in instructions (28).
+// In steps of BDF, bytes for each unknown: some 1320 of them. What would be noticed: a decision of the report for each of them (80),
+// tolerances one by one (88), second copies of two patterns with their values (44 each).
 TEST(Memory, OfLargeRecordedProblemsIsBounded) {
   constexpr int cells = 1500, n = 2 * cells;
   if (!is_told()) GTEST_SKIP() << "the C library does not tell what is in use";
