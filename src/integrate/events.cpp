@@ -17,6 +17,11 @@ void Events::resize(std::size_t n) {
   resolution.resize(index(search.count()));
 }
 
+void Events::begin_step(double t) {
+  resolution.begin_step(t, search.g());
+  std::fill(rough_error.begin(), rough_error.end(), 0.0);
+}
+
 int Events::evaluate(double t, const Point& point, std::vector<double>& g) const {
   std::fill(g.begin(), g.end(), 0.0);
   return function(t, point.x.data(), point.xdot.data(), g.data(), user);

@@ -18,6 +18,8 @@ struct Events {
   Events(sfdae_event_function user_function, void* user_data, std::vector<int> directions)
       : function(user_function), user(user_data), search(std::move(directions)) {}
   void resize(std::size_t n);
+  // At t, which has been searched last: nothing is known of the polynomials of the step yet.
+  void begin_step(double t);
 
   // Functions are tried without x' first: those that do not depend on it need none, but at points that are returned.
   bool tries_without_slopes = false;

@@ -22,8 +22,7 @@ constexpr double start_width = 100.0;
 // The whole of the last step has still to be searched, but for rounding errors of its ends.
 constexpr double whole_step = 1.0 - 1e-10;
 // Where in the last step, from its end, the error of the rough values is measured: off the middle and the nodes of a
-// search: the first one of Radau's steps, which are long, and of those of BDF whose end was not expected; all where steps may
-// mislead. (Chosen.)
+// search. (Chosen.)
 constexpr double measured_places[] = {0.4, 0.73, 0.17};
 // Halvings of a step without differential equations, which nothing limits: its points are those of a search.
 constexpr int halvings_of_search = 5;
@@ -40,6 +39,15 @@ int halvings(const Integrator& integrator, const EventResolution& resolution, do
   if (!(part < 1.0)) return whole;
   const double fewer = part > 0.0 ? std::max<double>(-whole, std::ceil(std::log2(part))) : -whole;
   return std::max(1, whole + static_cast<int>(fewer));
+}
+
+// How many of the places above. Of Radau's steps, which are long, one at least; of BDF's none where the end was expected.
+std::size_t places_to_measure(const SearchedStep& step, StepEventValues& values) {
+  const StepState state = step.integrator.stepper->state();
+  if (step.events.resolution.is_suspicious(state.last.h)) return std::size(measured_places);
+  const bool is_expected = values.is_expected(state.t);
+  if (step.integrator.method != Method::radau) return is_expected ? 0 : 1;
+  return is_expected ? 1 : std::size(measured_places);
 }
 
 // Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: then it
@@ -79,15 +87,9 @@ bool search_step(const SearchedStep& step, double tout) {
   StepEventValues values(step);
   const bool is_new_step = std::fabs(state.t - from) >= whole_step * std::fabs(state.last.h);
   if (is_new_step && integrator.system.differential() > 0) {
-    step.events.resolution.begin_step(from, search.g());
     if (integrator.method == Method::radau) refine_polynomial(step);
-    std::fill(step.events.rough_error.begin(), step.events.rough_error.end(), 0.0);
-    const bool is_long = integrator.method == Method::radau, is_expected = values.is_expected(state.t);
-    const std::size_t places = step.events.resolution.is_suspicious(state.last.h) || (is_long && !is_expected)
-                                   ? std::size(measured_places)
-                               : is_long || !is_expected ? 1
-                                                         : 0;
-    values.measure_rough_error(std::span(measured_places).first(places));
+    step.events.begin_step(from);
+    values.measure_rough_error(std::span(measured_places).first(places_to_measure(step, values)));
   }
   return search.search(values, to, halvings(integrator, step.events.resolution, from, to));
 }
