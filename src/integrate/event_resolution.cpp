@@ -18,6 +18,8 @@ constexpr double unexpected_part = 0.25;
 constexpr double points_per_change = 2.4;
 // Steps from this part of a misleading one on are looked at closely. (Chosen.)
 constexpr double suspicious_part = 0.25;
+// Rates that ask for no more points let longer steps be trusted. (Chosen.)
+constexpr double points_of_slow_step = 4.0;
 constexpr int least_search_halvings = 4, most_search_halvings = 12;
 
 }  // namespace
@@ -71,10 +73,12 @@ void EventResolution::add_rate(double delta, const std::vector<double>& g, const
 }
 
 void EventResolution::take_rates(double h) {
-  misleading_ = misleading_ > 0.0 ? std::min(misleading_, std::fabs(h)) : std::fabs(h);
   double points = 1.0;
   for (std::size_t i = 0; i < sizes_.size(); ++i)
     if (sizes_[i] > 0.0) points = std::max(points, points_per_change * std::fabs(h) * rates_[i] / sizes_[i]);
+  // As long a step that is slow again is no reason to distrust the next one.
+  if (points <= points_of_slow_step) misleading_ = 2.0 * std::fabs(h);
+  else misleading_ = misleading_ > 0.0 ? std::min(misleading_, std::fabs(h)) : std::fabs(h);
   const double halvings = std::min<double>(most_search_halvings, std::ceil(std::log2(points)));
   halvings_ = std::max(least_search_halvings, static_cast<int>(halvings));
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -24,8 +25,10 @@ class EventResolution {
   // what g would have to change by to become zero.
   bool expects(double t, const std::vector<double>& g) const;
 
-  // Whether steps of length h may be as misleading as one before, which points at regular distances can hide.
+  // Whether steps of length h may be as misleading as one before, and whether they are as long as that: points at regular
+  // distances can hide it.
   bool is_suspicious(double h) const;
+  bool is_misleading(double h) const { return misleading_ > 0.0 && std::fabs(h) >= misleading_; }
   // How often the step is halved, whatever its order; 0: its polynomials are good enough.
   int halvings() const { return halvings_; }
   // Begins to look at the rates of change of g along a step of length h, and ends: halvings() follows.
@@ -41,7 +44,7 @@ class EventResolution {
   std::array<std::vector<double>, most_points> g_;  // the newest first
   std::size_t num_points_ = 0;
   int halvings_ = 0;
-  double misleading_ = 0.0;            // the shortest step whose polynomials said nothing; 0: none
+  double misleading_ = 0.0;            // a step whose polynomials said nothing, the shortest one of late; 0: none
   std::vector<double> sizes_, rates_;  // the largest ones, for each function
 };
 

@@ -89,12 +89,13 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
     const double t = state.t - place * state.last.h;
     Events::Point& now = events_.now;
     const Vector &rough = events_.g_rough, &g = events_.g_now;
-    if (!approximate(t, events_.g_now.data())) continue;
+    // Where nothing is known of errors yet, there is no approximation only if g is not defined there.
+    const bool has_rough = approximate(t, events_.g_now.data());
+    if (!has_rough && place != places.front()) continue;
     step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
     if (events_.evaluate(t, now, events_.g_now) != 0 || !are_finite(g)) continue;
-    if (is_misleading(rough)) {
-      look_at_rates();
-      std::fill(error.begin(), error.end(), no_trust);
+    if (!has_rough || is_misleading(rough)) {
+      distrust();
       return;
     }
     for (std::size_t i = 0; i < error.size(); ++i) {
@@ -103,6 +104,11 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
       if (matters) error[i] = std::max(error[i], difference);
     }
   }
+}
+
+void StepEventValues::distrust() {
+  look_at_rates();
+  std::fill(events_.rough_error.begin(), events_.rough_error.end(), no_trust);
 }
 
 // The larger one of g here and where the step began counts: near a zero every error is large beside g.

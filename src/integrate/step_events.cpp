@@ -89,7 +89,8 @@ bool search_step(const SearchedStep& step, double tout) {
   if (is_new_step && integrator.system.differential() > 0) {
     if (integrator.method == Method::radau) refine_polynomial(step);
     step.events.begin_step(from);
-    values.measure_rough_error(std::span(measured_places).first(places_to_measure(step, values)));
+    if (step.events.resolution.is_misleading(state.last.h)) values.distrust();
+    else values.measure_rough_error(std::span(measured_places).first(places_to_measure(step, values)));
   }
   return search.search(values, to, halvings(integrator, step.events.resolution, from, to));
 }

@@ -57,9 +57,17 @@ TEST(EventResolution, AsksForPointsByRates) {
   EXPECT_LE(resolution.halvings(), 12);
   EXPECT_TRUE(resolution.is_suspicious(-0.6));
   EXPECT_FALSE(resolution.is_suspicious(0.4));
+  EXPECT_TRUE(resolution.is_misleading(2.0));
+  EXPECT_FALSE(resolution.is_misleading(1.9));
   resolution.begin_step(4.0, {1.0});
   EXPECT_EQ(resolution.halvings(), 0);
   EXPECT_TRUE(resolution.is_suspicious(0.6));
+  // A step as long that is slow.
+  resolution.start_rates();
+  resolution.add_rate(1e-5, {1.0}, {1.0 + 0.1 * 1e-5});
+  resolution.take_rates(2.0);
+  EXPECT_FALSE(resolution.is_misleading(3.0));
+  EXPECT_TRUE(resolution.is_misleading(4.0));
 }
 
 }  // namespace sfdae::core
