@@ -85,10 +85,11 @@ bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
                                 double* F_x, const std::vector<int>* limits) {
   const int order = orders.highest();
-  assert(source_ == nullptr || orders.of_gradients() < 0);
   assert(order <= series::highest_order);
   if (order < 0) return true;
-  if (source_) return source_->values(t, jet, orders.F, F);
+  if (source_)
+    return (orders.F < 0 || source_->values(t, jet, orders.F, F)) &&
+           ask_for_gradients(t, jet, orders, F_xdot, F_x, limits);
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
@@ -336,26 +337,55 @@ bool TaylorEvaluator::write_entries(int order, const std::vector<int>& limits, d
   return true;
 }
 
+namespace {
+
+// The orders wanted that an equation is differentiated to.
+SeriesOrders within(SeriesOrders orders, int limit) {
+  return {orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
+}
+
+}  // namespace
+
+// Of the source, which knows entries only. What it does not differentiate stays zero.
+bool TaylorEvaluator::ask_for_gradients(double t, const double* jet, SeriesOrders orders, double* F_xdot, double* F_x,
+                                        const std::vector<int>* limits) {
+  const int order = orders.of_gradients();
+  if (order < 0) return true;
+  clear_gradients(orders, F_xdot, F_x);
+  const std::vector<int> own =
+      limits != nullptr && !limits->empty() ? *limits : std::vector<int>(index(record_->m()), order);
+  const std::size_t length = index(order + 1);
+  std::vector<double> values(tape_.targets.size() * length, 0.0);
+  if (!source_->entries(t, jet, order, own, values.data())) return false;
+  for (int i = 0; i < record_->m(); ++i)
+    write_targets(i, within(orders, own[index(i)]), F_xdot, F_x,
+                  [&](std::size_t e) { return values.data() + e * length; });
+  return true;
+}
+
+void TaylorEvaluator::clear_gradients(SeriesOrders orders, double* F_xdot, double* F_x) const {
+  const std::size_t area = index(record_->m()) * index(record_->n());
+  std::fill_n(F_xdot, area * index(orders.F_xdot + 1), 0.0);
+  std::fill_n(F_x, area * index(orders.F_x + 1), 0.0);
+}
+
 bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x,
                                       const std::vector<int>* limits) {
   const int order = orders.of_gradients();
   if (order < 0) return true;
-  const std::size_t area = index(record_->m()) * index(record_->n());
-  std::fill_n(F_xdot, area * index(orders.F_xdot + 1), 0.0);
-  std::fill_n(F_x, area * index(orders.F_x + 1), 0.0);
+  clear_gradients(orders, F_xdot, F_x);
   if (limits != nullptr && !limits->empty()) {
     for (int i = 0; i < record_->m(); ++i) {
       const int limit = (*limits)[index(i)], own = std::min(order, limit);
       with_order(own, [&](auto G) { sweep_back(i, G); });
-      const SeriesOrders wanted{orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
-      if (!write_targets(i, wanted, F_xdot, F_x)) return fail(i, orders.F, own);
+      if (!write_adjoints(i, within(orders, limit), F_xdot, F_x)) return fail(i, orders.F, own);
     }
     return true;
   }
   return with_order(order, [&](auto G) {
     for (int i = 0; i < record_->m(); ++i) {
       sweep_back(i, G);
-      if (!write_targets(i, orders, F_xdot, F_x)) return fail(i, orders.F, order);
+      if (!write_adjoints(i, orders, F_xdot, F_x)) return fail(i, orders.F, order);
     }
     return true;
   });
@@ -374,14 +404,22 @@ void TaylorEvaluator::sweep_back(int equation, Order order) {
   else follow<false>(edges, slots_.data(), adjoints, order);
 }
 
-// Entries of one row; false if one is not finite.
-bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const {
+bool TaylorEvaluator::write_adjoints(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const {
+  const int* const adjoint = tape_.adjoints_of_targets(index(equation));
+  const std::size_t first = tape_.first_target[index(equation)];
+  return write_targets(equation, orders, F_xdot, F_x,
+                       [&](std::size_t e) { return adjoints_.data() + index(adjoint[e - first]) * index(stride_); });
+}
+
+// Entries of one row, coefficients from coefficients_of(target) on; false if one is not finite.
+template <class CoefficientsOf>
+bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x,
+                                    CoefficientsOf coefficients_of) const {
   const std::size_t m = index(record_->m()), area = m * index(record_->n());
   bool finite = true;
-  const int* adjoint = tape_.adjoints_of_targets(index(equation));
   for (std::size_t e = tape_.first_target[index(equation)]; e < tape_.first_target[index(equation + 1)]; ++e) {
     const Tape::Variable& leaf = tape_.targets[e];
-    const double* const from = adjoints_.data() + index(*adjoint++) * index(stride_);
+    const double* const from = coefficients_of(e);
     const int order = leaf.derivative ? orders.F_xdot : orders.F_x;
     if (order < 0) continue;  // there is no array either
     double* const to = (leaf.derivative ? F_xdot : F_x) + index(equation) + index(leaf.unknown) * m;

@@ -116,7 +116,13 @@ class TaylorEvaluator {
   bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x, const std::vector<int>* limits);
   template <class Order>
   void sweep_back(int equation, Order order);
-  bool write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const;
+  bool ask_for_gradients(double t, const double* jet, SeriesOrders orders, double* F_xdot, double* F_x,
+                         const std::vector<int>* limits);
+  void clear_gradients(SeriesOrders orders, double* F_xdot, double* F_x) const;
+  bool write_adjoints(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const;
+  template <class CoefficientsOf>
+  bool write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x,
+                     CoefficientsOf coefficients_of) const;
   bool fail(int equation, int order, int order_of_gradients);
 
   std::shared_ptr<const Record> record_;

@@ -6,10 +6,13 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contour.h"
+#include "expression/equation_source.h"
 #include "expression/series.h"
 #include "matrix_checks.h"
 #include "operators.h"
@@ -190,6 +193,50 @@ TEST(RandomEquations, HaveTheCoefficientsOfCauchysFormulaAndTheGradientsOfDiffer
     for (std::size_t i = 0; i < F.size(); ++i)
       EXPECT_NEAR(F[i], expected[i], 10.0 * coefficient_tolerance(order)) << i;
     expect_gradients(*record, jet, order);
+  }
+}
+
+namespace {
+
+// Equations that are not formulas, for who asks.
+class OtherEvaluator final : public EquationSource {
+ public:
+  explicit OtherEvaluator(std::shared_ptr<const Record> record) : evaluator_(std::move(record)) {}
+  bool values(double t, const double* jet, int order, double* F) override {
+    return evaluator_.values(t, jet, order, F);
+  }
+  bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values) override {
+    return evaluator_.entries(t, jet, order, limits, values);
+  }
+
+ private:
+  TaylorEvaluator evaluator_;
+};
+
+}  // namespace
+
+TEST(RandomEquations, HaveTheirGradientsFromASourceOfEntriesToo) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    const int n = 2 + static_cast<int>(seed % 4);
+    const auto record = random_equations(n, seed);
+    const Numbers jet = smooth_jet(Numbers(size(n), 0.3), 5, seed);
+    std::vector<int> limits(size(n), 1);
+    limits[0] = 0;
+    const std::vector<int>* const all_limits[] = {nullptr, &limits};
+    for (const SeriesOrders orders : {SeriesOrders{0, 0, 0}, {2, 1, 3}, {-1, 2, -1}, {1, -1, 0}})
+      for (const std::vector<int>* const limit : all_limits) {
+        TaylorEvaluator own(record), asked(record, std::make_shared<OtherEvaluator>(record));
+        const std::size_t area = size(n) * size(n);
+        Numbers F(size(n) * 3, 7.0), F_xdot(area * 4, 7.0), F_x(area * 4, 7.0), F_asked = F, F_xdot_asked = F_xdot,
+                                                                                F_x_asked = F_x;
+        ASSERT_TRUE(own.gradients(0.2, jet.data(), orders, F.data(), F_xdot.data(), F_x.data(), limit));
+        ASSERT_TRUE(
+            asked.gradients(0.2, jet.data(), orders, F_asked.data(), F_xdot_asked.data(), F_x_asked.data(), limit));
+        EXPECT_EQ(F, F_asked);
+        EXPECT_EQ(F_xdot, F_xdot_asked);
+        EXPECT_EQ(F_x, F_x_asked);
+      }
   }
 }
 
