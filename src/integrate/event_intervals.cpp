@@ -52,7 +52,7 @@ bool EventIntervals::must_split(const EventSigns& signs, int depth) const {
   if (to.depth < depth) return true;
   if (to.depth >= depth + more_halvings || to.depth == 0) return false;
   for (std::size_t i = 0; i < to.g.size(); ++i) {
-    if (signs.is_lost(i, to.g[i])) continue;
+    if (signs.is_lost(i, to.g[i]) || signs.is_rounding(i, from_.g[i], to.g[i])) continue;
     if (std::min(std::fabs(from_.g[i]), std::fabs(to.g[i])) < 0.5 * to.bend[i]) return true;
   }
   return false;

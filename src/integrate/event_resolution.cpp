@@ -26,6 +26,7 @@ constexpr int least_search_halvings = 4, most_search_halvings = 12;
 
 void EventResolution::resize(std::size_t functions) {
   for (std::vector<double>& g : g_) g.resize(functions);
+  looks_at_.resize(functions, true);
   sizes_.resize(functions);
   rates_.resize(functions);
 }
@@ -48,6 +49,7 @@ bool EventResolution::expects(double t, const std::vector<double>& g) const {
       if (j != k) weights[k] *= (t - t_[j]) / (t_[k] - t_[j]);
   }
   for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!looks_at_[i]) continue;
     double expected = 0.0;
     for (std::size_t k = 0; k < num_points_; ++k) expected += weights[k] * g_[k][i];
     const double way = std::min(std::fabs(g[i]), std::fabs(g_[0][i]));
@@ -67,6 +69,7 @@ void EventResolution::start_rates() {
 
 void EventResolution::add_rate(double delta, const std::vector<double>& g, const std::vector<double>& g_after_delta) {
   for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!looks_at_[i]) continue;
     sizes_[i] = std::max(sizes_[i], std::fabs(g[i]));
     rates_[i] = std::max(rates_[i], std::fabs((g_after_delta[i] - g[i]) / delta));
   }
@@ -74,11 +77,16 @@ void EventResolution::add_rate(double delta, const std::vector<double>& g, const
 
 void EventResolution::take_rates(double h) {
   double points = 1.0;
-  for (std::size_t i = 0; i < sizes_.size(); ++i)
-    if (sizes_[i] > 0.0) points = std::max(points, points_per_change * std::fabs(h) * rates_[i] / sizes_[i]);
+  bool is_seen = false;
+  for (std::size_t i = 0; i < sizes_.size(); ++i) {
+    if (!(sizes_[i] > 0.0)) continue;
+    is_seen = true;
+    points = std::max(points, points_per_change * std::fabs(h) * rates_[i] / sizes_[i]);
+  }
   // As long a step that is slow again is no reason to distrust the next one.
-  if (points <= points_of_slow_step) misleading_ = 2.0 * std::fabs(h);
-  else misleading_ = misleading_ > 0.0 ? std::min(misleading_, std::fabs(h)) : std::fabs(h);
+  if (points > points_of_slow_step)
+    misleading_ = misleading_ > 0.0 ? std::min(misleading_, std::fabs(h)) : std::fabs(h);
+  else if (is_seen) misleading_ = 2.0 * std::fabs(h);
   const double halvings = std::min<double>(most_search_halvings, std::ceil(std::log2(points)));
   halvings_ = std::max(least_search_halvings, static_cast<int>(halvings));
 }

@@ -25,6 +25,13 @@ class EventResolution {
   // what g would have to change by to become zero.
   bool expects(double t, const std::vector<double>& g) const;
 
+  // Functions that are looked at from now on: others may be nothing but rounding errors, which no polynomial follows.
+  template <class Predicate>
+  void look_at(Predicate is_armed) {
+    for (std::size_t i = 0; i < looks_at_.size(); ++i) looks_at_[i] = is_armed(i);
+  }
+  bool looks_at(std::size_t i) const { return looks_at_[i]; }
+
   // Whether steps of length h may be as misleading as one before, and whether they are as long as that: points at regular
   // distances can hide it.
   bool is_suspicious(double h) const;
@@ -44,7 +51,8 @@ class EventResolution {
   std::array<std::vector<double>, most_points> g_;  // the newest first
   std::size_t num_points_ = 0;
   int halvings_ = 0;
-  double misleading_ = 0.0;            // a step whose polynomials said nothing, the shortest one of late; 0: none
+  double misleading_ = 0.0;  // a step whose polynomials said nothing, the shortest one of late; 0: none
+  std::vector<bool> looks_at_;
   std::vector<double> sizes_, rates_;  // the largest ones, for each function
 };
 

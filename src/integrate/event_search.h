@@ -29,6 +29,7 @@ class EventSearch {
   bool is_started() const { return started_; }
   void reset() { started_ = false; }
   double t() const { return t_; }
+  bool is_armed(std::size_t i) const { return signs_.is_armed(i); }
   // Of the point searched last.
   const std::vector<double>& g() const { return g_; }
   // +1 rising, -1 falling, for the event found last; 0 else.

@@ -22,6 +22,8 @@ constexpr double clearly_larger = 4.0;
 // Closer looks whether a function is to be armed, which cost a reduction each, before it is taken for rounding
 // errors; then only points that are looked at anyway can arm it. (Chosen.)
 constexpr int max_attempts = 6;
+// Rounding errors elsewhere may be this much larger than those measured. (Chosen.)
+constexpr double noise_factor = 4.0;
 
 }  // namespace
 
@@ -55,6 +57,10 @@ void EventSigns::update(EventValues& values, const Vector& g) {
     if (std::fabs(g[i]) > threshold_[i] && std::fabs(g[i]) > noise_[i]) signs_[i] = g[i] > 0.0 ? 1 : -1;
     else vain_[i] = std::min(vain_[i] + 1, max_attempts);
   }
+}
+
+bool EventSigns::is_rounding(std::size_t i, double g, double other_g) const {
+  return signs_[i] == 0 && std::fmax(std::fabs(g), std::fabs(other_g)) <= noise_factor * noise_[i];
 }
 
 bool EventSigns::is_lost(std::size_t i, double g) const { return ZeroBracket::is_lost(signs_[i], g); }
@@ -93,7 +99,7 @@ double EventSigns::threshold_after_event(std::size_t i, double g) const {
 }
 
 void EventSigns::archive(Archive& archive) {
-  for (Vector* v : {&threshold_, &size_}) archive.reals(v->data(), v->size());
+  for (Vector* v : {&threshold_, &size_, &noise_}) archive.reals(v->data(), v->size());
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     int sign = signs_[i] + 1, fired = fired_[i] + 1;
     archive.small(sign, fired, vain_[i]);

@@ -25,6 +25,10 @@ class EventSigns {
   // are armed.
   void update(EventValues& values, const std::vector<double>& g);
 
+  // Whether function i has a sign to lose: functions that are nothing but rounding errors have none.
+  bool is_armed(std::size_t i) const { return signs_[i] != 0; }
+  // Whether values of function i are nothing but rounding errors, as far as these have been measured.
+  bool is_rounding(std::size_t i, double g, double other_g) const;
   // Whether function i has lost the sign that it is armed with.
   bool is_lost(std::size_t i, double g) const;
   // Whether the values of g are worth a closer look, and whether some event shows in them.

@@ -115,8 +115,9 @@ void StepEventValues::distrust() {
 bool StepEventValues::is_misleading(const Vector& rough) const {
   const Vector &g = events_.g_now, &g_before = events_.search.g();
   for (std::size_t i = 0; i < g.size(); ++i)
-    if (std::fabs(rough[i] - g[i]) >
-        misleading_part * std::max({std::fabs(g[i]), std::fabs(rough[i]), std::fabs(g_before[i])}))
+    if (events_.resolution.looks_at(i) &&
+        std::fabs(rough[i] - g[i]) >
+            misleading_part * std::max({std::fabs(g[i]), std::fabs(rough[i]), std::fabs(g_before[i])}))
       return true;
   return false;
 }

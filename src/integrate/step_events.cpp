@@ -89,6 +89,7 @@ bool search_step(const SearchedStep& step, double tout) {
   if (is_new_step && integrator.system.differential() > 0) {
     if (integrator.method == Method::radau) refine_polynomial(step);
     step.events.begin_step(from);
+    step.events.resolution.look_at([&](std::size_t i) { return search.is_armed(i); });
     if (step.events.resolution.is_misleading(state.last.h)) values.distrust();
     else values.measure_rough_error(std::span(measured_places).first(places_to_measure(step, values)));
   }

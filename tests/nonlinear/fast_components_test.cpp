@@ -94,3 +94,43 @@ TEST(FastComponents, CrossZeroWhereFunctionsAreNotDefinedBesideTheSolution) {
         EXPECT_LE(found, count) << "method " << method << ", " << tau << ", " << w;
       }
 }
+
+namespace {
+
+struct Calls {
+  bool with_noise;
+  int count = 0, events = 0;
+};
+
+// x2, and what is nothing but rounding errors on the solution.
+int crossing_with_noise(double t, const double* x, const double*, double* g, void* user) {
+  Calls& calls = *static_cast<Calls*>(user);
+  ++calls.count;
+  g[0] = x[1];
+  if (calls.with_noise) g[1] = x[1] + x[0] - std::sin(2.0 * pi * t);
+  return 0;
+}
+
+Calls calls_of(int method, double tau, bool with_noise) {
+  Calls calls{with_noise};
+  const double end = 20.0;
+  sfdae_options options = options_with(1e-8, method);
+  NonlinearRun run(equations(tau, 2.0 * pi), options);
+  EXPECT_EQ(sfdae_set_events(run.solver(), with_noise ? 2 : 1, crossing_with_noise, nullptr, &calls), SFDAE_OK);
+  int status = run.start(0.0, end, {0.5, -0.5});
+  while (status >= 0 && (status = run.advance(end)) == SFDAE_EVENT) ++calls.events;
+  EXPECT_EQ(status, SFDAE_OK) << status_text(run, status);
+  return calls;
+}
+
+}  // namespace
+
+// No polynomial follows rounding errors: if they counted, all steps would be searched at as many points as there can be.
+TEST(FastComponents, AreNotSoughtAmongRoundingErrors) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const double tau : {1.0, 1000.0}) {
+      const Calls alone = calls_of(method, tau, false), with_noise = calls_of(method, tau, true);
+      EXPECT_EQ(with_noise.events, alone.events);
+      EXPECT_LT(with_noise.count, 6 * alone.count) << "method " << method << ", " << tau;
+    }
+}
