@@ -1,5 +1,6 @@
 // Expressions of the syntax tree become values.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <utility>

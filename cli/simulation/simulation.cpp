@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include "linalg/format.h"
 #include "linalg/index.h"
