@@ -6,10 +6,11 @@
 #   traps        the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK, where
 #                floating-point exceptions end the program
 #   valgrind     some examples in C and Fortran 77
-#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small, without long tests and
-#                without what links programs of other compilers to this build: the guide, symbols, installation
+#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small, without long tests, tests of
+#                the tests, the program for model files, and without what links programs of other compilers to this build:
+#                the guide, symbols, installation
 #
-# The number of random problems and of similar cases is reduced, to 0.2 of all in the phase release; SFDAE_TEST_SCALE
+# The number of random problems and of similar cases is reduced, to 0.1 of all in the phase release; SFDAE_TEST_SCALE
 # chooses another part, 1 is all. "Small" is a quarter of that, "very small" a tenth. SFDAE_WERROR=ON makes warnings
 # errors.
 # A test that takes longer than four times the build is ended, but none before a quarter of an hour.
@@ -127,7 +128,7 @@ scripts/install-dependencies.sh test
 if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
 export OPENBLAS_NUM_THREADS=1
 unset SFDAE_TEST_FPE_TRAPS
-scale="${SFDAE_TEST_SCALE:-0.2}"
+scale="${SFDAE_TEST_SCALE:-0.1}"
 part_of_scale() { awk -v scale="$scale" -v part="$1" 'BEGIN { print scale / part }'; }
 small="$(part_of_scale 4)"
 very_small="$(part_of_scale 10)"
@@ -154,8 +155,8 @@ else
 fi
 
 heading "release: build"
-# All sources of a folder at once, as the demonstration and the program are built, too: a third of the time. One by one, and without
-# precompiled headers, they are compiled by install.subdirectory. Benchmarks are compiled, not run.
+# All sources of a folder at once, as the demonstration is built, too: a third of the time. That each includes what it uses is
+# what scripts/check-included-names.py looks at. Benchmarks are compiled, not run.
 options=(-DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON -DSFDAE_BENCHMARK_OPTIONS=-O0)
 cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON
 if ! build release; then
@@ -193,7 +194,7 @@ fi
 
 heading "asan: build"
 # Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
-cmake_asan() { cmake --preset asan -DSFDAE_UNITY_BUILD=ON "$@"; }
+cmake_asan() { cmake --preset asan -DSFDAE_UNITY_BUILD=ON -DSFDAE_BUILD_ALL_TESTS=OFF -DSFDAE_BUILD_PROGRAM=OFF "$@"; }
 if ! command -v clang > /dev/null || ! command -v clang++ > /dev/null; then
   cmake_asan
   build asan

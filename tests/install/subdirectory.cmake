@@ -1,5 +1,4 @@
-# Builds sfdae as a part of another project, installs it from there and asks pkg-config where it is. Nothing is
-# precompiled here, so that a source that does not include what it uses is found.
+# Builds sfdae as a part of another project, installs it from there and asks pkg-config where it is.
 
 include("${SETTINGS}")
 set(build "${work_dir}/${NAME}")
@@ -9,7 +8,8 @@ if("Fortran" IN_LIST languages)
   set(with_fortran ON)
 endif()
 configure("${test_dir}/subdirectory" "${build}" "-DSFDAE_SOURCE_DIR=${source_dir}" -DWITH_FORTRAN=${with_fortran}
-  -DCMAKE_INSTALL_LIBDIR=${deep_libdir} -DCMAKE_CXX_FLAGS_DEBUG=)  # no symbols for a debugger: they take time
+  -DCMAKE_INSTALL_LIBDIR=${deep_libdir} -DSFDAE_UNITY_BUILD=ON
+  -DCMAKE_CXX_FLAGS_DEBUG=)  # no symbols for a debugger: they take time
 run("${CMAKE_COMMAND}" --build "${build}" --config Debug)
 run("${CMAKE_COMMAND}" --build "${build}" --config Debug --target run)
 run("${CMAKE_COMMAND}" --install "${build}" --config Debug --prefix "${build}/prefix")

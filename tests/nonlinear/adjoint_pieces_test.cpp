@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "family_run.h"
 #include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
 #include "solver_options.h"
@@ -20,6 +21,7 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae_test::driven_by_a_table;
 using sfdae_test::pendulum_with_friction;
+using sfdae_test::scaled_count;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 using sfdae_test::van_der_pol;
@@ -107,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Pieces,
 
 TEST_P(Pieces, GiveTheSameGradientsForAnyIndex) {
   for (double tolerance : {1e-3, 1e-8}) {
-    for (unsigned seed = 1; seed <= 10; ++seed) {
+    for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(20, 3)); seed <= last; ++seed) {
       const TransformedSystem system(seed);
       SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()) + ", tolerance " +
                    std::to_string(tolerance));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "family_run.h"
 #include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
 #include "solver_options.h"
@@ -18,6 +19,7 @@ using sfdae::Matrix;
 using sfdae::Point;
 using sfdae_test::driven_by_a_table;
 using sfdae_test::largest_error;
+using sfdae_test::scaled_count;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 
@@ -92,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, RandomGradients, testing::Values(SFDAE_METHOD_
 
 TEST_P(RandomGradients, AreExactForAnyIndex) {
   int solved[4] = {0, 0, 0, 0};
-  for (unsigned seed = 1; seed <= 60; ++seed) {
+  for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(150, 20)); seed <= last; ++seed) {
     const TransformedSystem system(seed);
     SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
     Journey journey{{}, {}, {0.0, 0.7, 1.3, 2.0}, seed % 2 == 0};
@@ -111,7 +113,7 @@ TEST_P(RandomGradients, AreExactForAnyIndex) {
 
 // Start values of the second piece as parameters; what it has by these are weights at the end of the first one.
 TEST_P(RandomGradients, GoThroughPieces) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(50, 5)); seed <= last; ++seed) {
     const TransformedSystem system(seed);
     SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
     const int n = system.n();
@@ -144,7 +146,7 @@ TEST_P(RandomGradients, GoThroughPieces) {
 // To rounding, whatever the tolerance, as it is the adjoint of the steps.
 TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
   for (double tolerance : {1e-4, 1e-8}) {
-    for (unsigned seed = 1; seed <= 40; ++seed) {
+    for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(60, 6)); seed <= last; ++seed) {
       const TransformedSystem system(seed);
       SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
       Journey journey{{}, {}, {0.0, 2.0}};
@@ -167,7 +169,7 @@ TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
 // sensitivities are linearized where x is interpolated, those of the adjoint where the shorter step leads.
 TEST_P(RandomGradients, AreThoseOfForwardSensitivitiesWithinSteps) {
   for (double tolerance : {1e-4, 1e-9}) {
-    for (unsigned seed = 1; seed <= 8; ++seed) {
+    for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(20, 3)); seed <= last; ++seed) {
       const TransformedSystem system(seed);
       SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
       Journey journey{{}, {}, {0.0, 1e-4, 0.05, 0.3, 0.301, 0.77, 1.234, 1.9, 1.99, 2.0}, true};

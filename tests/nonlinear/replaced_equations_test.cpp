@@ -102,7 +102,7 @@ void delta_load(const V& t, const V* x, const V* xdot, V* F) {
 
 // With constant factors: whatever cancels is seen, unless it depends on x which equations depend on which.
 TEST(ReplacedEquations, SeeThroughSums) {
-  const int count = scaled_count(1000);
+  const int count = scaled_count(1000, 40);
   int confirmed = 0;
   for (int trial = 0; trial < count; ++trial) {
     SCOPED_TRACE(trial);

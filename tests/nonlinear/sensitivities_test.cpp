@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "family_run.h"
 #include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
 #include "solver_options.h"
@@ -19,6 +20,7 @@ using sfdae::Point;
 using sfdae::SensitivityValues;
 using sfdae_test::largest_error;
 using sfdae_test::rotation;
+using sfdae_test::scaled_count;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 
@@ -140,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, RandomSensitivities, testing::Values(SFDAE_MET
 
 TEST_P(RandomSensitivities, AreExactForAnyIndex) {
   int solved[4] = {0, 0, 0, 0};
-  for (unsigned seed = 1; seed <= 60; ++seed) {
+  for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(150, 20)); seed <= last; ++seed) {
     const TransformedSystem system(seed);
     sfdae::Solver solver(system.problem(), solver_options(1e-9, GetParam()));
     Point point;
@@ -167,7 +169,7 @@ TEST_P(RandomSensitivities, AreExactForAnyIndex) {
 // consistent to O(h^2).
 TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
   constexpr double h = 1e-4, end = 1.5;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(50, 5)); seed <= last; ++seed) {
     const TransformedSystem system(seed);
     const std::size_t n = std::size_t(system.n());
     std::vector<double> x0;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "family_run.h"
 #include "linalg/archive.h"
 #include "sensitivity_problems.h"
 #include "sfdae/sfdae.hpp"
@@ -26,6 +27,7 @@ using sfdae_test::diffusion;
 using sfdae_test::driven_by_a_table;
 using sfdae_test::pendulum_with_friction;
 using sfdae_test::rotation;
+using sfdae_test::scaled_count;
 using sfdae_test::solver_options;
 using sfdae_test::TransformedSystem;
 using sfdae_test::van_der_pol;
@@ -121,8 +123,9 @@ INSTANTIATE_TEST_SUITE_P(Methods, SensitivityCheckpoints,
                          testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC));
 
 TEST_P(SensitivityCheckpoints, ContinueInEveryBitForAnyIndex) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    const TransformedSystem system(seed);
+  const int count = scaled_count(40, 4);
+  for (int seed = 1; seed <= count; ++seed) {
+    const TransformedSystem system(static_cast<unsigned>(seed));
     SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
     std::vector<double> x;
     Matrix unused;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "family_run.h"
 #include "nonlinear_run.h"
 #include "singular_system.h"
 
@@ -16,9 +17,9 @@ namespace {
 
 using namespace sfdae_test;
 
-unsigned count_of_systems(unsigned usual) {
+unsigned count_of_systems(int usual) {
   const char* wanted = std::getenv("SFDAE_SINGULAR_SYSTEMS");
-  return wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : usual;
+  return static_cast<unsigned>(wanted != nullptr ? std::atoi(wanted) : sfdae_test::scaled_count(usual, usual / 8));
 }
 
 struct Outcome {
@@ -216,7 +217,7 @@ Counts integrate_all(unsigned systems, bool is_singular) {
 
 // docs/decisions/31-nonlinear-singular-points.md has the shares of a large campaign.
 TEST(RandomSingularPoints, AreNamed) {
-  const Counts counts = integrate_all(count_of_systems(20), true);
+  const Counts counts = integrate_all(count_of_systems(80), true);
   EXPECT_GE(counts.named, 0.7 * counts.all);
   EXPECT_GE(counts.near, 0.8 * counts.named);
   // What only touches zero may be passed, on the solution chosen.
@@ -252,7 +253,7 @@ TEST(RandomSingularPoints, OutputsKeepToTheirSolution) {
 }
 
 TEST(RandomSingularPoints, AreNotSeenWhereThereAreNone) {
-  const Counts counts = integrate_all(count_of_systems(40), false);
+  const Counts counts = integrate_all(count_of_systems(160), false);
   // 2 of 3820 runs: systems whose integrations end with an error anyway. One of 160 may be.
   EXPECT_LE(counts.named, 0.002 * counts.all + 1.0);
   EXPECT_LE(counts.stopped, 0.02 * counts.all + 1.0);

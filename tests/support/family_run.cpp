@@ -94,10 +94,10 @@ FamilyRun run_family(FamilyProblem& problem, double t0, double t1, sfdae_options
   return run;
 }
 
-int scaled_count(int count) {
+int scaled_count(int count, int least) {
   const char* scale = std::getenv("SFDAE_TEST_SCALE");
   if (scale == nullptr) return count;
-  return std::max(1, static_cast<int>(count * std::min(1.0, std::max(0.0, std::atof(scale)))));
+  return std::max(least, static_cast<int>(count * std::min(1.0, std::max(0.0, std::atof(scale)))));
 }
 
 }  // namespace sfdae_test

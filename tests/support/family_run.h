@@ -34,6 +34,6 @@ FamilyRun run_family(FamilyProblem& problem, double t0, double t1, sfdae_options
                      std::vector<double> x0 = {});
 
 // How much of a count the present run of the tests should do: the environment variable SFDAE_TEST_SCALE (0, 1].
-int scaled_count(int count);
+int scaled_count(int count, int least = 1);
 
 }  // namespace sfdae_test
