@@ -264,8 +264,11 @@ typedef struct sfdae_options {
   /** Integration. */
   int max_order;       /**< highest BDF order, 1 ... 5 (default) */
   double initial_step; /**< size of the first step; default 0: chosen */
-  double max_step;     /**< largest step; default 0: no limit */
-  int use_stop_time;   /**< 1: nothing is evaluated beyond stop_time. Default 0 */
+  /** Largest step; default 0: no limit. Steps notice what inputs do within them where equations are recorded. Of functions of the
+   * user's, nothing is known between the points at which they are called: steps that grow while nothing happens may lead beyond
+   * the next pulse of a source, unless this is less than it is long. */
+  double max_step;
+  int use_stop_time; /**< 1: nothing is evaluated beyond stop_time. Default 0 */
   double stop_time;
   long max_steps;   /**< attempted steps in one call, default 100000; >= 1 */
   int leading_term; /**< SFDAE_LEADING_AUTOMATIC (default), ... */

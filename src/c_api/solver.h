@@ -16,6 +16,7 @@
 #include "c_api/problems.h"
 #include "c_api/sensitivities.h"
 #include "expression/time_breakpoints.h"
+#include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
 #include "integrate/jump_rule.h"
@@ -75,8 +76,10 @@ struct sfdae_solver {
 
   sfdae_solver(sfdae::core::AnyModel&& its_kind, sfdae::core::SolverOptions its_options)
       : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
-    using Inputs = std::vector<const sfdae::core::TaylorEvaluator*>;
-    breakpoints.emplace(model.evaluator() != nullptr ? model.evaluators_of_inputs() : Inputs());
+    using Evaluators = std::vector<const sfdae::core::TaylorEvaluator*>;
+    const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
+    breakpoints.emplace(evaluators);
+    inputs.emplace(evaluators);
     use_breakpoints(options.integration);
   }
 
@@ -84,6 +87,7 @@ struct sfdae_solver {
   void use_breakpoints(sfdae::core::IntegrationOptions& integration_options) {
     const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
     integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
+    integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
     integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
   }
 
@@ -118,6 +122,7 @@ struct sfdae_solver {
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   std::optional<sfdae::core::TimeBreakpoints> breakpoints;
+  std::optional<sfdae::core::TimeInputs> inputs;
   sfdae::core::JumpsOfModel jumps{*this};
   sfdae::core::ContinuationOfModel continuation{*this};
   long max_passed = 0;                                  // singular points in an integration

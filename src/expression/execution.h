@@ -38,4 +38,7 @@ void execute_list(const InstructionList& list, Slot* slots, Binary binary, Other
   }
 }
 
+// All of a list, values alone, one number in each slot.
+void execute_values(const InstructionList& list, double* slots);
+
 }  // namespace sfdae::core

@@ -61,6 +61,8 @@ std::vector<int> in_offsets(std::vector<int> slots, int stride) {
 
 }  // namespace
 
+void execute_values(const InstructionList& list, double* slots) { execute_all<false>(list, slots, 0); }
+
 TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record, std::shared_ptr<EquationSource> source)
     : record_(std::move(record)), source_(std::move(source)), shared_tape_(std::make_shared<const Tape>(*record_)) {
   for (const Parameter& parameter : record_->parameters()) parameters_.push_back(parameter.value);

@@ -44,7 +44,7 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
   integrator_.first_step =
       integrator_.stepper->first_step(integrator_.weights, point.x.data(), point.xdot.data(), span_);
   integrator_.start(point.t, point.x, point.xdot, options_);
-  output_.resize(system);
+  resize_workspace();
   if (watch_) watch_->start(integrator_.direction);
   start_trail();
 }
@@ -162,7 +162,7 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) {
 }
 
 void Integration::restart(Method method) {
-  output_.resize(integrator_.system);
+  resize_workspace();
   integrator_.restart(method, options_);
   if (!companion_) return;
   integrator_.must_restart = true;  // once more, if that fails
@@ -186,7 +186,9 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   }
   const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout),
                           options_.never_pass_output || adjoint() != nullptr};
-  const StepTarget target = choose_target(state, size, bounds);
+  StepTarget target = choose_target(state, size, bounds);
+  if (const double seen = noticing_step(target.t); seen < std::fabs(target.t - state.t))
+    target = choose_target(state, std::max(seen, smallest), bounds);
   const double h = target.t - state.t;
   if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
@@ -200,6 +202,21 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   }
   if (target.is_cut_short(h)) stepper.set_next_step(target.uncut);
   return accept_step(h, state.next_step);
+}
+
+// For the points of the system at present.
+void Integration::resize_workspace() {
+  output_.resize(integrator_.system);
+  if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
+}
+
+// The size of a step toward t that notices what inputs do.
+double Integration::noticing_step(double t) {
+  const StepState state = integrator_.stepper->state();
+  const double h = t - state.t;
+  const bool is_watched =
+      options_.inputs != nullptr && integrator_.system.differential() > 0 && state.failures_in_a_row == 0 && h != 0.0;
+  return std::fabs(is_watched ? inputs_.noticing_step(integrator_, *options_.inputs, h) : h);
 }
 
 // What the next step from t must not go beyond.

@@ -13,6 +13,7 @@
 
 #include "expression/time_breakpoints.h"
 #include "integrate/discrete_adjoint.h"
+#include "integrate/input_watch.h"
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
@@ -88,6 +89,7 @@ class Integration {
   void set_breakpoints(const IntegrationOptions& options) {
     options_.breakpoints = options.breakpoints;
     options_.jumps = options.jumps;
+    options_.inputs = options.inputs;
   }
   // Where steps go from now on; none: nullptr.
   void record(std::weak_ptr<SolutionPieces> solution) {
@@ -130,6 +132,8 @@ class Integration {
   std::optional<CallResult> obstacle(long attempts, double tout);
   std::optional<CallResult> attempt_step(double tout);
   std::optional<double> limit_of_step(double t, double tout) const;
+  double noticing_step(double t);
+  void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted);
   bool has_found_change(double h);
   void look_closer(const LocatedChange& suspect, double h);
@@ -165,6 +169,7 @@ class Integration {
   Integrator integrator_;
   MethodChoice choice_;
   StepOutput output_;
+  InputWatch inputs_;
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;

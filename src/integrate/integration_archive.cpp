@@ -41,6 +41,7 @@ void Integration::archive(Archive& archive) {
   if (!options_.short_checkpoints) archive.real(start_);
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
+  inputs_.archive(archive);
   integrator_.stepper->archive(archive, system);
   if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
   if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));
@@ -48,7 +49,7 @@ void Integration::archive(Archive& archive) {
   if (is_reading) {
     counts_.restore(all, system);
     integrator_.contradictions.largest = all.inconsistency;
-    output_.resize(system);
+    resize_workspace();
     if (has_change) change_.emplace();
     start_trail();
   }

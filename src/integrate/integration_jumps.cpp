@@ -23,7 +23,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const std::vector<double> before = integrator_.stepper->x();
   const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
   const ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
-  output_.resize(integrator_.system);
+  resize_workspace();
   integrator_.start(t, after.x, after.xdot, options_);
   integrator_.must_restart = false;
   approach_.reset();

@@ -15,6 +15,7 @@ struct Events;
 class ContinuationRule;
 class JumpRule;
 class TimeBreakpoints;
+class TimeInputs;
 
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
 enum class Method { bdf, radau, automatic };
@@ -33,6 +34,7 @@ struct IntegrationOptions : Acceptance {
   void* monitor_user = nullptr;
   Events* events = nullptr;                  // not owned; none
   TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
+  TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
   JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
   ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed
   long max_passed = 0;                       // singular points that may be passed

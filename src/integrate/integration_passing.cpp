@@ -221,7 +221,7 @@ void Integration::go_on_from(const ConsistentPoint& after, const SmoothCourse& c
   Stepper& stepper = *integrator_.stepper;
   const double direction = integrator_.direction;
   Passage passage(course, {stepper.state().t, stepper.x()}, {after.t, after.x});
-  output_.resize(integrator_.system);
+  resize_workspace();
   integrator_.start(after.t, after.x, after.xdot, options_);
   integrator_.must_restart = false;
   approach_.reset();

@@ -1,0 +1,79 @@
+// Inputs of recorded equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/time_inputs.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "expression/execution.h"
+#include "expression/tape.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Of one recording. (Chosen.)
+constexpr std::size_t most_inputs = 64;
+
+// Slots of operands, those of functions follow each other.
+template <class Take>
+void for_operands(const Instruction& instruction, Take take) {
+  if (instruction.code == Code::function) {
+    for (int slot = instruction.a; slot < instruction.b; ++slot) take(slot);
+    return;
+  }
+  for (const int slot : {instruction.a, instruction.b, instruction.c})
+    if (slot >= 0) take(slot);
+}
+
+std::vector<int> input_slots(const Tape& tape) {
+  std::vector<char> is_of_time(index(tape.num_slots), 0), is_input(is_of_time);
+  const auto mark = [](std::vector<char>& flags, int slot) { flags[index(slot)] = 1; };
+  for (const Instruction& instruction : tape.of_time.all()) mark(is_of_time, instruction.v);
+  for (const Instruction& instruction : tape.of_state.all())
+    for_operands(instruction, [&](int slot) {
+      if (is_of_time[index(slot)] != 0) mark(is_input, slot);
+    });
+  std::vector<int> all;
+  for (int slot = 0; slot < tape.num_slots; ++slot)
+    if (is_input[index(slot)] != 0) all.push_back(slot);
+  if (all.size() <= most_inputs) return all;
+  std::vector<int> some;
+  for (std::size_t k = 0; k < most_inputs; ++k) some.push_back(all[k * all.size() / most_inputs]);
+  return some;
+}
+
+}  // namespace
+
+TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
+  for (const TaylorEvaluator* const evaluator : evaluators) {
+    const Tape& tape = evaluator->tape();
+    if (evaluator->has_source() || tape.time < 0) continue;
+    std::vector<int> inputs = input_slots(tape);
+    if (inputs.empty()) continue;
+    count_ += static_cast<int>(inputs.size());
+    std::vector<double> slots(index(tape.num_slots), 0.0);
+    for (const Tape::Number& constant : tape.constants)
+      slots[index(constant.slot)] = evaluator->record().constant(constant.index);
+    parts_.push_back({evaluator, std::move(inputs), std::move(slots)});
+  }
+}
+
+void TimeInputs::evaluate(double t, double* values) {
+  for (Part& part : parts_) {
+    const TaylorEvaluator& evaluator = *part.evaluator;
+    const Tape& tape = evaluator.tape();
+    if (part.version != evaluator.changes_of_parameters()) {
+      for (const Tape::Number& parameter : tape.parameters)
+        part.slots[index(parameter.slot)] = evaluator.parameter(parameter.index);
+      execute_values(tape.of_parameters, part.slots.data());
+      part.version = evaluator.changes_of_parameters();
+    }
+    part.slots[index(tape.time)] = t;
+    execute_values(tape.of_time, part.slots.data());
+    for (const int slot : part.inputs) *values++ = part.slots[index(slot)];
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,32 @@
+// Inputs of recorded equations: what depends on t alone, where what depends on x or x' is made of it.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+
+namespace sfdae::core {
+
+class TimeInputs {
+ public:
+  // Parameters are those that the evaluators have when they are asked; they live as long as this.
+  explicit TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators);
+
+  // Of many inputs some stand for all; t itself is none.
+  int count() const { return count_; }
+  // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
+  void evaluate(double t, double* values);
+
+ private:
+  struct Part {
+    const TaylorEvaluator* evaluator;
+    std::vector<int> inputs;  // slots
+    std::vector<double> slots;
+    long version = -1;  // of the parameters
+  };
+  std::vector<Part> parts_;
+  int count_ = 0;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,138 @@
+// Whether the points that a step looks at show what inputs do between them.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/input_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Of the range of an input: what it may be away from the polynomial. (Chosen.)
+constexpr double visible_part = 0.3;
+// Of its range: by how much it may be above or below its values at the nodes without being expected there. (Chosen.)
+constexpr double visible_excess = 0.05;
+// Of its size: changes are rounding errors.
+constexpr double least_range = 1e-10;
+// What follows the polynomial as closely in a few samples is not looked at any more. (Chosen.)
+constexpr double smooth_part = 0.02;
+constexpr int fewest = 3;
+// Samples of a step for each of its nodes, in all, and in the time in which inputs are known to change. (Chosen.)
+constexpr double per_node = 5.0, most = 64.0, per_change = 4.0;
+// Parts of a step that no period is a multiple of: those of the golden ratio, which begin elsewhere in each step.
+constexpr double golden = 0.6180339887498949;
+
+double fraction(double value) { return value - std::floor(value); }
+
+// Lagrange's polynomials at t.
+void set_weights(std::span<const double> nodes, double t, double* weights) {
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    weights[k] = 1.0;
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      if (j != k) weights[k] *= (t - nodes[j]) / (nodes[k] - nodes[j]);
+  }
+}
+
+}  // namespace
+
+void InputSamples::resize(int inputs) {
+  at_nodes_.assign(index(inputs) * most_nodes, 0.0);
+  for (std::vector<double>* v : {&now_, &lowest_node_, &highest_node_}) v->assign(index(inputs), 0.0);
+  for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_}) v->assign(index(inputs), {});
+}
+
+std::span<const double> InputSamples::unseen(TimeInputs& inputs, std::span<const double> nodes, double t, double h,
+                                             double fastest) {
+  const QuietArithmetic quiet;
+  take_nodes(inputs, nodes);
+  const double changes = fastest > 0.0 ? per_change * std::fabs(h) / fastest : 0.0;
+  const int samples =
+      static_cast<int>(std::fmin(most, std::fmax(per_node * static_cast<double>(nodes.size() - 1), changes)));
+  const double first = fraction(t / h * golden);
+  num_places_ = 0;
+  const int few = changes > fewest ? 0 : fewest;
+  for (int sample = 0; sample < few; ++sample)
+    take_sample(inputs, nodes, t + (sample + fraction(first + sample * golden)) / few * h);
+  if (few > 0 && are_smooth()) return {};
+  for (int sample = 0; sample < samples; ++sample)
+    take_sample(inputs, nodes, t + (sample + fraction(first + sample * golden)) / samples * h);
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const double range = range_of(i);
+    if (range == 0.0) continue;
+    const Extreme &low = lowest_[i], &high = highest_[i];
+    const double below = std::fmin(lowest_node_[i] - low.value, low.distance);
+    const double above = std::fmin(high.value - highest_node_[i], high.distance);
+    add_place(above / (visible_excess * range), high.t);
+    add_place(below / (visible_excess * range), low.t);
+    add_place(farthest_[i].distance / (visible_part * range), farthest_[i].t);
+  }
+  return std::span(places_).first(num_places_);
+}
+
+void InputSamples::take_nodes(TimeInputs& inputs, std::span<const double> nodes) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    inputs.evaluate(nodes[k], now_.data());
+    for (std::size_t i = 0; i < now_.size(); ++i) {
+      at_nodes_[i * most_nodes + k] = now_[i];
+      lowest_node_[i] = k == 0 ? now_[i] : std::fmin(lowest_node_[i], now_[i]);
+      highest_node_[i] = k == 0 ? now_[i] : std::fmax(highest_node_[i], now_[i]);
+    }
+  }
+  std::fill(lowest_.begin(), lowest_.end(), Extreme{infinity, 0.0, 0.0});
+  std::fill(highest_.begin(), highest_.end(), Extreme{-infinity, 0.0, 0.0});
+  std::fill(farthest_.begin(), farthest_.end(), Extreme{0.0, 0.0, 0.0});
+}
+
+void InputSamples::take_sample(TimeInputs& inputs, std::span<const double> nodes, double t) {
+  std::array<double, most_nodes> weights{};
+  set_weights(nodes, t, weights.data());
+  inputs.evaluate(t, now_.data());
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    double expected = 0.0;
+    for (std::size_t k = 0; k < nodes.size(); ++k) expected += weights[k] * at_nodes_[i * most_nodes + k];
+    const double distance = std::fabs(now_[i] - expected);
+    if (now_[i] < lowest_[i].value) lowest_[i] = {now_[i], distance, t};
+    if (now_[i] > highest_[i].value) highest_[i] = {now_[i], distance, t};
+    if (distance > farthest_[i].distance) farthest_[i] = {now_[i], distance, t};
+  }
+}
+
+// 0: but for rounding errors it is constant.
+double InputSamples::range_of(std::size_t i) const {
+  const double low = std::fmin(lowest_[i].value, lowest_node_[i]),
+               high = std::fmax(highest_[i].value, highest_node_[i]);
+  const double range = high - low;
+  return range > least_range * std::fmax(std::fabs(low), std::fabs(high)) ? range : 0.0;
+}
+
+// All follow their polynomials so far. What is constant may be so between pulses.
+bool InputSamples::are_smooth() const {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const double range = range_of(i);
+    if (range == 0.0 || !(farthest_[i].distance <= smooth_part * range)) return false;
+  }
+  return true;
+}
+
+// In the order of their scores; those up to one are none.
+void InputSamples::add_place(double score, double t) {
+  if (!(score > 1.0)) return;
+  std::size_t at = num_places_;
+  while (at > 0 && score > scores_[at - 1]) --at;
+  if (at == most_places) return;
+  num_places_ = std::min(num_places_ + 1, most_places);
+  for (std::size_t k = num_places_ - 1; k > at; --k) {
+    places_[k] = places_[k - 1];
+    scores_[k] = scores_[k - 1];
+  }
+  places_[at] = t;
+  scores_[at] = score;
+}
+
+}  // namespace sfdae::core
