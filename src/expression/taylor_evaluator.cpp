@@ -301,9 +301,21 @@ void TaylorEvaluator::run_before_state(double t, int order) {
 
 bool TaylorEvaluator::write_values(int order, double* F) {
   if (order < 0) return true;
+  const std::size_t m = index(record_->m()), stride = index(stride_);
+  const double* const slots = slots_.data();
+  const int* const residuals = tape_.residuals.data();
   return with_order(order, [&](auto K) {
-    for (int i = 0; i < record_->m(); ++i)
-      if (!write_value(i, K, F)) return false;
+    bool finite = true;
+    for (std::size_t i = 0; i < m; ++i) {
+      const double* const from = slots + index(residuals[i]) * stride;
+      for (int k = 0; k <= K; ++k) {
+        F[i + index(k) * m] = from[k];
+        finite &= std::isfinite(from[k]);
+      }
+    }
+    // Which of them is not finite is named.
+    for (std::size_t i = 0; i < m && !finite; ++i)
+      if (!write_value(static_cast<int>(i), K, F)) return false;
     return true;
   });
 }
