@@ -4,7 +4,7 @@
 // Columns: method, steps, the time of x alone, what one and ten sensitivities add, relative, and what the gradient of a
 // functional of the end values by ten parameters adds, kept steps included; with all of them,
 // and with 60, so that the others are made again. Run it with OPENBLAS_NUM_THREADS=1. Arguments:
-// nothing; or "large": problems of 100 and 400 unknowns, forward sensitivities alone; or a problem (0, ..., 6), a method (0: BDF,
+// nothing; or "large": problems of 20 to 400 unknowns, forward sensitivities alone; or a problem (0, ..., 9), a method (0: BDF,
 // 1: Radau) and a count (-1, -2: the adjoint), of which one integration is done, to be profiled or counted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
@@ -26,20 +26,21 @@ struct Problem {
   sfdae::NonlinearProblem equations;
   std::vector<double> x;
   double end;
+  int structure = SFDAE_STRUCTURE_AUTOMATIC;
 };
 
 std::string name_of(int j) { return std::string("p").append(std::to_string(j)); }
 
 Expression parameter_of(const Expression& t, int j, double value) { return sfdae::parameter(t, name_of(j), value); }
 
-// Mass points on massless rods, index raw; parameters: gravity and lengths, masses, dampings.
+// Mass points on massless rods, index raw; parameters: gravity, four lengths and masses in turn, damping.
 Problem chain(int links, double end) {
   sfdae::NonlinearProblem problem(5 * links, 5 * links);
   problem.equations = [links](const Expression& t, auto x, auto xdot, auto F) {
     const Expression g = parameter_of(t, 0, 9.81);
     std::vector<Expression> L, m;
-    for (int i = 0; i < links; ++i) L.push_back(parameter_of(t, 1 + 2 * i, 1.0));
-    for (int i = 0; i < links; ++i) m.push_back(parameter_of(t, 2 + 2 * i, 1.0));
+    for (int i = 0; i < links; ++i) L.push_back(parameter_of(t, 1 + 2 * (i % 4), 1.0));
+    for (int i = 0; i < links; ++i) m.push_back(parameter_of(t, 2 + 2 * (i % 4), 1.0));
     const Expression damping = parameter_of(t, 9, 0.1);
     for (int i = 2 * links + 1; i < 9; ++i) parameter_of(t, i, 1.0);
     const auto at = [&](int i, int k) { return i < 0 ? 0.0 * t : x[5 * i + k]; };
@@ -61,7 +62,7 @@ Problem chain(int links, double end) {
     x[std::size_t(5 * i)] = 0.6 * (i + 1);
     x[std::size_t(5 * i + 1)] = -0.8 * (i + 1);
   }
-  return {links == 1 ? "pendulum" : "chain of four", std::move(problem), std::move(x), end};
+  return {links == 1 ? "pendulum" : "chain of " + std::to_string(links), std::move(problem), std::move(x), end};
 }
 
 // Diffusion and a reaction with ten rates, each of some cells.
@@ -109,7 +110,15 @@ Problem problem_of(int number) {
     case 3: return stiff(100);
     case 4: return stiff(400);
     case 5: return brusselator(50);
-    default: return brusselator(200);
+    case 6: return brusselator(200);
+    case 7: {
+      Problem problem = chain(4, 2.0);
+      problem.structure = SFDAE_STRUCTURE_REQUIRED;
+      problem.name += ", extension";
+      return problem;
+    }
+    case 8: return chain(8, 2.0);
+    default: return chain(20, 2.0);
   }
 }
 
@@ -120,6 +129,7 @@ double run(const Problem& problem, int method, int count, long& steps) {
   sfdae::Options options;
   options.rtol = options.atol = 1e-6;
   options.method = method;
+  options.structure = problem.structure;
   sfdae::Solver solver(problem.equations, options);
   if (count > 0) {
     sfdae::Sensitivities wanted;
@@ -167,7 +177,7 @@ void print_table(int first, int last, int repetitions, int number_of_counts) {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    if (argc == 2 && std::string(argv[1]) == "large") print_table(3, 7, 3, 3);
+    if (argc == 2 && std::string(argv[1]) == "large") print_table(3, 10, 3, 3);
     else print_table(0, 3, 15, 5);
     return 0;
   }

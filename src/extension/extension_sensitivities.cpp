@@ -63,14 +63,16 @@ PointStatus ExtensionSensitivities::solve_step(double c, const double* rest, con
   if (status != PointStatus::ok) return status;
   const StateChoice& choice = system_.linearization().choice();
   const std::vector<int>& places = choice.places();
-  values_.assign(choice.pattern(false).row.size(), 0.0);
-  for (std::size_t e = 0; e < places.size(); ++e)
-    values_[index(places[e])] += choice.is_slope(extension_.column()[e]) ? c * here_.values[e] : here_.values[e];
   std::copy(here_.right.begin(), here_.right.end(), right_.begin());
-  for (int q = 0; q < count(); ++q, rest += unknowns())
+  double *const of_entries = here_.values.data(), *right = right_.data();
+  for (int q = 0; q < count(); ++q, rest += unknowns(), right += extension_.num_rows())
     for (const SensitivitySlots::Entry& entry : slots_.slopes())
-      right_[index(q) * index(extension_.num_rows()) + index(entry.row)] -=
-          here_.values[entry.entry] * rest[entry.state];
+      right[entry.row] -= of_entries[entry.entry] * rest[entry.state];
+  for (const SensitivitySlots::Entry& entry : slots_.slopes()) of_entries[entry.entry] *= c;
+  values_.assign(choice.pattern(false).row.size(), 0.0);
+  double* const values = values_.data();
+  const int* const place = places.data();
+  for (std::size_t e = 0; e < places.size(); ++e) values[place[e]] += of_entries[e];
   ++factorizations_;
   if (!step_.solve(values_, right_.data(), count(), solution_.data())) return PointStatus::singular;
   copy_x(solution_.data(), S);
@@ -100,9 +102,11 @@ PointStatus ExtensionSensitivities::solve_kept_stages(const StageMethod& method,
   linearizations_ += method.s;
   callback_error_ = equations_.linearize(jets_, method.s, at_stages_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  const ExtensionSensitivityStages::Task task{method, h, jets_, at_stages_, S_start, system_.scales()};
+  LocalStages* const local = are_of_step_ ? system_.local_factors_of_stages() : nullptr;
+  if (stages_.solve_locally(task, system_.linearization(), local, S)) return PointStatus::ok;
   ExtensionLinearization* const by = are_of_step_ ? system_.factors_of_stages(method, h) : nullptr;
-  const bool is_solved = stages_.solve({method, h, jets_, at_stages_, S_start, system_.scales()}, by, S);
-  return is_solved ? PointStatus::ok : PointStatus::singular;
+  return stages_.solve(task, by, S) ? PointStatus::ok : PointStatus::singular;
 }
 
 // ---- Points ----------------------------------------------------------------------------------------------------
@@ -228,7 +232,7 @@ void ExtensionSensitivities::archive(Archive& archive) {
   if (archive.is_reading()) factorizations_ = factorizations;
   step_.archive(archive);
   held_.archive(archive);
-  stages_.archive(archive);
+  stages_.archive(archive, system_.linearization());
 }
 
 }  // namespace sfdae::core

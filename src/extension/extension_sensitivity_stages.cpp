@@ -20,6 +20,12 @@ constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, r
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations_of_stages = 12;
 constexpr double slowest_rate = 0.2;
+// Of all stages, full matrices of which take less time than iterations with the factors of x.
+constexpr int most_states_of_stages = 120;
+// With factors of x iterations are as many for each parameter. Chosen, not measured.
+constexpr int most_iterated = 2;
+// The first change is all of S, the second one what rounding errors were.
+constexpr int most_refinements = 4;
 
 }  // namespace
 
@@ -37,22 +43,60 @@ void ExtensionSensitivityStages::set_choice(const StateChoice& choice, const Sen
                           : choice.slot(column));
 }
 
-bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization* by, double* S) {
-  const std::size_t size = index(num_rows()) * index(count()) * index(task.method.s) + 1;
+void ExtensionSensitivityStages::resize(int s) {
+  const std::size_t size = index(num_rows()) * index(count()) * index(s) + 1;
   for (auto* v : {&unknowns_, &r_, &transformed_})
     if (v->size() < size) v->resize(size);
-  if ((by == nullptr || !iterate(task, *by)) && !solve_together(task)) return false;
-  for (int i = 0; i < task.method.s; ++i)
+}
+
+bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization* by, double* S) {
+  resize(task.method.s);
+  const bool is_there = by != nullptr && iterate(task, [&] { take_away(task, *by); });
+  if (!is_there && !solve_together(task)) return false;
+  return copy_to(task.method.s, S);
+}
+
+// False: not finite.
+bool ExtensionSensitivityStages::copy_to(int s, double* S) const {
+  for (int i = 0; i < s; ++i)
     for (int q = 0; q < count(); ++q) {
-      const double* const from = block(unknowns_, i, q);
+      const double* const from = unknowns_.data() + index(i * count() + q) * index(num_rows());
       for (int j = 0; j < equations_.extension().n(); ++j) *S++ = from[slots_->of_x(j)];
     }
-  return all_finite(unknowns_.data(), size - 1);
+  return all_finite(unknowns_.data(), index(num_rows()) * index(count()) * index(s));
+}
+
+// ---- By states -------------------------------------------------------------------------------------------------
+
+// Solved and refined: pivots need not be large.
+bool ExtensionSensitivityStages::solve_locally(const Task& task, const ExtensionLinearization& linearization,
+                                               LocalStages* by, double* S) {
+  const int s = task.method.s;
+  resize(s);
+  if (by != nullptr && count() <= most_iterated && iterate(task, [&] { take_away(task, *by); })) return copy_to(s, S);
+  if (!local_.is_of_use(s, most_states_of_stages)) return false;
+  ++factorizations_;
+  const auto value = [&](std::size_t e, int i) { return task.rows[index(i)].values[e]; };
+  if (!local_.linearize(task.method, task.h, value, linearization)) return false;
+  std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
+  for (int iteration = 0; iteration < most_refinements; ++iteration) {
+    set_residuals(task);
+    take_away(task, local_);
+    const double change = add_changes(task);
+    if (change <= negligible_error_of_hidden) return copy_to(s, S);
+  }
+  return false;
+}
+
+void ExtensionSensitivityStages::take_away(const Task& task, LocalStages& by) {
+  const int rows = num_rows();
+  for (int q = 0; q < count(); ++q) by.solve({block(r_, 0, q), rows, task.method.s, count() * rows});
 }
 
 // ---- Iterations ------------------------------------------------------------------------------------------------
 
-bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearization& by) {
+template <class TakeAway>
+bool ExtensionSensitivityStages::iterate(const Task& task, TakeAway take_away) {
   const bool has_hidden = equations_.extension().highest_level() > 0;
   const double target = has_hidden ? negligible_error_of_hidden : negligible_error;
   predict(task);
@@ -61,7 +105,7 @@ bool ExtensionSensitivityStages::iterate(const Task& task, ExtensionLinearizatio
          most = before;  // what has to be left with the slowest rate that is of use
   for (int iteration = 0; iteration < most_iterations_of_stages; ++iteration) {
     set_residuals(task);
-    take_away(task, by);
+    take_away();
     const double change = add_changes(task);
     if (!(change <= std::numeric_limits<double>::max())) return false;
     // The first change takes away what the prediction is off by; nothing is known of the next one.
@@ -286,7 +330,8 @@ bool ExtensionSensitivityStages::solve_together(const Task& task) {
   return true;
 }
 
-void ExtensionSensitivityStages::archive(Archive& archive) {
+void ExtensionSensitivityStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
+  local_.archive(archive, linearization);
   int s = s_;
   archive.small(s);
   if (archive.is_reading()) {

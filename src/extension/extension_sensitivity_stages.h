@@ -3,7 +3,8 @@
 //
 //     S_j' = sum_k D_ik (S_j,k - S_j) / h        at stage i.
 //
-// First by iterations with the factors of x, which hold for one linearization and decouple the stages: what they leave is measured
+// Where states are few among them, each stage is eliminated down to its states, which leaves s d equations for each parameter
+// (local_stages.h). Else by iterations with the factors of x, which hold for one linearization and decouple the stages: what they leave is measured
 // with the derivatives of each stage, and taken away until it is rounding errors. Where they contract slowly, or x has none, as one sparse
 // system for all stages.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "extension/extension_linearization.h"
+#include "extension/local_stages.h"
 #include "extension/sensitivity_equations.h"
 #include "linalg/archive.h"
 #include "linalg/repeated_systems.h"
@@ -31,17 +33,25 @@ class ExtensionSensitivityStages {
     const std::vector<double>& scales;         // of the unknowns: changes that do not matter, or zero
   };
 
-  explicit ExtensionSensitivityStages(SensitivityEquations& equations) : equations_(equations) {}
+  explicit ExtensionSensitivityStages(SensitivityEquations& equations)
+      : equations_(equations), local_(equations.extension()) {}
   // Other states from now on. choice: lives until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
-  // S: n x count for each stage. by: with the factors of x, of the step that x has taken; or null. False: singular.
+  // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors of x of the
+  // same step, or null. False: that is of no use, or
+  // the others are not found.
+  bool solve_locally(const Task& task, const ExtensionLinearization& linearization, LocalStages* by, double* S);
+  // The same in other ways. by: with the factors of x, of the step that x has taken; or null. False: singular.
   bool solve(const Task& task, ExtensionLinearization* by, double* S);
   long factorizations() const { return factorizations_; }
   // Reading: after set_choice(). Throws DamagedArchive.
-  void archive(Archive& archive);
+  void archive(Archive& archive, const ExtensionLinearization& linearization);
 
  private:
-  bool iterate(const Task& task, ExtensionLinearization& by);
+  void resize(int s);
+  bool copy_to(int s, double* S) const;
+  template <class TakeAway>
+  bool iterate(const Task& task, TakeAway take_away);
   void predict(const Task& task);
   bool extrapolate(const Task& task);
   void note_step(const Task& task);
@@ -50,6 +60,7 @@ class ExtensionSensitivityStages {
   template <int width>
   void subtract_rows(const SensitivityRows& rows, int i, int q, int used);
   void take_away(const Task& task, ExtensionLinearization& by);
+  void take_away(const Task& task, LocalStages& by);
   double add_changes(const Task& task);
   bool solve_together(const Task& task);
   void make_pattern(int s);
@@ -63,6 +74,7 @@ class ExtensionSensitivityStages {
   }
 
   SensitivityEquations& equations_;
+  LocalStages local_;
   const StateChoice* choice_ = nullptr;
   const SensitivitySlots* slots_ = nullptr;
   // By slots, and by rows: a block for each stage, a column for each parameter.

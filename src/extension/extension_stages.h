@@ -36,6 +36,9 @@ class ExtensionStages {
   void archive(Archive& archive, const ExtensionLinearization& linearization) {
     local_.archive(archive, linearization);
   }
+  LocalStages* local(const ExtensionLinearization& linearization) {
+    return local_.is_of(linearization) ? &local_ : nullptr;
+  }
   // At the end of the step, of the stages linearized one by one: see LocalStages.
   ConstView end_tangents() const { return local_.end_tangents(); }
   const Jet& middle() const { return starts_[index(s_ / 2)]; }

@@ -45,6 +45,8 @@ class ExtensionSystem final : public DaeSystem {
   // The matrices that these were solved with, made anew where they are not there any more; null where each stage had its own, or
   // there are none. Valid until the next step.
   ExtensionLinearization* factors_of_stages(const StageMethod& method, double h);
+  // Where each stage had its own, these; null otherwise, or where other states have been chosen since.
+  LocalStages* local_factors_of_stages() { return are_stages_local_ ? stages_.local(linearization_) : nullptr; }
   // The jet with what is known of derivatives one order above those of the extension; false: it was not found.
   bool find_longer_jet(Jet& longer);
   const Jet* point_of_equations() const override { return &history_.accepted(); }

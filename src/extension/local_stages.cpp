@@ -20,10 +20,12 @@ constexpr int most_choices = 2;
 
 }  // namespace
 
-bool LocalStages::is_of_use(int s) const {
+bool LocalStages::is_of_use(int s, int coupled) const {
   const int d = extension_.freedom(), q = extension_.num_rows();
-  return s >= fewest_stages && d > 0 && d * s <= most_coupled && q <= most_rows && rows_for_a_state * d <= q;
+  return s >= fewest_stages && d > 0 && d * s <= coupled && q <= most_rows && rows_for_a_state * d <= q;
 }
+
+bool LocalStages::is_of_use(int s) const { return is_of_use(s, most_coupled); }
 
 // By the values of that stage.
 bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
@@ -113,15 +115,25 @@ bool LocalStages::factor(const StateChoice& choice) {
 
 PointStatus LocalStages::linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                                    ExtensionLinearization& linearization, CallbackError& error) {
-  s_ = equations.method.s;
-  q_ = extension_.num_rows();
-  d_ = extension_.freedom();
+  resize(equations.method.s);
   if (!take_pivots(linearization)) return PointStatus::singular;
   const PointStatus status = evaluate(jets, linearization, error);
   if (status != PointStatus::ok) return status;
-  if (!factor(linearization.choice())) return PointStatus::singular;
+  const double h = equations.t_end - equations.t;
+  return finish(equations.method, h, linearization.choice()) ? PointStatus::ok : PointStatus::singular;
+}
+
+void LocalStages::resize(int s) {
+  s_ = s;
+  q_ = extension_.num_rows();
+  d_ = extension_.freedom();
+}
+
+// From derivatives_.
+bool LocalStages::finish(const StageMethod& method, double h, const StateChoice& choice) {
+  if (!factor(choice)) return false;
   make_tangents();
-  return factor_coupled(equations) ? PointStatus::ok : PointStatus::singular;
+  return factor_coupled(method, h);
 }
 
 void LocalStages::make_tangents() {
@@ -135,9 +147,8 @@ void LocalStages::make_tangents() {
   for (const LaneBlock& block : tangents_) end_tangents_.push_back(block.lane[s_ - 1]);
 }
 
-bool LocalStages::factor_coupled(const StageEquations& equations) {
+bool LocalStages::factor_coupled(const StageMethod& method, double h) {
   const int size = s_ * d_;
-  const double h = equations.t_end - equations.t;
   coupled_.resize(std::max(coupled_.size(), index(size) * index(size)));
   z_.resize(std::max(z_.size(), index(size)));
   pivots_.resize(std::max(pivots_.size(), index(size)));
@@ -145,17 +156,18 @@ bool LocalStages::factor_coupled(const StageEquations& equations) {
   std::fill_n(coupled_.data(), index(size) * index(size), 0.0);
   for (int i = 0; i < s_; ++i) {
     for (int k = 0; k < s_; ++k)
-      for (int a = 0; a < d_; ++a) M(i * d_ + a, k * d_ + a) = equations.method.D_at(i, k) / h;
+      for (int a = 0; a < d_; ++a) M(i * d_ + a, k * d_ + a) = method.D_at(i, k) / h;
     for (int b = 0; b < d_; ++b)
       for (int a = 0; a < d_; ++a) M(i * d_ + a, i * d_ + b) -= tangent(b)[slope_slots_[index(a)]].lane[i];
   }
   // LAPACK takes 1.6 times the instructions for 20 equations.
-  return small::factor_lu(M, pivots_.data());
+  return size <= most_coupled ? small::factor_lu(M, pivots_.data()) : factor_lu(M, pivots_.data());
 }
 
 void LocalStages::solve(View r) {
   r_.resize(index(q_));
-  columns_to_lanes(r.data, q_, s_, r_.data());
+  for (int l = 0; l < lane_count; ++l)
+    for (int row = 0; row < q_; ++row) r_[index(row)].lane[l] = r(row, std::min(l, s_ - 1));
   elimination_.solve_lanes(factors_.data(), r_.data());
   for (int i = 0; i < s_; ++i)
     for (int a = 0; a < d_; ++a) z_[index(i * d_ + a)] = r_[index(slope_slots_[index(a)])].lane[i];
@@ -169,7 +181,8 @@ void LocalStages::solve(View r) {
   }
   for (int i = 0; i < s_; ++i)
     for (int a = 0; a < d_; ++a) r_[index(slope_slots_[index(a)])].lane[i] = z_[index(i * d_ + a)];
-  lanes_to_columns(r_.data(), q_, s_, r.data);
+  for (int i = 0; i < s_; ++i)
+    for (int row = 0; row < q_; ++row) r(row, i) = r_[index(row)].lane[i];
 }
 
 }  // namespace sfdae::core

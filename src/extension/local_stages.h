@@ -12,6 +12,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "extension/extension_linearization.h"
@@ -28,14 +29,20 @@ class LocalStages {
  public:
   explicit LocalStages(MinimalExtension& extension) : extension_(extension) {}
 
-  // Few states among not too many equations.
+  // Few states among not too many equations: with `coupled` unknowns of all stages at most.
+  bool is_of_use(int s, int coupled) const;
   bool is_of_use(int s) const;
   // At the jets of all stages, with the states of `linearization`. Not ok: the error, or `singular`.
   PointStatus linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                         ExtensionLinearization& linearization, CallbackError& error);
+  // With derivatives that are known: value(e, i) is that of entry e of the extension at stage i. False: singular.
+  template <class Value>
+  bool linearize(const StageMethod& method, double h, Value value, const ExtensionLinearization& linearization);
   // The pivots, which outlive steps. Reading: after the states of the linearization have been set.
   void archive(Archive& archive, const ExtensionLinearization& linearization);
-  // r: residuals times -1 by rows, a column for each stage; becomes the changes by slots, those of x_j in place of x_j' of the
+  // With the states of this linearization.
+  bool is_of(const ExtensionLinearization& linearization) const { return choice_ == linearization.choice_number(); }
+  // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots, those of x_j in place of x_j' of the
   // states.
   void solve(View r);
   // T of the last stage: by slots, a column for each state.
@@ -44,12 +51,14 @@ class LocalStages {
  private:
   bool choose_pivots(const StateChoice& choice, int stage);
   void note_choice(const ExtensionLinearization& linearization);
+  void resize(int s);
   bool take_pivots(const ExtensionLinearization& linearization);
+  bool finish(const StageMethod& method, double h, const StateChoice& choice);
   PointStatus evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization, CallbackError& error);
   void assemble(const StateChoice& choice);
   bool factor(const StateChoice& choice);
   void make_tangents();
-  bool factor_coupled(const StageEquations& equations);
+  bool factor_coupled(const StageMethod& method, double h);
   LaneBlock* tangent(int state) { return tangents_.data() + index(state) * index(q_); }
 
   // An entry of the extension in the column of a state.
@@ -70,5 +79,15 @@ class LocalStages {
   std::vector<double> coupled_, z_;  // s d equations
   std::vector<int> pivots_;
 };
+
+template <class Value>
+bool LocalStages::linearize(const StageMethod& method, double h, Value value,
+                            const ExtensionLinearization& linearization) {
+  resize(method.s);
+  derivatives_.resize(extension_.column().size());
+  for (std::size_t e = 0; e < derivatives_.size(); ++e)
+    for (int l = 0; l < lane_count; ++l) derivatives_[e].lane[l] = value(e, std::min(l, s_ - 1));
+  return take_pivots(linearization) && finish(method, h, linearization.choice());
+}
 
 }  // namespace sfdae::core
