@@ -151,6 +151,13 @@ CallbackError RecordedProblem::failure(double t) const {
   return error;
 }
 
+long RecordedProblem::constant_matrices() {
+  const Record& record = evaluator_.record();
+  if (!has_constant_matrices_)
+    has_constant_matrices_ = source_ == nullptr && record.is_constant_E() && record.is_constant_A();
+  return *has_constant_matrices_ ? evaluator_.changes_of_parameters() : -1;
+}
+
 const Structure* RecordedProblem::structure() {
   const Record& record = evaluator_.record();
   if (!structure_is_known_ && record.m() == record.n()) {

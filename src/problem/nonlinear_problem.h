@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,8 @@ class NonlinearProblem : public Problem {
   bool residuals_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F);
   // Whether it is of use to try.
   virtual bool has_lanes(int) const { return false; }
+  // F_x' and F_x are the same at all points as long as this stays what it is; -1: that is not known.
+  virtual long constant_matrices() { return -1; }
   // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
   // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
   // units[j] (may be empty).
@@ -140,6 +143,7 @@ class RecordedProblem final : public NonlinearProblem {
   // A copy shares the recording.
   RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
+  long constant_matrices() override;
   bool has_lanes(int order) const override { return !source_ && order <= LaneEvaluator::highest_order; }
   const Structure* structure() override;
   TaylorEvaluator* structure_evaluator() override { return &evaluator_; }
@@ -190,6 +194,7 @@ class RecordedProblem final : public NonlinearProblem {
   LaneEvaluator lanes_;
   bool structure_is_known_ = false;
   std::shared_ptr<const Structure> structure_;
+  std::optional<bool> has_constant_matrices_;
 };
 
 }  // namespace sfdae::core

@@ -25,10 +25,14 @@ ParameterGradient gradient_by(const Record& equations, const std::vector<int>& p
   return gradient;
 }
 
-bool contains_slopes(const Record& equations, const Record& gradient) {
+bool matrices_contain_slopes(const Record& equations) {
   for (int i = 0; i < equations.m(); ++i)
     for (const Entry& entry : equations.entries(i))
       if ((entry.dependence & on_derivatives) != 0) return true;
+  return false;
+}
+
+bool contains_slopes(const Record& gradient) {
   for (int i = 0; i < gradient.m(); ++i)
     if ((gradient.dependence(gradient.residual(i)) & on_derivatives) != 0) return true;
   return false;
@@ -54,7 +58,8 @@ ParameterSeries::ParameterSeries(RecordedProblem& problem, std::vector<int> para
       parameters_(std::move(parameters)),
       places_(std::move(gradient.places)),
       evaluator_(std::move(gradient.formulas)),
-      needs_slopes_(contains_slopes(problem.evaluator().record(), evaluator_.record())) {
+      matrices_need_slopes_(matrices_contain_slopes(problem.evaluator().record())),
+      needs_slopes_(matrices_need_slopes_ || contains_slopes(evaluator_.record())) {
   take_parameters();
 }
 

@@ -27,8 +27,9 @@ class ParameterSeries {
   int count() const { return static_cast<int>(parameters_.size()); }
   // Whether any equation contains one of the parameters.
   bool has_columns() const { return !places_.empty(); }
-  // Whether F_x', F_x or F_p contain x'.
+  // Whether F_x', F_x or F_p contain x'; F_x' or F_x alone.
   bool needs_slopes() const { return needs_slopes_; }
+  bool matrices_need_slopes() const { return matrices_need_slopes_; }
   // With the values that parameters have from now on.
   void take_parameters();
   // f: column j holds f_0, ..., f_order of parameter j one below the other, m (order + 1) entries, scaled as `data`
@@ -57,7 +58,7 @@ class ParameterSeries {
   std::vector<int> parameters_;
   std::vector<ParameterGradient::Place> places_;  // of the entries of F_p, with columns of f
   TaylorEvaluator evaluator_;
-  bool needs_slopes_;
+  bool matrices_need_slopes_, needs_slopes_;
   std::vector<double> F_p_;
   LaneEvaluator lanes_;
   LaneArray lanes_of_F_p_;

@@ -16,7 +16,7 @@ PointStatus AdjointPoint::linearize(AnalyzedEquations& equations, ParameterSerie
     status = reduce(equations, place.known, {no_rhs_, no_rhs_hat_, &elimination_}, arena);
     if (status != PointStatus::ok) return status;
   }
-  return take_differential(equations, place, parameters.needs_slopes());
+  return take_differential(equations, place, parameters);
 }
 
 PointStatus AdjointPoint::add_gradient(ParameterSeries& parameters, const Jet& jet, const Weights& weights,
@@ -36,8 +36,8 @@ PointStatus AdjointPoint::add_gradient(ParameterSeries& parameters, const Jet& j
       elimination_.transform_transposed(of_f_hat, rows.column(q), arena);
     }
   }
-  if (has_slope_data_) {
-    callback_error_ = parameters.add_gradient(slope_data_, slope_jet_.data(), of_F1, gradient);
+  if (has_slopes_) {
+    callback_error_ = parameters.add_gradient(differential_data(), slope_jet_.data(), of_F1, gradient);
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     if (is_ordinary()) return PointStatus::ok;
   } else {

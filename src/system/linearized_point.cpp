@@ -45,19 +45,26 @@ PointStatus LinearizedPoint::evaluate_along_tangents(AnalyzedEquations& equation
   return PointStatus::ok;
 }
 
-PointStatus LinearizedPoint::take_differential(AnalyzedEquations& equations, const Place& place, bool needs_slopes) {
+void LinearizedPoint::take_slopes(const Place& place, const ParameterSeries& parameters) {
+  has_slopes_ = place.xdot != nullptr && parameters.needs_slopes();
+  if (!has_slopes_) return;
+  slope_jet_.assign(place.jet.column(0), place.jet.column(0) + data_.n);
+  slope_jet_.insert(slope_jet_.end(), place.xdot, place.xdot + data_.n);
+}
+
+PointStatus LinearizedPoint::take_differential(AnalyzedEquations& equations, const Place& place,
+                                               const ParameterSeries& parameters) {
   const int n = data_.n, d = this->d();
   if (ZE_.rows() != d || ZE_.cols() != n) ZE_ = ZA_ = Matrix(d, n);
-  has_slope_data_ = place.xdot != nullptr && needs_slopes;
+  take_slopes(place, parameters);
+  has_slope_data_ = has_slopes_ && parameters.matrices_need_slopes();
   if (has_slope_data_) {
-    slope_jet_.assign(place.jet.column(0), place.jet.column(0) + n);
-    slope_jet_.insert(slope_jet_.end(), place.xdot, place.xdot + n);
     const NonlinearProblem::Scaling scaling{data_.time_scale, RowScaling::given, &data_.row_scale,
                                             &equations.units()};
     callback_error_ = equations.problem().linearize(place.jet.t, slope_jet_.data(), {0, 0, -1}, scaling, slope_data_);
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   }
-  const TaylorData& matrices = has_slope_data_ ? slope_data_ : data_;
+  const TaylorData& matrices = differential_data();
   if (is_ordinary_) {
     copy(matrices.E(0), ZE_);
     copy(matrices.A(0), ZA_);

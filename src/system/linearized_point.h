@@ -10,6 +10,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
+#include "problem/parameter_series.h"
 #include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
 #include "system/analyzed_equations.h"
@@ -54,12 +55,15 @@ class LinearizedPoint {
   // with the elimination.
   PointStatus evaluate_along_tangents(AnalyzedEquations& equations, const Jet& jet, Arena& arena);
   ConstView Z1() const { return has_tangents_ ? ConstView(Z1_) : form_.Z1(); }
-  // E and A of F1. With x' of its own, where needs_slopes is set, they come from slope_data_.
-  PointStatus take_differential(AnalyzedEquations& equations, const Place& place, bool needs_slopes);
+  // E and A of F1. With x' of its own, where they contain it, they come from slope_data_.
+  PointStatus take_differential(AnalyzedEquations& equations, const Place& place, const ParameterSeries& parameters);
+  // x and x' of its own, for what else contains x'.
+  void take_slopes(const Place& place, const ParameterSeries& parameters);
+  const TaylorData& differential_data() const { return has_slope_data_ ? slope_data_ : data_; }
 
   TaylorData data_, slope_data_;
-  std::vector<double> slope_jet_;  // x and x' behind slope_data_
-  bool has_slope_data_ = false;
+  std::vector<double> slope_jet_;  // x and x' of its own
+  bool has_slopes_ = false, has_slope_data_ = false;
   NullSpaceForm form_;
   int rank_E_ = 0;
   double kept_ = 1.0;

@@ -248,6 +248,7 @@ void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
 void NonlinearSensitivities::start(const ConsistencyRequest& request, const double* directions, double* S) {
   const int n = unknowns();
   parameters_.take_parameters();
+  point_.forget();
   const PointStatus status = linearize(system_.jet(), nullptr);
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)

@@ -93,10 +93,13 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
 }
 
 PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearization& linearization) {
+  const long constant = problem_.problem().constant_matrices();
+  if (has_form_ && constant >= 0 && constant == constant_matrices_) return PointStatus::ok;
   const bool had_form = std::exchange(has_form_, false);
   std::swap(data_, data_before_);
   const PointStatus status = problem_.linearize(jet, linearization.preferred_rows(), data_);
   if (status != PointStatus::ok) return status;
+  constant_matrices_ = constant;
   has_form_ = had_form && has_same_matrices(data_, data_before_);
   if (has_form_) return PointStatus::ok;
   has_form_ = matching_form(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_});

@@ -63,7 +63,8 @@ class RankCheck {
   double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
   bool has_form_ = false;                                         // form_ has the known ranks
   Jet refined_;
-  TaylorData data_, data_before_;  // of the last comparison, and of the one before
+  TaylorData data_, data_before_;  // of the last comparison that evaluated them, and of the one before
+  long constant_matrices_ = -1;    // those of data_, as the problem numbers them
   NullSpaceForm form_;
 };
 

@@ -9,8 +9,19 @@
 
 namespace sfdae::core {
 
+// Right-hand sides are transformed in one way, whether the matrices were eliminated here or before: bits are the same once an
+// integration goes on from a checkpoint.
 PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
                                         Arena& arena) {
+  const bool is_known = constant_matrices_ >= 0 && constant_matrices_ == equations.problem().constant_matrices();
+  const PointStatus status = is_known ? PointStatus::ok : eliminate(equations, parameters, place, arena);
+  if (status != PointStatus::ok || constant_matrices_ < 0) return status;
+  return transform(equations, parameters, place, arena);
+}
+
+PointStatus SensitivityPoint::eliminate(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
+                                        Arena& arena) {
+  forget();
   PointStatus status = evaluate(equations, place.jet);
   if (status != PointStatus::ok) return status;
   const int rows = equations.array_rows(), count = parameters.count();
@@ -19,21 +30,46 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   inconsistency_ = 0.0;
   if (!is_ordinary()) {
-    status = reduce(equations, place.known, {f_, f_hat_, nullptr}, arena);
+    const bool is_constant = equations.problem().constant_matrices() >= 0;
+    status = reduce(equations, place.known, {f_, f_hat_, is_constant ? &elimination_ : nullptr}, arena);
     if (status != PointStatus::ok) return status;
-    if (xp_.rows() != data_.n || xp_.cols() != count) xp_ = Matrix(data_.n, count);
-    for (int j = 0; j < count; ++j) {
-      take_column(j, arena);
-      std::copy_n(form_.xp(), data_.n, xp_.view().column(j));
-      inconsistency_ = std::max(inconsistency_, form_.inconsistency());
-    }
+    take_columns(arena);
   }
-  status = take_differential(equations, place, parameters.needs_slopes());
-  return status == PointStatus::ok ? take_right_hand_sides(parameters) : status;
+  status = take_differential(equations, place, parameters);
+  if (status == PointStatus::ok) status = take_right_hand_sides(parameters);
+  if (status == PointStatus::ok && !is_ordinary()) constant_matrices_ = equations.problem().constant_matrices();
+  return status;
+}
+
+// With the matrices that were eliminated last.
+PointStatus SensitivityPoint::transform(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
+                                        Arena& arena) {
+  data_.t = place.jet.t;
+  callback_error_ = parameters.evaluate(data_, place.jet.x.data(), equations.mu(), f_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  transformed_.resize(index(f_.rows()) + 1);
+  for (int j = 0; j < f_.cols(); ++j) {
+    elimination_.transform(f_.view().column(j), transformed_.data(), arena);
+    std::copy_n(transformed_.data(), f_hat_.rows(), f_hat_.view().column(j));
+  }
+  take_columns(arena);
+  take_slopes(place, parameters);
+  return take_right_hand_sides(parameters);
+}
+
+void SensitivityPoint::take_columns(Arena& arena) {
+  if (xp_.rows() != data_.n || xp_.cols() != f_.cols()) xp_ = Matrix(data_.n, f_.cols());
+  inconsistency_ = 0.0;
+  for (int j = 0; j < f_.cols(); ++j) {
+    take_column(j, arena);
+    std::copy_n(form_.xp(), data_.n, xp_.view().column(j));
+    inconsistency_ = std::max(inconsistency_, form_.inconsistency());
+  }
 }
 
 PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters,
                                         ExtendedSensitivityStep& extension, const Place& place, Arena& arena) {
+  forget();
   const int n = equations.n(), d = extension.num_states(), count = parameters.count();
   if (tangents_.rows() != n || tangents_.cols() != d) tangents_ = Matrix(n, d);
   if (xp_.rows() != n || xp_.cols() != count) xp_ = Matrix(n, count);
@@ -47,10 +83,10 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
   if (status != PointStatus::ok) return status;
   if (level_0_f_.rows() != data_.m || level_0_f_.cols() != count) level_0_f_ = Matrix(data_.m, count);
   inconsistency_ = 0.0;
-  status = take_differential(equations, place, parameters.needs_slopes());
+  status = take_differential(equations, place, parameters);
   if (status != PointStatus::ok) return status;
-  const TaylorData& at = has_slope_data_ ? slope_data_ : data_;
-  callback_error_ = parameters.evaluate(at, has_slope_data_ ? slope_jet_.data() : place.jet.x.data(), 0, level_0_f_);
+  callback_error_ =
+      parameters.evaluate(differential_data(), has_slopes_ ? slope_jet_.data() : place.jet.x.data(), 0, level_0_f_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   if (Zf_.rows() != d || Zf_.cols() != count) Zf_ = Matrix(d, count);
   multiply(1.0, Op::transposed, Z1(), Op::plain, level_0_f_, 0.0, Zf_);
@@ -60,9 +96,9 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
 PointStatus SensitivityPoint::take_right_hand_sides(ParameterSeries& parameters) {
   if (Zf_.rows() != d() || Zf_.cols() != f_.cols()) Zf_ = Matrix(d(), f_.cols());
   ConstView f = f_.view().top(data_.m);
-  if (has_slope_data_) {
+  if (has_slopes_) {
     if (slope_f_.rows() != data_.m || slope_f_.cols() != f.cols) slope_f_ = Matrix(data_.m, f.cols);
-    callback_error_ = parameters.evaluate(slope_data_, slope_jet_.data(), 0, slope_f_);
+    callback_error_ = parameters.evaluate(differential_data(), slope_jet_.data(), 0, slope_f_);
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     f = slope_f_;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "problem/parameter_series.h"
+#include "reduction/stored_elimination.h"
 #include "system/consistent_values.h"
 #include "system/extended_sensitivity_step.h"
 #include "system/linearized_point.h"
@@ -11,7 +12,9 @@ namespace sfdae::core {
 
 class SensitivityPoint final : public LinearizedPoint {
  public:
+  // Matrices that are the same at all points are eliminated once, until forget().
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
+  void forget() { constant_matrices_ = -1; }
 
   // The same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is no form.
   // Not possible: see there.
@@ -28,6 +31,9 @@ class SensitivityPoint final : public LinearizedPoint {
   ConstrainedPoint constraints_of(int j, const Units& units, Arena& arena);
 
  private:
+  PointStatus eliminate(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
+  PointStatus transform(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
+  void take_columns(Arena& arena);
   PointStatus take_right_hand_sides(ParameterSeries& parameters);
   void take_column(int j, Arena& arena);
 
@@ -35,6 +41,9 @@ class SensitivityPoint final : public LinearizedPoint {
   Matrix level_0_f_;            // where nothing is eliminated
   Matrix xp_, Zf_;
   double inconsistency_ = 0.0;
+  long constant_matrices_ = -1;  // those eliminated, as the problem numbers them; -1: none
+  StoredElimination elimination_;
+  std::vector<double> transformed_;
 };
 
 }  // namespace sfdae::core

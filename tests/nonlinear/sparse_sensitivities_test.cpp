@@ -148,4 +148,30 @@ TEST(SparseSensitivities, LinearizeStagesOfRadauSideBySide) {
   EXPECT_GE(all - own, 2 * 3 * steps);
 }
 
+// p x_0' = x_1 - x_0, 0 = x_1, 0 = x_0 + x_2 - sin t: F_p contains x', so that the whole array is eliminated, which is the same at all
+// stages of all steps. dx_0/dp = t x_0 / p^2.
+TEST(ConstantMatrices, AreEliminatedOnce) {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    F[0] = sfdae::parameter(t, "p", 2.0) * xdot[0] + x[0] - x[1];
+    F[1] = x[1] + 0.0 * t;
+    F[2] = x[0] + x[2] - sin(t);
+  };
+  sfdae::Solver solver(problem, solver_options(1e-9, SFDAE_METHOD_RADAU));
+  sfdae::Sensitivities wanted;
+  wanted.parameters = {"p"};
+  solver.set_sensitivities(wanted);
+  Point point{0.0, {1.0, 0.0, -1.0}, {}};
+  solver.start(point, 3.0);
+  const long before = solver.statistics().linearizations;
+  solver.advance(3.0, point);
+  const sfdae::Statistics counts = solver.statistics();
+  EXPECT_LE(counts.linearizations - before, 3 * counts.steps);  // those of x; each step has three stages at least
+  const Matrix S = solver.sensitivities(3.0).S;
+  const double expected = 3.0 * std::exp(-1.5) / 4.0;
+  EXPECT_NEAR(S(0, 0), expected, 1e-7);
+  EXPECT_NEAR(S(1, 0), 0.0, 1e-12);
+  EXPECT_NEAR(S(2, 0), -expected, 1e-7);
+}
+
 }  // namespace
