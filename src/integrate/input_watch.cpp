@@ -10,6 +10,7 @@
 #include "integrate/radau_method.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -68,6 +69,7 @@ double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, dou
 
 // Whether the slope of w at one of the places is far from what the ends of the step show; none: slopes cannot be found.
 std::optional<bool> InputWatch::matter(Integrator& integrator, double h, std::span<const double> places) {
+  const QuietArithmetic quiet;
   const double start = integrator.stepper->state().t;
   integrator.weights.update(integrator.stepper->x().data());
   if (!has_slope_ && !find_slope(integrator, start, at_start_)) return false;
@@ -79,7 +81,7 @@ std::optional<bool> InputWatch::matter(Integrator& integrator, double h, std::sp
     if (!find_slope(integrator, t, here_)) return std::nullopt;
     const double part = (t - start) / h;
     for (std::size_t i = 0; i < here_.size(); ++i) here_[i] -= at_start_[i] + part * change_[i];
-    if (size_of_change(integrator, h, here_) > unimportant + shown_part * shown) return true;
+    if (!(size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
   }
   return false;
 }

@@ -21,10 +21,10 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
 
 void Integration::archive(Archive& archive) {
   DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences.
+  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences; bit 3: with inputs.
   const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
-  int kind =
-      (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) + (integrator_.differences.has_errors() ? 4 : 0);
+  int kind = (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) +
+             (integrator_.differences.has_errors() ? 4 : 0) + (options_.inputs != nullptr ? 8 : 0);
   bool has_change = change_.has_value();
   archive.small(kind, integrator_.must_restart, has_change, choice_.chosen, integrator_.method, choice_.outputs);
   if (is_reading) {
@@ -41,7 +41,7 @@ void Integration::archive(Archive& archive) {
   if (!options_.short_checkpoints) archive.real(start_);
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
-  inputs_.archive(archive);
+  if ((kind & 8) != 0) inputs_.archive(archive);
   integrator_.stepper->archive(archive, system);
   if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
   if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));

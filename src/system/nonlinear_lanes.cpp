@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -106,7 +107,9 @@ bool NonlinearLanes::evaluate(AnalyzedEquations& problem, const ArrayLinearizati
   return true;
 }
 
+// Iterations that diverge overflow, and end for that.
 double NonlinearLanes::change(ArrayLinearization& linearization, Arena& arena) {
+  const QuietArithmetic quiet;
   const int s = step_->method.s, d = linearization.form().d;
   if (d > 0) {
     lanes_to_columns(r_.data(), d, s, r_columns_.data());

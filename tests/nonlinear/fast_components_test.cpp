@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "nonlinear_run.h"
@@ -45,7 +46,7 @@ int crossing(double, const double* x, const double*, double* g, void*) {
   return 0;
 }
 int crossing_by_root(double, const double* x, const double*, double* g, void*) {
-  g[0] = std::sqrt(x[1] + 1.6) - std::sqrt(1.6);
+  g[0] = x[1] + 1.6 < 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(x[1] + 1.6) - std::sqrt(1.6);
   return 0;
 }
 

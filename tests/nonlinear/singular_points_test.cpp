@@ -19,7 +19,7 @@ using namespace sfdae_test;
 
 unsigned count_of_systems(int usual) {
   const char* wanted = std::getenv("SFDAE_SINGULAR_SYSTEMS");
-  return static_cast<unsigned>(wanted != nullptr ? std::atoi(wanted) : sfdae_test::scaled_count(usual, usual / 8));
+  return static_cast<unsigned>(wanted != nullptr ? std::atoi(wanted) : sfdae_test::scaled_count(usual, usual / 4));
 }
 
 struct Outcome {
