@@ -62,7 +62,7 @@ struct Attack {
   // `first`: where a checkpoint with a checksum begins; words before it are attacked, too.
   void run(const Target& target, std::size_t first = 0) {
     const Doubles good = target.save();
-    const int most = sfdae_test::scaled_count(600, 20);
+    const int most = sfdae_test::scaled_count(600, 40);
     const std::size_t step = good.size() / std::size_t(most) + 1;
     bool is_good = true;
     for (std::size_t k = 0; k < good.size(); k += step) {
