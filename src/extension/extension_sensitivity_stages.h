@@ -38,8 +38,7 @@ class ExtensionSensitivityStages {
   // Other states from now on. choice: lives until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
   // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors of x of the
-  // same step, or null. False: that is of no use, or
-  // the others are not found.
+  // same step, or null. False: that is of no use, or the others are not found.
   bool solve_locally(const Task& task, const ExtensionLinearization& linearization, LocalStages* by, double* S);
   // The same in other ways. by: with the factors of x, of the step that x has taken; or null. False: singular.
   bool solve(const Task& task, ExtensionLinearization* by, double* S);

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Pulses, testing::Values(SFDAE_METHOD_BDF, SFDA
 
 }  // namespace
 
-// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 4 % (Radau, short pulses) are still.
+// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 5 % (Radau, short pulses) are still.
 TEST_P(Pulses, AreNotSteppedOver) {
   int wrong = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
@@ -87,7 +87,7 @@ TEST_P(Pulses, AreNotSteppedOver) {
   EXPECT_LE(wrong, GetParam() == SFDAE_METHOD_BDF ? 2 : 7) << "of " << all;
 }
 
-// As the current of a bridge, and in any direction and unit of time.
+// A current that a resistor limits; backward, in microseconds.
 TEST_P(Pulses, AreNotSteppedOverBackwardAndInShortTimes) {
   const double omega = 6.0e6, end = -4.0e-6;
   sfdae::NonlinearProblem problem(2, 2);
