@@ -53,12 +53,23 @@ bool jumps_with_state(const Record& record, const Node& node) {
 
 Nodes::Nodes(const std::vector<Node>& nodes) {
   operations_.reserve(nodes.size());
-  operands_.reserve(nodes.size());
+  int largest = -1;
+  for (const Node& node : nodes) largest = std::max({largest, node.a, node.b});
+  for (unsigned rest = static_cast<unsigned>(largest + 1) >> low_bits; rest > 0; rest >>= byte_bits) ++high_bytes_;
+  low_.reserve(2 * nodes.size());
+  high_.reserve(2 * nodes.size() * high_bytes_);
   for (const Node& node : nodes) {
     if (node.operation == Operation::choose) thirds_.push_back({static_cast<int>(operations_.size()), node.c});
     operations_.push_back(node.operation);
-    operands_.push_back({node.a, node.b});
+    for (int operand : {node.a, node.b}) add_operand(operand);
   }
+}
+
+void Nodes::add_operand(int operand) {
+  const unsigned value = static_cast<unsigned>(operand + 1);
+  low_.push_back(static_cast<std::uint16_t>(value & 0xffff));
+  for (std::size_t byte = 0; byte < high_bytes_; ++byte)
+    high_.push_back(static_cast<std::uint8_t>((value >> (low_bits + byte_bits * byte)) & 0xff));
 }
 
 Node Nodes::with_third_operand(Node node, int i) const {

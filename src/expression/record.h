@@ -54,21 +54,29 @@ class Nodes {
   explicit Nodes(const std::vector<Node>& nodes);
   std::size_t size() const { return operations_.size(); }
   Node operator[](std::size_t i) const {
-    const Node node{operations_[i], operands_[i].a, operands_[i].b, -1};
+    const Node node{operations_[i], operand(2 * i), operand(2 * i + 1), -1};
     return node.operation == Operation::choose ? with_third_operand(node, static_cast<int>(i)) : node;
   }
 
  private:
-  struct Two {
-    int a, b;
-  };
+  static constexpr unsigned low_bits = 16, byte_bits = 8;
+  void add_operand(int operand);
+  int operand(std::size_t k) const {
+    unsigned value = low_[k];
+    for (std::size_t byte = 0; byte < high_bytes_; ++byte)
+      value |= static_cast<unsigned>(high_[k * high_bytes_ + byte]) << (low_bits + byte_bits * byte);
+    return static_cast<int>(value) - 1;
+  }
   struct Third {
     int node, c;
   };
   Node with_third_operand(Node node, int i) const;
 
   std::vector<Operation> operations_;
-  std::vector<Two> operands_;
+  // One more than operands, two of each node: 16 bits of them, and as many bytes more as the largest one has.
+  std::vector<std::uint16_t> low_;
+  std::vector<std::uint8_t> high_;
+  std::size_t high_bytes_ = 0;
   std::vector<Third> thirds_;  // by nodes, which are choices
 };
 

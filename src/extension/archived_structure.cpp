@@ -33,8 +33,10 @@ void archive_equation(std::vector<EquationTerm>& terms, Row& row, int n, Archive
     check(term.equation, term.order);
   });
   archive_parts(row, n, archive, [&](Signature::Entry& entry) {
-    archive.small(entry.unknown, entry.order);
-    check(entry.unknown, entry.order);
+    int unknown = entry.unknown, order = entry.order;
+    archive.small(unknown, order);
+    check(unknown, order);
+    entry = {unknown, order};
   });
 }
 

@@ -37,8 +37,8 @@ void ExtensionIteration::set_slopes(const StateChoice& choice, double c, const d
 void ExtensionIteration::set_weights(double c, const double* inverse_weights, const StateChoice& choice) {
   weights_.resize(choice.changed().size());
   double* to = weights_.data();
-  for (const StateChoice::Changed& changed : choice.changed()) {
-    const auto [unknown, order] = extension_.columns()[index(changed.column)];
+  for (int column : choice.changed()) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
     double weight = inverse_weights[unknown];
     for (int k = 0; k < order; ++k) weight /= std::fabs(c);
     *to++ = weight;
@@ -51,11 +51,13 @@ double ExtensionIteration::apply_change(double factor, const double* z, const Ex
   const double* weight = weights_.data();
   double* const x = jet.x.data();
   double norm = 0.0;
-  for (const StateChoice::Changed& changed : linearization.choice().changed()) {
-    const double dx = factor * z[changed.slot];
-    x[changed.place] += dx;
+  const StateChoice& choice = linearization.choice();
+  for (int column : choice.changed()) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    const double dx = factor * z[choice.slot(column)];
+    x[unknown + order * extension_.n()] += dx;
     if (!std::isfinite(dx)) return dx;
-    norm = std::max(norm, above_noise(dx, noise[changed.column]) * *weight++);
+    norm = std::max(norm, above_noise(dx, noise[column]) * *weight++);
   }
   return norm;
 }

@@ -32,10 +32,8 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
   size_ = slots;
   changed_.clear();
   changed_.reserve(extension.columns().size() - states_.size());
-  for (int column = 0; column < extension.num_columns(); ++column) {
-    const auto [unknown, order] = extension.columns()[index(column)];
-    if (!is_slope(column)) changed_.push_back({column, slot(column), unknown + order * extension.n()});
-  }
+  for (int column = 0; column < extension.num_columns(); ++column)
+    if (!is_slope(column)) changed_.push_back(column);
   list_held_entries(extension);
   lay_out(extension);
   lay_out_held(extension);

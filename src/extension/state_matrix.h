@@ -41,11 +41,8 @@ class StateChoice {
   bool is_held(int column) const { return is_held_[index(column)] != 0; }
   // x_j' of a state.
   bool is_slope(int column) const { return is_slope_[index(column)] != 0; }
-  // What a step changes, all columns but x_j' of states: the slot of the change, and where the coefficient stands in a jet.
-  struct Changed {
-    int column, slot, place;
-  };
-  const std::vector<Changed>& changed() const { return changed_; }
+  // What a step changes, all columns but x_j' of states.
+  const std::vector<int>& changed() const { return changed_; }
   // Of the extension, in columns of x_j of states, where these are few among its entries; else there are none.
   struct HeldEntry {
     int row, unknown, entry;
@@ -78,8 +75,7 @@ class StateChoice {
 
   std::vector<int> states_;
   std::vector<char> is_state_, is_held_, is_slope_;
-  std::vector<int> slot_, state_slots_;
-  std::vector<Changed> changed_;
+  std::vector<int> slot_, state_slots_, changed_;
   bool has_held_entries_ = false;
   std::vector<HeldEntry> held_entries_;
   int size_ = 0;

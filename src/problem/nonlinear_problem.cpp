@@ -160,7 +160,7 @@ long RecordedProblem::constant_matrices() {
 
 const Structure* RecordedProblem::structure() {
   const Record& record = evaluator_.record();
-  if (!structure_is_known_ && record.m() == record.n()) {
+  if (!structure_is_known_ && record.m() == record.n() && record.n() <= Signature::most_unknowns) {
     const Signature signature(record);
     const Transversal transversal = highest_transversal(signature);
     if (transversal.exists()) structure_ = std::make_shared<const Structure>(signature, transversal);

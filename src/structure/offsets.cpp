@@ -33,7 +33,7 @@ Offsets canonical_offsets(const Signature& signature, const Transversal& transve
   for (int i = 0; i < signature.size(); ++i)
     for (const Signature::Entry& entry : signature.row(i)) {
       int& d = offsets.d[index(entry.unknown)];
-      d = std::max(d, entry.order);
+      d = std::max<int>(d, entry.order);
       if (transversal.unknown_of[index(i)] == entry.unknown) assigned_order[index(i)] = entry.order;
     }
   std::vector<int> queue(n);

@@ -238,7 +238,8 @@ std::optional<std::vector<Signature::Entry>> Replacement::row(std::span<const Eq
     if (!entries.empty() && entries.back().unknown == first[k].unknown) continue;
     if (first[k].has_cancelled(cancelled) && second[k].has_cancelled(cancelled)) continue;
     if (first[k].has_cancelled(present) && second[k].has_cancelled(present)) return std::nullopt;
-    entries.push_back({first[k].unknown, first[k].order});
+    if (first[k].order > Signature::highest_possible_order) return std::nullopt;
+    entries.emplace_back(first[k].unknown, first[k].order);
   }
   return entries;
 }

@@ -15,7 +15,7 @@ Signature::Signature(const Record& record) {
   for (int i = 0; i < record.m(); ++i) {
     row.clear();
     for (const sfdae::core::Entry& entry : record.entries(i))
-      row.push_back({entry.unknown, entry.derivative ? 1 : 0});
+      row.emplace_back(entry.unknown, entry.derivative ? 1 : 0);
     // Of x_j and x'_j the latter stays.
     std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) {
       return a.unknown != b.unknown ? a.unknown < b.unknown : a.order > b.order;
@@ -34,7 +34,7 @@ void Signature::add(const std::vector<Entry>& row) {
 
 int Signature::highest_order() const {
   int highest = 0;
-  for (const Entry& entry : entries_) highest = std::max(highest, entry.order);
+  for (const Entry& entry : entries_) highest = std::max<int>(highest, entry.order);
   return highest;
 }
 

@@ -18,11 +18,15 @@ namespace sfdae::core {
 
 class Signature {
  public:
-  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row.
+  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row. In one word: recorded
+  // equations have orders up to 1, those that take their place some more.
   struct Entry {
-    int unknown;
-    int order;
+    Entry() : Entry(0, 0) {}
+    Entry(int j, int its_order) : unknown(static_cast<unsigned>(j) & 0xffffff), order(its_order & 0xff) {}
+    unsigned unknown : 24;
+    unsigned order : 8;
   };
+  static constexpr int most_unknowns = 0xffffff, highest_possible_order = 0xff;
 
   // As many unknowns as rows.
   explicit Signature(const std::vector<std::vector<Entry>>& rows);

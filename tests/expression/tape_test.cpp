@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -127,6 +128,25 @@ TEST(Record, KeepsAllOperandsOfNodes) {
     const Operands operands = record->operands(static_cast<int>(i));
     for (int k = 0; k < operands.size(); ++k)
       EXPECT_EQ(operands[k], k == 0 ? nodes[i].a : k == 1 ? nodes[i].b : nodes[i].c);
+  }
+}
+
+// Operands are kept in as many bytes as the largest one needs.
+TEST(Nodes, HaveOperandsOfAnySize) {
+  for (const int largest : {0, 254, 0xfffe, 0xffff, 0x10000, 0xfffffe, 0xffffff, 0x7ffffffe}) {
+    const std::vector<Node> given = {{Operation::unknown, 0},
+                                     {Operation::add, largest, largest / 3},
+                                     {Operation::sin, largest / 257},
+                                     {Operation::choose, 1, largest, largest / 2},
+                                     {Operation::add, std::min(largest, 0xffff), std::min(largest, 255)}};
+    const Nodes nodes(given);
+    ASSERT_EQ(nodes.size(), given.size());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      EXPECT_EQ(nodes[i].operation, given[i].operation);
+      EXPECT_EQ(nodes[i].a, given[i].a) << largest;
+      EXPECT_EQ(nodes[i].b, given[i].b) << largest;
+      EXPECT_EQ(nodes[i].c, given[i].c) << largest;
+    }
   }
 }
 
