@@ -43,7 +43,9 @@ void DgeldaCall::find_values() {
     core::make_consistent(*model_->system(), request, x_);
   }
   stage_ = Stage::slopes;
-  system().consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
+  // Where there are no differential equations no step begins with x', which takes four points more.
+  if (arguments_.tout == t_ || system().differential() > 0)
+    system().consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
   if (user_.lacks_derivative()) throw core::Failure(SFDAE_CALLBACK_STOPPED, "");
   if (!core::all_finite(xdot_.data(), xdot_.size())) stop_for_values(Stage::slopes);
 }

@@ -241,6 +241,26 @@ TEST_P(DgeldaDefects, TheFirstDerivativeIsThatOfTheSolution) {
   }
 }
 
+// Without differential equations x' is found where it is returned, at TOUT as at T = TOUT, from four points more, and not before
+// the first step, which does without.
+TEST_P(DgeldaDefects, TheDerivativeIsThatOfTheSolutionWithoutDifferentialEquations) {
+  for (int is_started : {0, 1}) {
+    Functions functions(shared(kron(4, 3, 0.5)));
+    Dgelda<std::int32_t> call = is_started == 1 ? started(functions) : functions.arguments(method(), 0.0);
+    ASSERT_EQ(call.call(1.0), 3);
+    std::vector<double> x(4), slope(4);
+    functions.problem.family().exact(1.0, x.data(), slope.data());
+    for (int i = 1; i <= 4; ++i) {
+      EXPECT_NEAR(call.x(i), x[static_cast<std::size_t>(i - 1)], 1e-10);
+      EXPECT_NEAR(call.xprime(i), slope[static_cast<std::size_t>(i - 1)], 1e-7);
+    }
+    // Two of the analysis, both ends, four for x' at TOUT.
+    if (is_started == 0) {
+      EXPECT_LE(functions.problem.calls(Callback::E, 0), 8);
+    }
+  }
+}
+
 // Item 10: springs of the chain times 100, eigenvalues near the imaginary axis.
 TEST_P(DgeldaDefects, OscillatingChainsAreFollowedWithoutStarvation) {
   const DgeldaFamilyRun result = expect_solved(shared(chain(10, 2, 0.5, 100.0)), 1e-5);
