@@ -90,6 +90,7 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   // Iterations are judged by the tolerances at the last point, whatever was tried since.
   weights.update(history_.x().data());
   const auto polynomial = history_.polynomial_x(std::min(tried_.order, history_.points() - 1));
+  guess_.forget_ends();
   polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
   polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
   return {guess_.here.data(), guess_.before.data(), weights.inverse()};

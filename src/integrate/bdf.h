@@ -62,6 +62,7 @@ class Bdf final : public Stepper {
   void forget_interpolation() {
     has_differences_ = false;
     interpolates_x_.reset();
+    guess_.forget_ends();
   }
   Guess guess(const StrangenessFreeSystem& system, ErrorWeights& weights);
   StepOutcome judge(const LocalTerms& terms, double error);

@@ -57,6 +57,7 @@ void RadauOutput::resize(const StrangenessFreeSystem& system, int most_stages) {
 
 // Steps of one stage have no polynomial worth the name, and are short.
 void RadauOutput::note_step(const RadauHistory& history) {
+  guess_.forget_ends();
   const int s = history.polynomial().stages();
   const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_w, error = history.polynomial().error_of_w();
   interpolates_well_ = s > 1 && error <= limit;

@@ -69,7 +69,8 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   if (request.may_interpolate && has_interpolated(integrator, request, options, x, xdot)) return;
   find_values(integrator, request, options, x, xdot);
   const bool is_within = request.t != integrator.stepper->state().t;
-  if (is_within && request.may_refine &&
+  // Polynomials of nonlinear problems are never given up.
+  if (is_within && request.may_refine && integrator.system.is_linear() &&
       integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x))
     find_values(integrator, request, options, x, xdot);
   check_ranks(integrator, request.t);
@@ -83,7 +84,9 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
 void StepOutput::find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                              double* x, double* xdot) {
   DaeSystem& system = integrator.system;
-  const PointValues point{request.t, w_.data(), x_free_.data(), request.slopes == Slopes::none ? nullptr : xdot};
+  // w of nonlinear problems is in x, which they are restored from.
+  double* const w = system.is_linear() ? w_.data() : nullptr;
+  const PointValues point{request.t, w, x_free_.data(), request.slopes == Slopes::none ? nullptr : xdot};
   integrator.stepper->interpolate(point);
   move_to(integrator, request, point);
   if (!integrator.contradictions.tolerate(system.quality().inconsistency, options))

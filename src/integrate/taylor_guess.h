@@ -10,22 +10,26 @@
 namespace sfdae::core {
 
 struct TaylorGuess {
-  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first.
+  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first; empty: neither end is known.
   std::vector<double> here, before, at_start;
 
   void assign_zero(std::size_t size) {
     for (std::vector<double>* v : {&here, &before}) v->assign(size, 0.0);
     at_start.clear();
   }
+  // The polynomial is another one from here on.
+  void forget_ends() { at_start.clear(); }
   struct Times {
     double t, newest, start;
   };
   template <class Polynomial>
   Guess within(const Polynomial& polynomial, const Times& times, int order) {
     polynomial.taylor(times.t, order, here.data());
-    polynomial.taylor(times.newest, order, before.data());
-    at_start.resize(here.size());
-    polynomial.taylor(times.start, order, at_start.data());
+    if (at_start.empty()) {
+      polynomial.taylor(times.newest, order, before.data());
+      at_start.resize(here.size());
+      polynomial.taylor(times.start, order, at_start.data());
+    }
     return {here.data(), before.data(), nullptr, at_start.data()};
   }
 };

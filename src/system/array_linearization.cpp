@@ -68,6 +68,7 @@ void ArrayLinearization::resize() {
 
 PointStatus ArrayLinearization::renew(const Jet& jet, bool judged) {
   is_complete_ = false;
+  ++renewals_;
   const PointStatus status = linearize(jet, judged);
   is_complete_ = true;
   return status;

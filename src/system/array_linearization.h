@@ -48,6 +48,8 @@ class ArrayLinearization {
   // False after a renewal that did not come to its end, for want of memory for example: then nothing but a renewal is
   // allowed.
   bool is_complete() const { return is_complete_; }
+  // How often it has been made: what is derived from it holds until that changes.
+  long renewals() const { return renewals_; }
   // Makes the linearization again with these ranks, which are judged if they were.
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
@@ -113,6 +115,7 @@ class ArrayLinearization {
   Arena& arena_;
   Origin origin_;
   bool is_usable_ = false, is_complete_ = true;
+  long renewals_ = 0;
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm form_;

@@ -57,8 +57,9 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
     if (status != PointStatus::ok) return status;
     const double residual = max_abs(array_f_.data(), problem_.array_rows());
     largest_residual = std::max(largest_residual, residual);
-    solve_linearized(task, linearization, jet);
-    const double norm = apply_change(task, linearization, residuals(), dx_.data(), jet);
+    if (task.map == nullptr) solve_linearized(task, linearization, jet);
+    const double norm = task.map != nullptr ? apply_map(task, linearization, jet)
+                                            : apply_change(task, linearization, residuals(), dx_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = task.has_step ? before : std::max(before, earlier);
@@ -77,10 +78,12 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
   return PointStatus::not_converged;
 }
 
-PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet) {
+PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet,
+                                                  const ResidualMap* map) {
   const bool was_slow = chord_.is_slow();
   IterationTask task;
   task.is_mixed = true;
+  task.map = map;
   const PointStatus status = solve(task, linearization, jet);
   chord_.set_slow(was_slow);
   return status;
@@ -112,6 +115,15 @@ double NonlinearIteration::apply_change(const IterationTask& task, const ArrayLi
   linearization.apply_change(residuals, dx, dy_.data(), jet);
   return task.inverse_weights == nullptr ? relative_norm(linearization, dx, jet)
                                          : weighted_norm(task, linearization, dx);
+}
+
+double NonlinearIteration::apply_map(const IterationTask& task, const ArrayLinearization& linearization, Jet& jet) {
+  const std::size_t n = index(problem_.n());
+  task.map->apply(array_f_.data(), change_.data());
+  std::copy_n(change_.data(), n, dx_.data());
+  std::copy_n(change_.data() + n, change_.size() - n, dy_.data());
+  jet.add_scaled(dx_.data(), dy_.data(), problem_.jet_order(), linearization.data().time_scale, problem_.units());
+  return relative_norm(linearization, dx_.data(), jet);
 }
 
 // After a change by dx_ and dy_. These keep Z1^T E x, and so do their differences.

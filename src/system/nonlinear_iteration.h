@@ -10,6 +10,7 @@
 #include "system/array_linearization.h"
 #include "system/chord_iteration.h"
 #include "system/jet.h"
+#include "system/residual_map.h"
 
 namespace sfdae::core {
 
@@ -21,7 +22,8 @@ struct IterationTask {
   const double* x_rest = nullptr;
   const double* inverse_weights = nullptr;  // null: as accurately as rounding permits
   double tolerance = 0.0;                   // of the weighted changes of x
-  bool is_mixed = false;  // Anderson's method makes it faster, and lets it converge from farther off
+  bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
+  const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
 };
 
 // Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
@@ -37,7 +39,7 @@ class NonlinearIteration {
   // From the jet on, to the one that solves the task.
   PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
   // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
-  PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet);
+  PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet, const ResidualMap* map = nullptr);
   // Redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
   // linearization leave out equations that are not redundant: they contradict the others then.
   PointStatus check_redundant(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
@@ -56,6 +58,7 @@ class NonlinearIteration {
   ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+  double apply_map(const IterationTask& task, const ArrayLinearization& linearization, Jet& jet);
   void mix(const ArrayLinearization& linearization, Jet& jet);
   double relative_norm(const ArrayLinearization& linearization, const double* dx, const Jet& jet) const;
   double weighted_norm(const IterationTask& task, const ArrayLinearization& linearization, const double* dx) const;

@@ -89,16 +89,20 @@ void solve_constraints(Work& work) {
   apply_q(constraints.factors(), rank, constraints.tau(), xp);
 }
 
+// g0 := sign Z1^T E xp; image: room for m entries.
+void take_moved(const Work& work, double sign, Lanes* image, Lanes* g0) {
+  clear(image, work.m());
+  add_product(1.0, plain(work.data.E(0)), work.changes, image);
+  clear(g0, work.form.d);
+  add_product(sign, transposed(work.form.Z1()), image, g0);
+}
+
 // r := Z1^T (A xp + f_step) - tau/h sum_j D_ij Z1^T E xp_j
 void take_right_hand_sides(Work& work) {
   const TaylorData& data = work.data;
   const NullSpaceForm& form = work.form;
-  const int m = work.m();
-  Lanes *const image = work.scratch, *const g0 = image + m;
-  clear(image, m);
-  add_product(1.0, plain(data.E(0)), work.changes, image);
-  clear(g0, form.d);
-  add_product(1.0, transposed(form.Z1()), image, g0);
+  Lanes* const g0 = work.scratch + work.m();
+  take_moved(work, 1.0, work.scratch, g0);
   add_product(1.0, plain(data.A(0)), work.changes, work.f_step);
   clear(work.r, form.d);
   add_product(1.0, transposed(form.Z1()), work.f_step, work.r);
@@ -158,15 +162,20 @@ void recover_stage(Work& work, const StoredElimination::StageView& stage, int i)
   for (int k = rank; k < n; ++k) y[stage.pivots[k]] = y_q[k - rank];
 }
 
-void change_all(Work& work) {
+// x = xp + T2 z and the y that belongs to it.
+void recover(Work& work) {
   const StoredElimination& elimination = work.elimination;
-  const int n = work.n(), count = (elimination.level() + 2) * n;
   add_product(1.0, plain(work.form.T2()), work.z, work.changes);
   for (int i = 0; i <= elimination.level(); ++i) {
     const StoredElimination::StageView stage = elimination.stage(i);
     if (elimination.is_combined()) recover_combined(work, stage, i);
     else recover_stage(work, stage, i);
   }
+}
+
+void change_all(Work& work) {
+  const int count = (work.elimination.level() + 2) * work.n();
+  recover(work);
   LaneMask bad{};
   for (int k = 0; k < count; ++k) {
     note_not_finite(work.changes[k], bad);
@@ -178,9 +187,17 @@ void change_all(Work& work) {
   work.norm = largest_above_noise(work.changes, count, work.noise, work.norms);
 }
 
+void reduce_all_scaled(Work& work) {
+  transform(work);
+  solve_constraints(work);
+  take_moved(work, -1.0, work.scratch, work.r);
+}
+
 SFDAE_LANE_KERNEL(take_all_slopes, Work)
 SFDAE_LANE_KERNEL(reduce_all, Work)
 SFDAE_LANE_KERNEL(change_all, Work)
+SFDAE_LANE_KERNEL(reduce_all_scaled, Work)
+SFDAE_LANE_KERNEL(recover, Work)
 
 }  // namespace
 
@@ -188,5 +205,7 @@ int scratch_of_lanes(int m, int n, int mu) { return 3 * (mu + 1) * m + 4 * m + (
 void take_slopes(NonlinearLaneWork& work) { run_take_all_slopes(work); }
 void reduce_residuals(NonlinearLaneWork& work) { run_reduce_all(work); }
 void change_jets(NonlinearLaneWork& work) { run_change_all(work); }
+void reduce_scaled_residuals(NonlinearLaneWork& work) { run_reduce_all_scaled(work); }
+void recover_changes(NonlinearLaneWork& work) { run_recover(work); }
 
 }  // namespace sfdae::core

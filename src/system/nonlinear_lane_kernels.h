@@ -41,5 +41,9 @@ void take_slopes(NonlinearLaneWork& work);
 void reduce_residuals(NonlinearLaneWork& work);
 // From z: the changes, their norm, and the jets changed by them.
 void change_jets(NonlinearLaneWork& work);
+// Without a step. From f, which is scaled: transformed, xp and r = -Z1^T E xp.
+void reduce_scaled_residuals(NonlinearLaneWork& work);
+// From z: the changes alone.
+void recover_changes(NonlinearLaneWork& work);
 
 }  // namespace sfdae::core

@@ -45,6 +45,7 @@ void NonlinearSystem::update_traits() {
 void NonlinearSystem::resize() {
   linearization_.resize();
   iteration_.resize();
+  map_.resize(problem_);
   index_zero_.resize();
   history_.resize(problem_.n(), problem_.jet_order());
   jet_.n = problem_.n();
@@ -294,8 +295,12 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
     history_.predict(guess, 0, linearization_.determined(), units(), jet_);
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
-  PointStatus status =
-      linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
+  PointStatus status = PointStatus::not_converged;
+  if (linearization_.is_usable()) {
+    // The ends of steps, which there are as many of as of linearizations, do without.
+    const bool has_map = jet_.t != history_.accepted().t && map_.make(problem_, linearization_, arena_);
+    status = iteration_.solve_to_rounding(linearization_, jet_, has_map ? &map_ : nullptr);
+  }
   if (status == PointStatus::callback_error) callback_error_.raise();
   // Between the ends of a long step the linearization may be too far off.
   if (status != PointStatus::ok) restore_anew();

@@ -127,6 +127,7 @@ class NonlinearSystem final : public DaeSystem {
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
   NonlinearIteration iteration_{problem_, arena_};
+  ResidualMap map_;  // of linearization_, for points within steps
   IndexZeroStep index_zero_{problem_, arena_};
   RankCheck rank_check_{problem_, arena_};
   NonlinearStages stages_{problem_, arena_};
