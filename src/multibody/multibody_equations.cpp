@@ -21,6 +21,14 @@ PointStatus MultibodyEquations::constraints(MultibodyPoint& point) {
   return status();
 }
 
+std::optional<PointStatus> MultibodyEquations::both_levels(MultibodyPoint& point, bool with_gradients,
+                                                           double* residuals) {
+  Matrix* const g_q = with_gradients ? &point.terms.g_q : nullptr;
+  if (!problem_.constraints_on_both_levels({point.t, point.q.data(), point.v.data(), residuals, g_q}, error_))
+    return std::nullopt;
+  return status();
+}
+
 PointStatus MultibodyEquations::at_position(MultibodyPoint& point) {
   error_ = problem_.at_position(point.t, point.q.data(), point.terms);
   return status();

@@ -4,6 +4,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "multibody/multibody_form.h"
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_problem.h"
@@ -31,6 +33,8 @@ class MultibodyEquations {
 
   // Terms at the point: g alone; all but f and s; all.
   PointStatus constraints(MultibodyPoint& point);
+  // g and C v + r of the point, with g_q in its terms if that is wanted; none: see MultibodyProblem.
+  std::optional<PointStatus> both_levels(MultibodyPoint& point, bool with_gradients, double* residuals);
   PointStatus at_position(MultibodyPoint& point);
   PointStatus at_velocity(MultibodyPoint& point);
   // All terms at several points; false where one of them has to be looked at alone.

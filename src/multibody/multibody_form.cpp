@@ -59,10 +59,10 @@ bool MultibodyForm::build_tangents(const MultibodyPoint& point, Tangents& tangen
   return same_rows_ ? fits : tangents.velocities.build(velocities_, point.velocity_rows(), arena) && fits;
 }
 
-bool MultibodyForm::fit_tangents(const MultibodyPoint& point, Tangents& tangents) const {
+bool MultibodyForm::fit_tangents(const MultibodyPoint& point, Tangents& tangents, Tangent::Uses uses) const {
   tangents.same_rows = same_rows_;
-  const bool fits = tangents.positions.fit(positions_, point.position_rows());
-  return same_rows_ ? fits : tangents.velocities.fit(velocities_, point.velocity_rows()) && fits;
+  const bool fits = tangents.positions.fit(positions_, point.position_rows(), uses);
+  return same_rows_ ? fits : tangents.velocities.fit(velocities_, point.velocity_rows(), uses) && fits;
 }
 
 void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena) {

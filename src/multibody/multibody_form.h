@@ -48,7 +48,7 @@ class MultibodyForm {
   // T and N at a point; false if the partition does not fit it at all.
   bool build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const;
   // N alone at a point; false if the partition does not fit it at all.
-  bool fit_tangents(const MultibodyPoint& point, Tangents& tangents) const;
+  bool fit_tangents(const MultibodyPoint& point, Tangents& tangents, Tangent::Uses uses = Tangent::Uses::many) const;
   // For the point of the linearization.
   bool build_tangents(const MultibodyPoint& point, Arena& arena) { return build_tangents(point, tangents_, arena); }
   // B, after build_tangents; point: K factored there, a and mu known.

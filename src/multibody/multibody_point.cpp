@@ -277,21 +277,27 @@ bool positions_hold_to_rounding(const MultibodyPoint& point) {
 }
 
 bool velocities_hold_to_rounding(const MultibodyPoint& point) {
-  const ConstView C = point.terms.C;
-  std::vector<double> residuals(index(C.rows) + 1), rates(point.q.size(), 0.0);
+  const int rows = point.terms.C.rows();
+  std::vector<double> residuals(index(rows) + 1), rates(point.q.size(), 0.0);
   point.velocity_residuals(residuals.data());
-  const double size = largest(point.v);
   // C = g_q S may vanish but for rounding errors, as for the length of a quaternion.
   const Matrix& S = point.terms.S;
   for (int j = 0; j < S.cols(); ++j)
     for (int k = 0; k < S.rows(); ++k) rates[index(k)] += std::fabs(S(k, j) * point.v[index(j)]);
+  return velocities_hold_to_rounding(point, residuals.data(), rates.data());
+}
+
+bool velocities_hold_to_rounding(const MultibodyPoint& point, const double* residuals, const double* rates) {
+  const ConstView C = point.terms.C;
+  const Matrix& S = point.terms.S;
+  const double size = largest(point.v);
   for (int i = 0; i < C.rows; ++i) {
     double terms = std::fabs(point.terms.velocity_rest[index(i)]);
     for (int j = 0; j < C.cols; ++j) terms += std::fabs(C(i, j) * point.v[index(j)]);
     for (int k = 0; k < S.rows() && i < point.terms.g_q.rows(); ++k)
-      terms += std::fabs(point.terms.g_q(i, k) * rates[index(k)]);
+      terms += std::fabs(point.terms.g_q(i, k) * rates[k]);
     terms = std::max(terms, point.velocity_units[index(i)] * size);
-    if (!(std::fabs(residuals[index(i)]) <= roundings * terms)) return false;
+    if (!(std::fabs(residuals[i]) <= roundings * terms)) return false;
   }
   return true;
 }

@@ -86,5 +86,7 @@ double velocity_residual(const MultibodyPoint& point);
 // Whether the constraints on positions, and those on velocities, hold there but for rounding errors of t, q and v.
 bool positions_hold_to_rounding(const MultibodyPoint& point);
 bool velocities_hold_to_rounding(const MultibodyPoint& point);
+// With C v + r and |S| |v| known; the latter is not looked at where S is the identity.
+bool velocities_hold_to_rounding(const MultibodyPoint& point, const double* residuals, const double* rates);
 
 }  // namespace sfdae::core

@@ -39,6 +39,7 @@ struct MultibodyTerms {
   std::vector<double> g, f;
   std::vector<double> velocity_rest;      // r
   std::vector<double> acceleration_rest;  // s
+  const void* whose_numbers = nullptr;    // entries that are numbers are known already: those of this object
 };
 
 // A point with accelerations and forces of constraints: those of the motion through it, or what is held for them.
@@ -59,6 +60,15 @@ struct MultibodyJacobian {
   Matrix kinematics_q;                    // of S v: nq x nq, empty where S is the identity
 };
 
+// g and C v + r at (t, q, v), one below the other, and g_q, null if it is not wanted.
+struct MultibodyLevels {
+  double t;
+  const double* q;
+  const double* v;
+  double* residuals;
+  Matrix* g_q;
+};
+
 class MultibodyProblem : public Problem {
  public:
   virtual ~MultibodyProblem() = default;
@@ -75,6 +85,9 @@ class MultibodyProblem : public Problem {
 
   // g alone.
   virtual CallbackError constraints(double t, const double* q, double* g) = 0;
+  // g and C v + r together, with g_q unless that is null; false: not here, as S is not the identity, there are nonholonomic
+  // constraints, or the problem has no way of its own.
+  virtual bool constraints_on_both_levels(const MultibodyLevels& /*at*/, CallbackError& /*error*/) { return false; }
   // All but f and s.
   virtual CallbackError at_position(double t, const double* q, MultibodyTerms& terms) = 0;
   // All.

@@ -92,7 +92,7 @@ PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, Multib
 // Constraints are linear in v: one change is enough, after which what depends on v is evaluated again unless the
 // change is a rounding error.
 PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, MultibodyEquations& equations,
-                                                    const MultibodyForm& form, Arena& arena) {
+                                                    const MultibodyForm& form, Arena& arena, bool has_approached) {
   // Relative to v: some hundred roundings. No figures were recorded.
   constexpr double negligible = 1e-13;
   const int nv = static_cast<int>(point.v.size());
@@ -100,6 +100,8 @@ PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, Multi
   double* residuals = arena.take(point.velocity_units.size());
   double* change = arena.take(point.v.size());
   point.velocity_residuals(residuals);
+  // Where directions depend on each other changes by rounding errors are not so small.
+  if (has_approached && velocities_hold_to_rounding(point, residuals, nullptr)) return PointStatus::ok;
   tangents_.of_velocities().correction(form.velocities(), residuals, change, arena);
   for (int k = 0; k < nv; ++k) point.v[index(k)] += change[k];
   if (max_abs(change, nv) > negligible * largest(point.v)) return equations.at_velocity(point);
@@ -115,8 +117,73 @@ PointStatus MultibodyProjection::project(MultibodyPoint& point, MultibodyEquatio
     if (status != PointStatus::ok) return status;
     point.measure_rows();
   }
-  if (!build_tangents(point, form, arena)) return PointStatus::singular;
-  if (moves != Moves::nothing) status = project_velocities(point, equations, form, arena);
+  return build_tangents(point, form, arena) ? finish(point, equations, form, arena, moves) : PointStatus::singular;
+}
+
+PointStatus MultibodyProjection::project_output(MultibodyPoint& point, MultibodyEquations& equations,
+                                                const MultibodyForm& form, Arena& arena) {
+  const std::size_t nq = point.q.size(), nv = point.v.size();
+  {
+    const Arena::Frame frame(arena);
+    double* const given = arena.take(nq + nv);
+    std::copy_n(point.v.data(), nv, std::copy_n(point.q.data(), nq, given));
+    if (!approach(point, equations, form, arena)) {
+      std::copy_n(given, nq, point.q.data());
+      std::copy_n(given + nq, nv, point.v.data());
+      return project(point, equations, form, arena);
+    }
+  }
+  // Rows are as long as at the point given, but for next to nothing.
+  const PointStatus status = equations.at_velocity(point);
+  if (status != PointStatus::ok) return status;
+  return form.fit_tangents(point, tangents_, Tangent::Uses::few) ? finish(point, equations, form, arena, Moves::rest)
+                                                                 : PointStatus::singular;
+}
+
+// Newton's method with N of the point given: positions to rounding, velocities so near that what one more change does to forces
+// is a rounding error as a rule. False: not here, or not so fast.
+bool MultibodyProjection::approach(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
+                                   Arena& arena) {
+  // Iterations; relative changes as in project_positions; of velocities, those that project_velocities need not look at again;
+  // the rate that Newton's method does not have unless it sees rounding errors. (Chosen: iterations by those that are needed.)
+  constexpr int most = 5;
+  constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, negligible_in_v = 2e-14, slow = 1e-2;
+  if (!form.has_velocities_as_rates() || form.positions().rank == 0) return false;
+  const Arena::Frame frame(arena);
+  const std::size_t nq = point.q.size(), nl = point.terms.g.size();
+  double* const residuals = arena.take(2 * nl);
+  double* const change = arena.take(2 * nq);
+  double before = 0.0, before_in_v = 0.0;
+  bool has_positions = false;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const std::optional<PointStatus> status = equations.both_levels(point, iteration == 0, residuals);
+    if (status != PointStatus::ok) return false;
+    if (iteration == 0) {
+      point.measure_rows();
+      if (!form.fit_tangents(point, tangents_, Tangent::Uses::few)) return false;
+    }
+    if (has_positions) tangents_.positions.correction(form.velocities(), residuals + nl, change + nq, arena);
+    else form.particular(tangents_, {residuals, residuals + nl}, change, arena);
+    const double norm = has_positions ? 0.0 : add_change(change, inverse_weights_.data(), point.q).relative;
+    for (std::size_t k = 0; k < nq; ++k) point.v[k] += change[nq + k];
+    const double norm_in_v = max_abs(change + nq, static_cast<int>(nq)) / size_of(point.v);
+    if (!std::isfinite(norm) || !std::isfinite(norm_in_v)) return false;
+    const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0,
+                 rate_in_v = iteration > 0 ? norm_in_v / std::max(before_in_v, negligible_in_v) : 1.0;
+    has_positions = norm <= negligible || rate * norm <= negligible || (iteration > 0 && rate > 0.5 && norm <= small);
+    // Rounding errors know lengths other than v, which may be zero: once more at most.
+    if (has_positions && (iteration > 1 || rate_in_v * norm_in_v <= negligible_in_v)) return true;
+    if (!has_positions && iteration > 0 && rate > slow && norm > small) return false;
+    before = norm;
+    before_in_v = norm_in_v;
+  }
+  return false;
+}
+
+PointStatus MultibodyProjection::finish(MultibodyPoint& point, MultibodyEquations& equations,
+                                        const MultibodyForm& form, Arena& arena, Moves moves) {
+  PointStatus status = PointStatus::ok;
+  if (moves != Moves::nothing) status = project_velocities(point, equations, form, arena, moves == Moves::rest);
   if (status != PointStatus::ok) return status;
   status = equations.accelerations(point, form.velocities(), tangents_.of_velocities(), arena);
   if (status != PointStatus::ok) return status;
@@ -131,6 +198,10 @@ void MultibodyProjection::measure_inconsistency(const MultibodyPoint& point, con
                                                 Arena& arena) {
   inconsistency_ = 0.0;
   inconsistent_row_ = -1;
+  const auto has_dependent_rows = [](const Partition& partition) {
+    return index(partition.rank) < partition.rows.size();
+  };
+  if (!has_dependent_rows(form.positions()) && !has_dependent_rows(form.velocities())) return;
   // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default:
   // where values are near zero it may be nothing but rounding errors.
   constexpr double tolerances = 1e5;

@@ -2,6 +2,9 @@
 //
 // Only the dependent directions of the partition move: Q_q2 until g = 0 to rounding, then Q_v2 until C v + r = 0.
 // Accelerations and forces are those of the point found.
+//
+// Outputs are many: Newton's method on both levels at once brings them so near that terms need be evaluated once
+// (docs/decisions/89-cheaper-outputs.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,12 +23,15 @@ class MultibodyProjection {
   // Of (q, v): an error of one unit is as large as the tolerance. 0, before there are any, for no tolerance.
   void set_weights(const double* inverse_weights);
 
-  // What is to move; positions that stay are those of a point with terms and rows.
-  enum class Moves { all, velocities, nothing };
+  // What is to move; positions that stay are those of a point with terms and rows. rest: velocities, which approach() has moved.
+  enum class Moves { all, velocities, rest, nothing };
   // The form: of a linearization near the point.
   PointStatus project(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena,
                       Moves moves = Moves::all);
-  // T and N of the point projected last.
+  // All moves, for a point that is no end of a step; what later ones depend on is left as it is.
+  PointStatus project_output(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
+                             Arena& arena);
+  // T and N of the point projected last, T where it was needed if that is an output.
   const Tangents& tangents() const { return tangents_; }
   // At a point whose rows are measured; false if the partition does not fit it.
   bool build_tangents(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena) {
@@ -38,10 +44,13 @@ class MultibodyProjection {
   std::string inconsistency_message(const MultibodyProblem& problem, double t) const;
 
  private:
+  bool approach(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena);
+  PointStatus finish(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena,
+                     Moves moves);
   PointStatus project_positions(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
                                 Arena& arena);
   PointStatus project_velocities(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
-                                 Arena& arena);
+                                 Arena& arena, bool has_approached);
   void measure_inconsistency(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena);
   void compare(const Partition& partition, const double* residuals, const double* units, double size);
 

@@ -122,6 +122,22 @@ CallbackError RecordedMultibody::constraints(double t, const double* q, double* 
   return error;
 }
 
+// Along q + v s.
+bool RecordedMultibody::constraints_on_both_levels(const MultibodyLevels& at, CallbackError& error) {
+  if (!constraints_ || kinematics_ || nonholonomic_) return false;
+  error = begin(at.t);
+  ++evaluations_;
+  if (error.status != SFDAE_OK) return true;
+  const int nq = sizes().positions;
+  std::copy_n(at.q, nq, q_jet_.data());
+  std::copy_n(at.v, nq, q_jet_.data() + nq);
+  const SeriesOrders orders{1, -1, at.g_q != nullptr ? 0 : -1};
+  if (!constraints_->gradients(at.t, q_jet_.data(), orders, at.residuals, nullptr,
+                               at.g_q != nullptr ? at.g_q->data() : nullptr))
+    report_failure(*constraints_, error);
+  return true;
+}
+
 // Along q_jet_, up to q_2 (order 2) or with q_1 = 0.
 bool RecordedMultibody::evaluate_constraints(int order, MultibodyTerms& terms, CallbackError& error) {
   const int nl = sizes().holonomic, nq = sizes().positions, nv = sizes().velocities;

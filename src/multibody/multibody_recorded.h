@@ -31,6 +31,7 @@ class RecordedMultibody final : public MultibodyProblem {
 
   bool has_kinematics() const override { return kinematics_.has_value(); }
   CallbackError constraints(double t, const double* q, double* g) override;
+  bool constraints_on_both_levels(const MultibodyLevels& at, CallbackError& error) override;
   CallbackError at_position(double t, const double* q, MultibodyTerms& terms) override;
   CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
   bool has_lanes() const override { return !kinematics_ && !nonholonomic_; }

@@ -68,11 +68,14 @@ bool RecordedTerms::evaluate(const double* x, bool with_forces, MultibodyTerms& 
     std::copy_n(entries_of(numbers_, part), count, entries_of(terms, part));
   };
   const std::size_t nv = index(sizes_.velocities);
-  copy_numbers(Part::M, nv * nv);
-  copy_numbers(Part::C, index(sizes_.constraints()) * nv);
-  copy_numbers(Part::rest, index(sizes_.constraints()));
-  if (has_kinematics) copy_numbers(Part::S, index(sizes_.positions) * nv);
-  if (with_forces) copy_numbers(Part::f, nv);
+  if (terms.whose_numbers != this) {
+    copy_numbers(Part::M, nv * nv);
+    copy_numbers(Part::C, index(sizes_.constraints()) * nv);
+    copy_numbers(Part::rest, index(sizes_.constraints()));
+    if (has_kinematics) copy_numbers(Part::S, index(sizes_.positions) * nv);
+    copy_numbers(Part::f, nv);
+    terms.whose_numbers = this;
+  }
   for (const Place& place : with_forces ? all_places_ : position_places_)
     entries_of(terms, place.part)[place.entry] = values_[place.value];
   return true;

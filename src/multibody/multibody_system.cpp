@@ -233,7 +233,7 @@ void MultibodySystem::restore(const double*, const double* x_free, const Guess&,
   if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);
-  const PointStatus status = project(end_);
+  const PointStatus status = projection_.project_output(end_, equations_, linearization_.form(), arena_);
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,

@@ -49,7 +49,7 @@ bool Tangent::invert(const Partition& partition, View C2) {
   double pivots[most_explicit];
   if (!invert_small(C2, pivots, sign_)) return false;
   for (int k = 0; k < rank_; ++k) pivot_ = std::min(pivot_, std::fabs(pivots[k]));
-  multiply(1.0, Op::plain, partition.Q2(), Op::plain, C2, 0.0, N_.view().columns(0, rank_));
+  if (has_N_) multiply(1.0, Op::plain, partition.Q2(), Op::plain, C2, 0.0, N_.view().columns(0, rank_));
   return true;
 }
 
@@ -62,10 +62,11 @@ bool Tangent::factor(View C2) {
   return true;
 }
 
-bool Tangent::fit(const Partition& partition, const ConstraintRows& constraints) {
+bool Tangent::fit(const Partition& partition, const ConstraintRows& constraints, Uses uses) {
   const int n = partition.Q.rows(), r = partition.rank;
   rank_ = r;
   is_complete_ = false;
+  has_N_ = uses == Uses::many && r <= most_explicit;
   rotation_ = 0.0;
   pivot_ = 1.0;
   sign_ = 1;
@@ -114,8 +115,14 @@ void Tangent::gather(const Partition& partition, const double* residuals, double
 
 void Tangent::subtract(const Partition& partition, double* b, double* w) const {
   const int r = rank_;
-  if (r <= most_explicit) return multiply(-1.0, Op::plain, N_.view().columns(0, r), b, 1.0, w);
-  solve_lu(ConstView{lu_.data(), r, r, r}, pivots_.data(), b);
+  if (has_N_) return multiply(-1.0, Op::plain, N_.view().columns(0, r), b, 1.0, w);
+  const ConstView lu{lu_.data(), r, r, r};
+  if (r <= most_explicit) {
+    double solution[most_explicit];
+    multiply(1.0, Op::plain, lu, b, 0.0, solution);
+    return multiply(-1.0, Op::plain, partition.Q2(), solution, 1.0, w);
+  }
+  solve_lu(lu, pivots_.data(), b);
   multiply(-1.0, Op::plain, partition.Q2(), b, 1.0, w);
 }
 
@@ -135,8 +142,12 @@ void Tangent::relative_to_rows(const Partition& partition, ConstView B, View Xt,
   const View independent = arena.matrix(r, n);
   for (int j = 0; j < n; ++j)
     for (int k = 0; k < r; ++k) independent(k, j) = units_[index(k)] * B(partition.rows[index(k)], j);
-  if (r <= most_explicit) {
+  if (has_N_) {
     multiply(1.0, Op::transposed, N_.view().columns(0, r), Op::transposed, independent, 0.0, Xt);
+  } else if (r <= most_explicit) {
+    const View along = arena.matrix(r, r);
+    multiply(1.0, Op::transposed, partition.Q2(), Op::transposed, independent, 0.0, along);
+    multiply(1.0, Op::transposed, ConstView{lu_.data(), r, r, r}, Op::plain, along, 0.0, Xt);
   } else {
     multiply(1.0, Op::transposed, partition.Q2(), Op::transposed, independent, 0.0, Xt);
     solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), Xt);
@@ -185,8 +196,12 @@ void Tangent::multipliers(const Partition& partition, const double* force, doubl
   if (r == 0) return;
   const Arena::Frame frame(arena);
   double* b = arena.take(index(r));
-  if (r <= most_explicit) {
+  if (has_N_) {
     multiply(1.0, Op::transposed, N_.view().columns(0, r), force, 0.0, b);
+  } else if (r <= most_explicit) {
+    double along[most_explicit];
+    multiply(1.0, Op::transposed, partition.Q2(), force, 0.0, along);
+    multiply(1.0, Op::transposed, ConstView{lu_.data(), r, r, r}, along, 0.0, b);
   } else {
     multiply(1.0, Op::transposed, partition.Q2(), force, 0.0, b);
     solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), {b, r, 1, r});

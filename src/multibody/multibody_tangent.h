@@ -21,8 +21,9 @@ namespace sfdae::core {
 class Tangent {
  public:
   void resize(int directions, int constraints);
-  // Without T. False if C Q2 is singular.
-  bool fit(const Partition& partition, const ConstraintRows& constraints);
+  // Without T. False if C Q2 is singular. few: N is not formed, as products with its factors cost less.
+  enum class Uses { many, few };
+  bool fit(const Partition& partition, const ConstraintRows& constraints, Uses uses = Uses::many);
   // T and E, after fit; false if they are not finite.
   bool complete(const Partition& partition, Arena& arena);
   bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
@@ -65,11 +66,11 @@ class Tangent {
   void subtract(const Partition& partition, double* b, double* w) const;
 
   int rank_ = 0;
-  bool is_complete_ = false;
+  bool is_complete_ = false, has_N_ = false;
   Matrix C_;  // independent rows in their units
   Matrix T_;
-  Matrix N_;   // for these rows, where they are few
-  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2
+  Matrix N_;   // for these rows, if has_N_
+  Matrix lu_;  // (C Q2)^-1 where the rows are few, else the factors of C Q2
   std::vector<int> pivots_;
   std::vector<double> units_;
   double rotation_ = 0.0, pivot_ = 1.0;

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "family_problem.h"
@@ -263,6 +264,43 @@ TEST(Outputs, ConsistentOnesOfRawEquationsTakeFewIterations) {
   one.integrate(1, false, [] {});
   many.integrate(outputs, false, [] {});
   EXPECT_LE(many.statistics().evaluations_F - one.statistics().evaluations_F, 7.5 * outputs);
+}
+
+// Evaluations at outputs of mechanical systems: both levels twice or three times, and all terms once.
+TEST(Outputs, ConsistentOnesOfMultibodySystemsTakeFewEvaluations) {
+  constexpr int outputs = 500;
+  MultibodyCase pendulum("pendulum", 10.0), andrews("andrews", 0.0);
+  for (Problem* problem : {static_cast<Problem*>(&pendulum), static_cast<Problem*>(&andrews)})
+    for (const auto& [method, tol] : {std::pair{SFDAE_METHOD_RADAU, 1e-6}, std::pair{SFDAE_METHOD_BDF, 1e-4}}) {
+      const sfdae_options options = options_for(method, SFDAE_OUTPUT_CONSISTENT, tol);
+      Course one(*problem, options), many(*problem, options);
+      one.integrate(1, false, [] {});
+      many.integrate(outputs, false, [] {});
+      EXPECT_LE(many.statistics().evaluations_F - one.statistics().evaluations_F, 4.2 * outputs)
+          << problem->start.size() << " " << name_of(method, SFDAE_OUTPUT_CONSISTENT);
+    }
+}
+
+// Positions, velocities and multipliers of a consistent output: an integration that starts there, where all that holds stays,
+// has the same multipliers.
+TEST(Outputs, ConsistentOnesOfMultibodySystemsHaveTheirMultipliers) {
+  for (const auto& [method, tol] : {std::pair{SFDAE_METHOD_RADAU, 1e-6}, std::pair{SFDAE_METHOD_BDF, 1e-4}}) {
+    MultibodyCase andrews("andrews", 0.0);
+    Course run(andrews, options_for(method, SFDAE_OUTPUT_CONSISTENT, tol));
+    run.integrate(50, false, [&] {
+      if (run.t == andrews.tf) return;
+      MultibodyCase there("andrews", 0.0);
+      there.t0 = run.t;
+      there.start = run.x;
+      const Course started(there, options_for(method, SFDAE_OUTPUT_CONSISTENT, tol));
+      double size = 0.0;
+      for (std::size_t i = 14; i < run.x.size(); ++i) size = std::max(size, std::fabs(run.x[i]));
+      for (std::size_t i = 0; i < run.x.size(); ++i) {
+        const double scale = i < 14 ? 1.0 + std::fabs(run.x[i]) : size;
+        EXPECT_NEAR(run.x[i], started.x[i], (i < 7 ? 1e-13 : i < 14 ? 1e-11 : 1e-9) * scale) << run.t << " " << i;
+      }
+    });
+  }
 }
 
 // Rows of A x + f = 0 where those of E vanish.
