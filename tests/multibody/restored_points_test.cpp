@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "multibody/models.h"
@@ -30,7 +31,10 @@ class Watched final : public MultibodyProblem {
   CallbackError constraints(double t, const double* q, double* g) override { return problem_.constraints(t, q, g); }
   bool constraints_on_both_levels(const MultibodyLevels& at, CallbackError& error) override {
     ++levels;
-    return has_levels_ && problem_.constraints_on_both_levels(at, error);
+    if (!has_levels_ || !problem_.constraints_on_both_levels(at, error)) return false;
+    const int nl = sizes().holonomic;
+    for (int i = 0; i < nl; ++i) at.residuals[nl + i] += error_of_velocities;
+    return true;
   }
   CallbackError at_position(double t, const double* q, MultibodyTerms& terms) override {
     return problem_.at_position(t, q, terms);
@@ -44,6 +48,7 @@ class Watched final : public MultibodyProblem {
     return problem_.linearize(state, terms, jacobian);
   }
   int levels = 0, all_terms = 0;
+  double error_of_velocities = 0.0;
 
  private:
   MultibodyProblem& problem_;
@@ -150,19 +155,41 @@ TestProblem start_of_balloon() {
 
 TEST(RestoredPoints, MoveWithTime) { expect_same_points(Balloon(), start_of_balloon()); }
 
-// Where Newton's method is not as fast as near by, terms at every iterate lead to the point.
-TEST(RestoredPoints, AreFoundFromFarAway) {
+// |q|^2 - t and 2 q v - 1.
+std::pair<double, double> residuals_of_balloon(const Vector& x, double t) {
+  double square = -t, rate = -1.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    square += x[i] * x[i];
+    rate += 2.0 * x[i] * x[3 + i];
+  }
+  return {square, rate};
+}
+
+// From far away, too, where Newton's method is not as fast and terms at every iterate lead to the point.
+TEST(RestoredPoints, FulfilBothLevelsToRounding) {
   const Balloon balloon;
   const std::unique_ptr<MultibodyProblem> problem = recorded(balloon);
-  Watched newton(*problem, true);
-  const Restored found = restore(newton, start_of_balloon(), 0.3);
-  double square = -1.3, rate = -1.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    square += found.x[i] * found.x[i];
-    rate += 2.0 * found.x[i] * found.x[3 + i];
+  for (double part = 0.3; part > 1e-15; part *= 0.5) {
+    Watched newton(*problem, true);
+    const auto [square, rate] = residuals_of_balloon(restore(newton, start_of_balloon(), part).x, 1.0 + part);
+    EXPECT_NEAR(square, 0.0, 1e-15) << part;
+    EXPECT_NEAR(rate, 0.0, 5e-15) << part;
   }
-  EXPECT_NEAR(square, 0.0, 1e-15);
-  EXPECT_NEAR(rate, 0.0, 1e-14);
+}
+
+// What Newton's method leaves of velocities is corrected in the end, and forces are those of the velocities that are found.
+TEST(RestoredPoints, HaveVelocitiesCorrectedInTheEnd) {
+  const Balloon balloon;
+  const std::unique_ptr<MultibodyProblem> problem = recorded(balloon);
+  constexpr double part = 1e-6;
+  Watched newton(*problem, true), other(*problem, false);
+  newton.error_of_velocities = 1e-5;
+  const Restored found = restore(newton, start_of_balloon(), part),
+                 expected = restore(other, start_of_balloon(), part);
+  EXPECT_NEAR(residuals_of_balloon(found.x, 1.0 + part).second, 0.0, 5e-15);
+  EXPECT_EQ(found.all_terms, 2);
+  // Along Q2, from where the point was given.
+  for (std::size_t i = 0; i < found.x.size(); ++i) EXPECT_NEAR(found.x[i], expected.x[i], 1e-9) << i;
 }
 
 }  // namespace
