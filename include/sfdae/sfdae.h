@@ -310,10 +310,10 @@ typedef struct sfdae_options {
   /** Recorded equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of them has
    * to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
    * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
-   * needed are left out, and from some 100 columns of the array on all matrices are sparse; else the whole array is taken,
-   * or, with more than 5000 unknowns, the failure is reported. Results are the same within the tolerances. With sparse
-   * matrices, equations that depend on others wherever one looks, as those of nodes on both sides of a capacitor do, are
-   * replaced by sums in which numbers cancel, if constant factors do it.
+   * needed are left out, and from some 100 columns of the array on (20 where nothing has to be differentiated) all matrices
+   * are sparse; else the whole array is taken, or, with more than 5000 unknowns, the failure is reported. Results are the
+   * same within the tolerances. With sparse matrices, equations that depend on others wherever one looks, as those of nodes
+   * on both sides of a capacitor do, are replaced by sums in which numbers cancel, if constant factors do it.
    * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
    * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions without patterns, prescribed

@@ -229,6 +229,7 @@ PointStatus ExtensionSystem::iterate_with_renewal(Start guess, Iterate iterate) 
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
   status = renew(guess());
+  const DoubtedMatrix doubt(iteration_.chord());
   if (status == PointStatus::ok) status = iterate();
   if (status != PointStatus::ok) linearization_.forget();
   return status;

@@ -15,8 +15,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
-constexpr double least_array = 100.0;
+// Columns of the derivative array from which on the extension is taken (docs/decisions/47-minimal-extension.md). Where nothing has to be
+// differentiated it is the equations as they are (docs/decisions/90-small-problems-of-index-zero.md).
+constexpr double least_array = 100.0, least_array_as_recorded = 20.0;
 // Units of unknowns that are so far apart lead arrays astray, or may have done so (docs/decisions/84-units-of-blocks.md). By judgement.
 constexpr double far_apart = 65536.0, apart = 1024.0;
 
@@ -52,9 +53,10 @@ void StructuredModel::parameters_changed() {
   }
 }
 
-double StructuredModel::array_size() const {
-  const Offsets& offsets = problem_.structure()->offsets;
-  return static_cast<double>(classical_->n()) * (offsets.index_bound() + 1);
+bool StructuredModel::is_array_large() const {
+  const int bound = problem_.structure()->offsets.index_bound();
+  const double columns = static_cast<double>(classical_->n()) * (bound + 1);
+  return columns >= (bound == 0 ? least_array_as_recorded : least_array);
 }
 
 // At the guess.
@@ -102,8 +104,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
   const auto units_are = [&](double distance) {
     return may_be_extended && takes_any_values && distance_of_units(point) > distance;
   };
-  const bool is_extended_first =
-      is_required || (may_be_extended && array_size() >= least_array) || units_are(far_apart);
+  const bool is_extended_first = is_required || (may_be_extended && is_array_large()) || units_are(far_apart);
   if (is_extended_first) {
     try {
       analyze_extended(point, options, decisions);

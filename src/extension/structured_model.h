@@ -91,8 +91,8 @@ class StructuredModel final : public Model {
   void demand_structure(const ModelOptions& options) const;
   Model& whole();
   Model& same_whole();
-  // An upper bound of the columns of the whole array.
-  double array_size() const;
+  // By an upper bound of its columns.
+  bool is_array_large() const;
 
   std::unique_ptr<Model> classical_;
   std::unique_ptr<RecordedProblem> owned_;

@@ -28,6 +28,7 @@ bool ChordIteration::has_converged(const ChordTarget& target, int iteration, dou
   const double rate = std::clamp(rate_, iteration == 0 ? least_first_rate : target.least_rate, largest_rate);
   if (iteration > 1 && norm <= far_below * target.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
+  if (is_in_doubt_ && iteration < 2) return norm <= negligible;
   if (iteration == 0 && target.needs_two) return norm <= negligible;
   return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible;
 }

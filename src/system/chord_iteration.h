@@ -32,6 +32,9 @@ class ChordIteration {
     return iteration > 1 && norm > slowest * before;
   }
 
+  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution: the first change solves what
+  // is linear, and the second one, small beside it, says nothing about the rate of what comes.
+  void doubt_matrix(bool is_in_doubt) { is_in_doubt_ = is_in_doubt; }
   // A new matrix will pay for the next point.
   bool is_slow() const { return is_slow_; }
   void set_slow(bool is_slow) { is_slow_ = is_slow; }
@@ -43,7 +46,21 @@ class ChordIteration {
 
  private:
   double rate_ = 1.0;
-  bool is_slow_ = false;
+  bool is_slow_ = false, is_in_doubt_ = false;
+};
+
+// As long as it lives the matrix is in doubt.
+class DoubtedMatrix {
+ public:
+  explicit DoubtedMatrix(ChordIteration& chord, bool is_in_doubt = true) : chord_(chord) {
+    chord_.doubt_matrix(is_in_doubt);
+  }
+  DoubtedMatrix(const DoubtedMatrix&) = delete;
+  DoubtedMatrix& operator=(const DoubtedMatrix&) = delete;
+  ~DoubtedMatrix() { chord_.doubt_matrix(false); }
+
+ private:
+  ChordIteration& chord_;
 };
 
 }  // namespace sfdae::core

@@ -155,6 +155,7 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
   }
   iteration_.chord().forget_rate();
   status = linearization_.renew(start, false);
+  const DoubtedMatrix doubt(iteration_.chord());
   if (status == PointStatus::ok) status = iterate();
   if (status != PointStatus::ok) linearization_.forget();
   return status;
@@ -213,6 +214,7 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
       if (status != PointStatus::ok) return status;
     }
     jet_ = start_;
+    const DoubtedMatrix doubt(iteration_.chord(), place == &start_);
     status = index_zero_.solve(task, shared, jet_);
     if (status == PointStatus::ok) return status;
     // As in iterate_with_renewal: no shorter step may converge with the Jacobian of such a guess.

@@ -74,6 +74,7 @@ template <class Problem>
 Matrix forward_gradient(const Problem& problem, sfdae::Options options, Journey journey, const Matrix& weights) {
   options.use_stop_time = 1;
   options.stop_time = journey.times.back();
+  options.structure = SFDAE_STRUCTURE_OFF;  // as with the adjoint
   sfdae::Solver solver(problem, options);
   solver.set_sensitivities(journey.wanted);
   solver.start(journey.point, journey.times.back());

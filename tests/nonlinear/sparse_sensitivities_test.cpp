@@ -57,7 +57,9 @@ class SparseSensitivities : public testing::TestWithParam<int> {
  protected:
   static Problem problem() { return GetParam() == 0 ? chain() : diffusion_of_a_wave(); }
   static sfdae::Solver started(const Problem& problem, Point& point, bool error_test, int method = SFDAE_METHOD_BDF) {
-    sfdae::Solver solver(problem.equations, solver_options(1e-9, method));
+    sfdae::Options options = solver_options(1e-9, method);
+    options.leading_term = SFDAE_LEADING_IDENTITY;  // x by the whole array
+    sfdae::Solver solver(problem.equations, options);
     sfdae::Sensitivities wanted;
     wanted.parameters = {"p", "q"};
     wanted.error_test = error_test;

@@ -37,6 +37,27 @@ TEST(ChordIteration, LeavesAnErrorBelowTheTargetForEveryRateAboveTheLeast) {
       }
 }
 
+// Newton's method on an exponential far above its solution, with the matrix of the guess, beside what is linear: the first change is
+// large, those after it are what is left of exp(-z), 1 / k.
+TEST(ChordIteration, IsNotDeceivedByTheMatrixOfAGuess) {
+  const double changes[] = {4539.0, 10.84, 7.5, 5.9, 4.9};
+  for (bool is_in_doubt : {false, true}) {
+    ChordIteration chord;
+    const DoubtedMatrix doubt(chord, is_in_doubt);
+    int last = 0;
+    while (last < 5 && !chord.has_converged({0.03, 0.001}, last, changes[last], last > 0 ? changes[last - 1] : 0.0))
+      ++last;
+    EXPECT_EQ(last, is_in_doubt ? 5 : 1);
+  }
+  // What converges does so with one change more; nothing is in doubt afterwards.
+  ChordIteration chord;
+  {
+    const DoubtedMatrix doubt(chord);
+    EXPECT_EQ(end_of(chord, {0.03, 0.001}, 100.0, 1e-4), 2);
+  }
+  EXPECT_EQ(end_of(chord, {0.03, 0.001}, 100.0, 1e-4), 1);
+}
+
 // A fresh matrix knows no rate: the first change alone never ends the iteration unless it is negligible.
 TEST(ChordIteration, DoesNotEndWithTheFirstChangeBeforeARateIsKnown) {
   ChordIteration chord;
