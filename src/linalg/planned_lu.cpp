@@ -1,13 +1,11 @@
 // Sparse systems of linear equations with matrices that change little.
-//
-// [Z80] Z. Zlatev: On some pivotal strategies in Gaussian elimination by sparse technique. SIAM J. Numer. Anal. 17 (1980), 18-30.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/planned_lu.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "linalg/elimination_planning.h"
 #include "linalg/index.h"
 #include "linalg/quiet_arithmetic.h"
 
@@ -15,9 +13,6 @@ namespace sfdae::core {
 
 namespace {
 
-// Pivots are not smaller than this part of the largest entry of their columns, among the columns with fewest entries.
-constexpr double threshold = 0.1;
-constexpr std::size_t columns_searched = 4;
 // Pivots may be chosen for every eighth solution; more often they do not save anything.
 constexpr long least_plans = 8, solutions_of_a_plan = 8;
 
@@ -29,129 +24,20 @@ double time_of_full_matrix(double n) { return n * (50.0 + 0.3 * n) + 0.022 * n *
 
 double power_of_two(int exponent) { return times_power_of_two(1.0, exponent); }
 
+// With a row of `count` entries beside its pivot, from all rows that have multipliers.
+template <int count>
+double* eliminate_rows(double* all, const double* u, double inverse, double* L, const double* last,
+                       const int*& target) {
+  const int* next = target;
+  for (; L != last; ++L, next += count) {
+    const double multiplier = *L *= inverse;
+    for (int c = 0; c < count; ++c) all[next[c]] -= multiplier * u[c];
+  }
+  target = next;
+  return L;
+}
+
 }  // namespace
-
-// The elimination of one matrix, pivots by Markowitz's count among those that are large enough [Z80].
-class PlannedLu::Planning {
- public:
-  struct Entry {
-    int column, position;
-    double value;
-  };
-  struct Step {
-    int row, column;
-    std::vector<int> u_columns, u_positions, l_rows, l_positions;
-  };
-
-  Planning(const SparsePattern& pattern, const double* scaled)
-      : rows_(index(pattern.size)), columns_(index(pattern.size)), place_(index(pattern.size), -1) {
-    for (int j = 0; j < pattern.size; ++j) {
-      remaining_.push_back(j);
-      for (int e = pattern.first[index(j)]; e < pattern.first[index(j) + 1]; ++e) {
-        const int i = pattern.row[index(e)];
-        rows_[index(i)].push_back({j, e, scaled[e]});
-        columns_[index(j)].push_back(i);
-      }
-    }
-    positions_ = static_cast<int>(pattern.row.size());
-  }
-
-  // False if no pivot is left, or there are more operations.
-  bool run(std::size_t most) {
-    while (!remaining_.empty()) {
-      if (!find_pivot()) return false;
-      eliminate();
-      if (targets_.size() > most) return false;
-    }
-    return true;
-  }
-
-  const std::vector<Step>& steps() const { return steps_; }
-  const std::vector<int>& targets() const { return targets_; }
-  int positions() const { return positions_; }
-  int pivot_position(std::size_t k) const { return pivot_positions_[k]; }
-
- private:
-  const Entry& entry(int row, int column) const {
-    const std::vector<Entry>& entries = rows_[index(row)];
-    return *std::find_if(entries.begin(), entries.end(), [column](const Entry& e) { return e.column == column; });
-  }
-
-  bool find_pivot() {
-    const std::size_t searched = std::min(columns_searched, remaining_.size());
-    std::partial_sort(remaining_.begin(), remaining_.begin() + static_cast<std::ptrdiff_t>(searched),
-                      remaining_.end(), [this](int one, int other) {
-                        const std::size_t a = columns_[index(one)].size(), b = columns_[index(other)].size();
-                        return a != b ? a < b : one < other;
-                      });
-    double least = std::numeric_limits<double>::infinity(), size = 0.0;
-    for (std::size_t k = 0; k < searched; ++k) {
-      const std::vector<int>& rows = columns_[index(remaining_[k])];
-      double largest = 0.0;
-      for (int i : rows) largest = std::max(largest, std::fabs(entry(i, remaining_[k]).value));
-      if (largest == 0.0) return false;
-      for (int i : rows) {
-        const double value = std::fabs(entry(i, remaining_[k]).value);
-        if (value < threshold * largest) continue;
-        const double cost = static_cast<double>(rows.size() - 1) * static_cast<double>(rows_[index(i)].size() - 1);
-        if (cost > least || (cost == least && value <= size)) continue;
-        least = cost;
-        size = value;
-        row_ = i;
-        column_ = remaining_[k];
-      }
-    }
-    return true;
-  }
-
-  void eliminate() {
-    Step step{row_, column_, {}, {}, {}, {}};
-    std::vector<Entry> pivot_row = std::move(rows_[index(row_)]);
-    rows_[index(row_)].clear();
-    const auto pivot =
-        std::find_if(pivot_row.begin(), pivot_row.end(), [this](const Entry& e) { return e.column == column_; });
-    const double pivot_value = pivot->value;
-    pivot_positions_.push_back(pivot->position);
-    pivot_row.erase(pivot);
-    for (const Entry& e : pivot_row) {
-      step.u_columns.push_back(e.column);
-      step.u_positions.push_back(e.position);
-      std::erase(columns_[index(e.column)], row_);
-    }
-    for (int i : columns_[index(column_)]) {
-      if (i == row_) continue;
-      std::vector<Entry>& entries = rows_[index(i)];
-      const auto own =
-          std::find_if(entries.begin(), entries.end(), [this](const Entry& e) { return e.column == column_; });
-      step.l_rows.push_back(i);
-      step.l_positions.push_back(own->position);
-      const double multiplier = own->value / pivot_value;
-      entries.erase(own);
-      for (std::size_t k = 0; k < entries.size(); ++k) place_[index(entries[k].column)] = static_cast<int>(k);
-      for (const Entry& u : pivot_row) {
-        int& place = place_[index(u.column)];
-        if (place < 0) {
-          place = static_cast<int>(entries.size());
-          entries.push_back({u.column, positions_++, 0.0});
-          columns_[index(u.column)].push_back(i);
-        }
-        Entry& target = entries[index(place)];
-        target.value -= multiplier * u.value;
-        targets_.push_back(target.position);
-      }
-      for (const Entry& e : entries) place_[index(e.column)] = -1;
-    }
-    columns_[index(column_)].clear();
-    std::erase(remaining_, column_);
-    steps_.push_back(std::move(step));
-  }
-
-  std::vector<std::vector<Entry>> rows_;   // of what is left
-  std::vector<std::vector<int>> columns_;  // rows with entries there
-  std::vector<int> remaining_, place_, pivot_positions_, targets_;
-  std::vector<Step> steps_;
-  int positions_ = 0, row_ = 0, column_ = 0;
-};
 
 void PlannedLu::analyze(const SparsePattern& pattern, double accepted) {
   accepted_ = accepted;
@@ -199,7 +85,7 @@ bool PlannedLu::choose_pivots(const double* values) {
     }
   std::size_t most = 0;
   while (is_worthwhile(most + 1)) most = 2 * most + 1;
-  Planning planning(pattern_, scaled_.data());
+  EliminationPlanning planning(pattern_, scaled_.data());
   if (!planning.run(most)) {
     is_suitable_ = planning.targets().size() <= most;
     return false;
@@ -227,7 +113,7 @@ void PlannedLu::archive(Archive& archive) {
 }
 
 // Positions become those of values_: pivots, then the entries of rows and the multipliers in the order of the steps.
-void PlannedLu::take(const Planning& planning) {
+void PlannedLu::take(const EliminationPlanning& planning) {
   const std::size_t size = index(pattern_.size);
   std::vector<int> moved(index(planning.positions()));
   list_.step_of_row.resize(size);
@@ -236,7 +122,7 @@ void PlannedLu::take(const Planning& planning) {
   list_.first_l.assign(1, 0);
   int next = pattern_.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const Planning::Step& step = planning.steps()[k];
+    const EliminationPlanning::Step& step = planning.steps()[k];
     list_.step_of_row[index(step.row)] = list_.step_of_column[index(step.column)] = static_cast<int>(k);
     moved[index(planning.pivot_position(k))] = static_cast<int>(k);
     for (int position : step.u_positions) moved[index(position)] = next++;
@@ -248,7 +134,7 @@ void PlannedLu::take(const Planning& planning) {
   }
   list_.u_column.clear();
   list_.l_row.clear();
-  for (const Planning::Step& step : planning.steps()) {
+  for (const EliminationPlanning::Step& step : planning.steps()) {
     for (int column : step.u_columns) list_.u_column.push_back(list_.step_of_column[index(column)]);
     for (int row : step.l_rows) list_.l_row.push_back(list_.step_of_row[index(row)]);
   }
@@ -262,30 +148,59 @@ void PlannedLu::take(const Planning& planning) {
       list_.column_step[e] = list_.step_of_column[j];
     }
   list_.fill = moved.size();
+  list_rows();
   values_.assign(moved.size(), 0.0);
   inverse_.assign(size, 0.0);
-  for (std::vector<double>* v : {&b_, &y_, &r_, &sums_}) v->assign(size * index(at_once), 0.0);
+  for (std::vector<double>* v : {&b_, &y_, &r_}) v->assign(size * index(at_once), 0.0);
+}
+
+// In the order of the pattern within a row.
+void PlannedLu::list_rows() {
+  const std::size_t size = list_.size(), entries = list_.position.size();
+  first_of_row_.assign(size + 1, 0);
+  for (int step : list_.row_step) ++first_of_row_[index(step) + 1];
+  for (std::size_t k = 0; k < size; ++k) first_of_row_[k + 1] += first_of_row_[k];
+  std::vector<int> next(first_of_row_.begin(), first_of_row_.end() - 1);
+  rows_.resize(entries);
+  column_in_row_.resize(entries);
+  for (std::size_t e = 0; e < entries; ++e) {
+    const std::size_t k = index(next[index(list_.row_step[e])]++);
+    rows_[k] = {static_cast<int>(e), list_.position[e], list_.entry_factor[e]};
+    column_in_row_[k] = list_.column_step[e];
+  }
 }
 
 bool PlannedLu::factor(const double* values) {
   const EliminationList& list = list_;
+  double* const all = values_.data();
   std::fill(values_.begin(), values_.end(), 0.0);
-  for (std::size_t e = 0; e < list.position.size(); ++e) {
-    scaled_[e] = list.entry_factor[e] * values[e];
-    values_[index(list.position[e])] = scaled_[e];
-  }
+  double* scaled = scaled_.data();
+  for (const RowEntry& of_row : rows_) all[of_row.position] = *scaled++ = of_row.factor * values[of_row.entry];
   const std::size_t size = list.size();
-  double* const U = values_.data() + size;
-  double* const L = U + list.first_u[size];
+  double* const U = all + size;
+  double* L = U + list.first_u[size];
   const int* target = list.target.data();
   for (std::size_t k = 0; k < size; ++k) {
-    const double pivot = values_[k];
+    const double pivot = all[k];
     if (pivot == 0.0) return false;
-    inverse_[k] = 1.0 / pivot;
-    const int first = list.first_u[k], last = list.first_u[k + 1];
-    for (int l = list.first_l[k]; l < list.first_l[k + 1]; ++l) {
-      const double multiplier = L[l] *= inverse_[k];
-      for (int u = first; u < last; ++u) values_[index(*target++)] -= multiplier * U[u];
+    const double inverse = inverse_[k] = 1.0 / pivot;
+    const double* const u = U + list.first_u[k];
+    const int count = list.first_u[k + 1] - list.first_u[k];
+    double* const last = L + (list.first_l[k + 1] - list.first_l[k]);
+    // Most rows are short.
+    switch (count) {
+      case 0:
+        for (; L != last; ++L) *L *= inverse;
+        break;
+      case 1: L = eliminate_rows<1>(all, u, inverse, L, last, target); break;
+      case 2: L = eliminate_rows<2>(all, u, inverse, L, last, target); break;
+      case 3: L = eliminate_rows<3>(all, u, inverse, L, last, target); break;
+      case 4: L = eliminate_rows<4>(all, u, inverse, L, last, target); break;
+      default:
+        for (; L != last; ++L) {
+          const double multiplier = *L *= inverse;
+          for (int c = 0; c < count; ++c) all[*target++] -= multiplier * u[c];
+        }
     }
   }
   return true;
@@ -318,34 +233,43 @@ void PlannedLu::substitute(double* z) const {
 }
 
 // r := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the largest sum of
-// the sizes of its terms. NaN where anything is not finite.
-template <int width>
+// the sizes of its terms, or, which is not less, relative to the largest of the last terms of rows. NaN where anything is not finite.
+template <int width, PlannedLu::Terms terms>
 double PlannedLu::residual() {
   const std::size_t size = list_.size();
-  std::copy_n(b_.begin(), size * width, r_.begin());
-  for (std::size_t k = 0; k < size * width; ++k) sums_[k] = std::fabs(r_[k]);
-  for (std::size_t e = 0; e < scaled_.size(); ++e) {
-    const double a = scaled_[e];
-    const double* const y = y_.data() + index(list_.column_step[e]) * width;
-    double* const r = r_.data() + index(list_.row_step[e]) * width;
-    double* const sums = sums_.data() + index(list_.row_step[e]) * width;
+  const int *const columns = column_in_row_.data(), *const ends = first_of_row_.data() + 1;
+  const double *const scaled = scaled_.data(), *const y = y_.data(), *b = b_.data();
+  double* r = r_.data();
+  double largest[width] = {}, term[width] = {}, largest_sum[width] = {}, all[width] = {};
+  std::ptrdiff_t e = 0;
+  for (std::size_t k = 0; k < size; ++k, b += width, r += width) {
+    double difference[width], sum[width];
     for (int c = 0; c < width; ++c) {
-      const double term = a * y[c];
-      r[c] -= term;
-      sums[c] += std::fabs(term);
+      difference[c] = b[c];
+      sum[c] = std::fabs(b[c]);
+    }
+    for (const std::ptrdiff_t last = ends[k]; e < last; ++e) {
+      const double a = scaled[e];
+      const double* const of_column = y + std::ptrdiff_t(columns[e]) * width;
+      for (int c = 0; c < width; ++c) {
+        term[c] = a * of_column[c];
+        difference[c] -= term[c];
+        if (terms == Terms::all) sum[c] += std::fabs(term[c]);
+      }
+    }
+    for (int c = 0; c < width; ++c) {
+      r[c] = difference[c];
+      const double size_of_r = std::fabs(difference[c]),
+                   size_of_row = terms == Terms::all ? sum[c] : std::fabs(term[c]);
+      largest[c] = size_of_r > largest[c] ? size_of_r : largest[c];
+      largest_sum[c] = size_of_row > largest_sum[c] ? size_of_row : largest_sum[c];
+      all[c] += terms == Terms::all ? size_of_row : size_of_r;
     }
   }
-  double largest[width] = {}, sum[width] = {}, all[width] = {};
-  for (std::size_t k = 0; k < size; ++k)
-    for (int c = 0; c < width; ++c) {
-      largest[c] = std::max(largest[c], std::fabs(r_[k * width + index(c)]));
-      sum[c] = std::max(sum[c], sums_[k * width + index(c)]);
-      all[c] += sums_[k * width + index(c)];
-    }
   double error = 0.0;
   for (int c = 0; c < width; ++c) {
     if (!std::isfinite(all[c])) return all[c] - all[c];
-    if (sum[c] > 0.0) error = std::max(error, largest[c] / sum[c]);
+    if (largest[c] > 0.0) error = std::max(error, largest[c] / largest_sum[c]);
   }
   return error;
 }
@@ -361,11 +285,12 @@ bool PlannedLu::solve_columns(const double* b, int count, double* x) {
           list_.row_factor[i] * b[index(std::min(c, count - 1)) * size + i];
   std::copy_n(b_.begin(), size * width, y_.begin());
   substitute<width>(y_.data());
-  const double error = residual<width>();
+  double error = accepted_ > rounding_of_residuals ? residual<width, Terms::last>() : HUGE_VAL;
+  if (!(error <= accepted_)) error = residual<width, Terms::all>();
   if (!(error <= accepted_)) {
     substitute<width>(r_.data());
     for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
-    if (!(error <= refused_residuals) && !(residual<width>() <= refused_residuals)) return false;
+    if (!(error <= refused_residuals) && !(residual<width, Terms::all>() <= refused_residuals)) return false;
   }
   for (std::size_t j = 0; j < size; ++j)
     for (int c = 0; c < count; ++c)

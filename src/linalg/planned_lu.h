@@ -39,6 +39,8 @@ struct EliminationList {
 // became ever shorter.
 inline constexpr double rounding_of_residuals = 1e-16, refused_residuals = 1e-12;
 
+class EliminationPlanning;
+
 class PlannedLu {
  public:
   // Forgets the pivots. accepted: residuals with which solutions are not refined.
@@ -62,17 +64,18 @@ class PlannedLu {
   std::size_t operations() const { return list_.target.size(); }
 
  private:
-  class Planning;
-  void take(const Planning& planning);
+  void take(const EliminationPlanning& planning);
   bool is_worthwhile(std::size_t operations) const;
   bool choose_pivots(const double* values);
   bool solve_with_plan(const double* values, const double* b, int count, double* x);
+  void list_rows();
   bool factor(const double* values);
   template <int width>
   bool solve_columns(const double* b, int count, double* x);
   template <int width>
   void substitute(double* z) const;
-  template <int width>
+  enum class Terms { all, last };
+  template <int width, Terms terms>
   double residual();
 
   static constexpr int at_once = 4;  // columns
@@ -84,10 +87,17 @@ class PlannedLu {
   std::vector<double> planned_values_;  // of the matrix that the pivots were chosen for
   Equilibration scales_;
   EliminationList list_;
-  std::vector<double> scaled_;            // in the order of the pattern
-  std::vector<double> values_;            // pivots, entries of rows, multipliers
-  std::vector<double> inverse_;           // of the pivots
-  std::vector<double> b_, y_, r_, sums_;  // by steps, columns side by side
+  // The entries of the pattern by the steps of their rows.
+  struct RowEntry {
+    int entry, position;  // in the pattern; among all numbers
+    double factor;
+  };
+  std::vector<RowEntry> rows_;
+  std::vector<int> first_of_row_, column_in_row_;  // steps
+  std::vector<double> scaled_;                     // in this order
+  std::vector<double> values_;                     // pivots, entries of rows, multipliers
+  std::vector<double> inverse_;                    // of the pivots
+  std::vector<double> b_, y_, r_;                  // by steps, columns side by side
 };
 
 }  // namespace sfdae::core

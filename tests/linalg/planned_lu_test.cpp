@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "linalg/random.h"
@@ -77,12 +78,13 @@ std::vector<Named> matrices() {
 
 TEST(PlannedLu, SolvesForAnyNumberOfColumns) {
   for (const Named& named : matrices())
-    for (int count : {1, 2, 3, 4, 5, 9}) {
-      PlannedLu lu;
-      lu.analyze(named.matrix.pattern);
-      EXPECT_LE(error_of(lu, named.matrix, count, 7), rounding) << named.name << ", " << count;
-      EXPECT_TRUE(lu.is_suitable());
-    }
+    for (int count : {1, 2, 3, 4, 5, 9})
+      for (double accepted : {rounding_of_residuals, 1e-14}) {
+        PlannedLu lu;
+        lu.analyze(named.matrix.pattern, accepted);
+        EXPECT_LE(error_of(lu, named.matrix, count, 7), rounding) << named.name << ", " << count;
+        EXPECT_TRUE(lu.is_suitable());
+      }
 }
 
 TEST(PlannedLu, KeepsPivotsWhileTheyServe) {
@@ -103,9 +105,14 @@ TEST(PlannedLu, KeepsPivotsWhileTheyServe) {
 TEST(PlannedLu, ChoosesPivotsAnewWhereTheyBecomeBad) {
   SparseMatrix matrix = sfdae_test::arrow(9, 9);
   std::minstd_rand generator(1);
-  for (double tiny : {0.0, 1e-20, 1e-8}) {
+  for (const auto& [tiny, accepted] : {std::pair(0.0, rounding_of_residuals),
+                                       {1e-20, rounding_of_residuals},
+                                       {1e-8, rounding_of_residuals},
+                                       {0.0, 1e-14},
+                                       {1e-20, 1e-14},
+                                       {1e-8, 1e-14}}) {
     PlannedLu lu;
-    lu.analyze(matrix.pattern);
+    lu.analyze(matrix.pattern, accepted);
     for (int shift = 0; shift < 9; ++shift) {
       // Large entries on a diagonal that moves.
       for (std::size_t j = 0; j < 9; ++j)
