@@ -84,6 +84,31 @@ bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) 
   return gradients(t, jet, {order, -1, -1}, F, nullptr, nullptr);
 }
 
+bool TaylorEvaluator::values_of(const std::vector<int>& equations, double t, const double* jet, int order,
+                                double* F) {
+  assert(!source_);
+  const QuietArithmetic quiet;
+  reserve(order);
+  if (!load(t, jet, order)) return false;
+  run(t, order, false);
+  const std::size_t m = index(record_->m()), stride = index(stride_);
+  const double* const slots = slots_.data();
+  const int* const residuals = tape_.residuals.data();
+  return with_order(order, [&](auto K) {
+    bool finite = true;
+    for (int i : equations) {
+      const double* const from = slots + index(residuals[i]) * stride;
+      for (int k = 0; k <= K; ++k) {
+        F[index(i) + index(k) * m] = from[k];
+        finite &= std::isfinite(from[k]);
+      }
+    }
+    for (std::size_t e = 0; e < equations.size() && !finite; ++e)
+      if (!write_value(equations[e], K, F)) return false;
+    return true;
+  });
+}
+
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
                                 double* F_x, const std::vector<int>* limits) {
   const int order = orders.highest();

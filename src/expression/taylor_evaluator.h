@@ -47,6 +47,8 @@ class TaylorEvaluator {
   // Taylor coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be
   // used.
   bool values(double t, const double* jet, int order, double* F);
+  // The same of the equations chosen alone; others are not touched. No equations of a source.
+  bool values_of(const std::vector<int>& equations, double t, const double* jet, int order, double* F);
 
   // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the
   // highest one asked for; outputs of order -1 are not touched and may be null.

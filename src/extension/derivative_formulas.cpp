@@ -30,23 +30,36 @@ DerivativeFormulas::DerivativeFormulas(RecordedProblem& problem, const Parameter
   const std::size_t most = most_of_nodes * index(from.record().num_nodes()) + most_of_entries * count_;
   std::shared_ptr<const Record> formulas = all_derivatives(from.record(), tape, chosen, most);
   if (formulas == nullptr || index(formulas->m()) != count_) return;
+  for (int e = 0; e < formulas->m(); ++e) {
+    is_number_.push_back(varies_in_time(formulas->dependence(formulas->residual(e))) ? 0 : 1);
+    if (is_number_.back() == 0) varying_.push_back(e);
+  }
   evaluator_.emplace(std::move(formulas));
   take_parameters();
 }
 
 void DerivativeFormulas::take_parameters() {
+  ++version_;
   const TaylorEvaluator& from = problem_.evaluator();
   for (int i = 0; evaluator_ && i < from.num_parameters(); ++i) evaluator_->set_parameter(i, from.parameter(i));
 }
 
 const double* DerivativeFormulas::evaluate(double t, const double* jet, int order) {
-  values_.resize(count_ * index(order + 1) + 1);
+  const bool are_numbers_known = known_version_ == version_ && known_order_ == order;
+  if (!are_numbers_known) {
+    known_version_ = -1;
+    values_.resize(count_ * index(order + 1) + 1);
+  }
   bool is_evaluated = false;
   const CallbackError error = problem_.gradients_for(t, [&](TaylorEvaluator&) {
-    is_evaluated = evaluator_->values(t, jet, order, values_.data());
+    is_evaluated = are_numbers_known ? evaluator_->values_of(varying_, t, jet, order, values_.data())
+                                     : evaluator_->values(t, jet, order, values_.data());
     return true;
   });
-  return is_evaluated && error.status == SFDAE_OK ? values_.data() : nullptr;
+  if (!is_evaluated || error.status != SFDAE_OK) return nullptr;
+  known_version_ = version_;
+  known_order_ = order;
+  return values_.data();
 }
 
 bool DerivativeFormulas::evaluate_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order) {

@@ -21,6 +21,11 @@ class DerivativeFormulas {
   // With the values that parameters have from now on.
   void take_parameters();
 
+  // Whether formula e contains neither t nor x nor x': coefficients beyond the first are zero.
+  bool is_number(std::size_t e) const { return is_number_[e] != 0; }
+  // Changes when numbers may have changed.
+  long version() const { return version_; }
+
   // Taylor coefficients up to the order: coefficient k of formula e at [e + k count()], entries of F_x and F_x' in the order of the tape,
   // then those of F_p. Null: they cannot be evaluated, as what they come from may be able to be. Valid until the next call.
   const double* evaluate(double t, const double* jet, int order);
@@ -34,6 +39,12 @@ class DerivativeFormulas {
   std::optional<TaylorEvaluator> evaluator_;
   LaneEvaluator lanes_;
   std::size_t count_ = 0;
+  std::vector<char> is_number_;
+  std::vector<int> varying_;  // the others
+  long version_ = 0;
+  // Of the numbers that values_ has, and the order of these; -1: of none.
+  long known_version_ = -1;
+  int known_order_ = -1;
   std::vector<double> values_;
 };
 

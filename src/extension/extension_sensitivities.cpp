@@ -35,9 +35,10 @@ void ExtensionSensitivities::take_choice() {
   const StateChoice& choice = system_.linearization().choice();
   choice_number_ = -1;  // while memory may be missing
   slots_.set(extension_, choice);
-  step_.analyze(choice.pattern(false), extension_.highest_level() > 0 ? rounding_of_residuals : harmless_residuals);
   held_.analyze(choice.pattern(true));
   stages_.set_choice(choice, slots_);
+  step_.set(choice, slots_, equations_.varying(),
+            extension_.highest_level() > 0 ? rounding_of_residuals : harmless_residuals);
   right_.assign(index(extension_.num_rows()) * index(count()) + 1, 0.0);
   solution_ = right_;
   choice_number_ = system_.linearization().choice_number();
@@ -61,20 +62,14 @@ void ExtensionSensitivities::copy_x(const double* from_slots, double* S) const {
 PointStatus ExtensionSensitivities::solve_step(double c, const double* rest, const double*, double* S) {
   const PointStatus status = linearize(system_.jet());
   if (status != PointStatus::ok) return status;
-  const StateChoice& choice = system_.linearization().choice();
-  const std::vector<int>& places = choice.places();
   std::copy(here_.right.begin(), here_.right.end(), right_.begin());
-  double *const of_entries = here_.values.data(), *right = right_.data();
+  const double* const of_entries = here_.values.data();
+  double* right = right_.data();
   for (int q = 0; q < count(); ++q, rest += unknowns(), right += extension_.num_rows())
     for (const SensitivitySlots::Entry& entry : slots_.slopes())
       right[entry.row] -= of_entries[entry.entry] * rest[entry.state];
-  for (const SensitivitySlots::Entry& entry : slots_.slopes()) of_entries[entry.entry] *= c;
-  values_.assign(choice.pattern(false).row.size(), 0.0);
-  double* const values = values_.data();
-  const int* const place = places.data();
-  for (std::size_t e = 0; e < places.size(); ++e) values[place[e]] += of_entries[e];
   ++factorizations_;
-  if (!step_.solve(values_, right_.data(), count(), solution_.data())) return PointStatus::singular;
+  if (!step_.solve(here_, c, right_.data(), count(), solution_.data())) return PointStatus::singular;
   copy_x(solution_.data(), S);
   return PointStatus::ok;
 }

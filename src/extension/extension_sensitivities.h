@@ -11,6 +11,7 @@
 #include "extension/extension_sensitivity_stages.h"
 #include "extension/extension_system.h"
 #include "extension/sensitivity_equations.h"
+#include "extension/sensitivity_step_matrix.h"
 #include "linalg/repeated_systems.h"
 #include "problem/parameter_series.h"
 #include "system/sensitivity_system.h"
@@ -59,7 +60,8 @@ class ExtensionSensitivities final : public SensitivitySystem {
   SensitivityEquations equations_;
   long choice_number_ = -1;
   SensitivitySlots slots_;
-  RepeatedSystems step_, held_;
+  SensitivityStepMatrix step_;
+  RepeatedSystems held_;
   ExtensionSensitivityStages stages_;
   SensitivityRows here_;
   std::vector<Jet> jets_;  // of the stages kept

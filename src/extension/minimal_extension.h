@@ -111,6 +111,9 @@ class MinimalExtension {
   // target number e of the tape is coefficient(e, k), k <= highest_level().
   template <class Coefficient>
   void take_derivatives(Coefficient coefficient, double* values) const;
+  // What entries are sums of: action(entry, e, k, factor), in the order in which terms are added up.
+  template <class Action>
+  void for_each_term(Action action) const;
   // For the first judge of the structure.
   std::shared_ptr<OrderedBlocks> take_ordered_blocks() { return std::move(ordered_); }
   // The system Jacobian, for anyone who evaluates it first.
@@ -172,6 +175,15 @@ void MinimalExtension::take_derivatives(Coefficient coefficient, double* values)
   std::fill_n(values, column_.size(), 0.0);
   for (const EntryTerm& term : terms_)
     values[index(term.entry)] += term.factor * coefficient(term.coefficient / length, term.coefficient % length);
+}
+
+template <class Action>
+void MinimalExtension::for_each_term(Action action) const {
+  const std::size_t length = index(highest_level_ + 1);
+  if (terms_.empty())
+    for (std::size_t e = 0; e < column_.size(); ++e) action(e, e / length, e % length, 1.0);
+  for (const EntryTerm& term : terms_)
+    action(index(term.entry), term.coefficient / length, term.coefficient % length, term.factor);
 }
 
 }  // namespace sfdae::core

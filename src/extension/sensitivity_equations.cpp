@@ -22,6 +22,33 @@ SensitivityEquations::SensitivityEquations(MinimalExtension& extension, Paramete
     const auto [equation, order] = extension_.rows()[index(row)];
     row_[first_row_[index(equation)] + index(order)] = row;
   }
+  if (formulas_.are_there()) list_varying();
+}
+
+// Of entries that vary all terms but those that are zero.
+void SensitivityEquations::list_varying() {
+  std::vector<char> varies(extension_.column().size(), 0);
+  std::vector<int> terms(varies.size(), 0);
+  const auto is_zero = [this](std::size_t e, std::size_t k) { return k > 0 && formulas_.is_number(e); };
+  extension_.for_each_term([&](std::size_t entry, std::size_t e, std::size_t k, double factor) {
+    if (!formulas_.is_number(e)) varies[entry] = 1;
+    if (!is_zero(e, k)) terms[entry] += factor == 1.0 ? 1 : 2;
+  });
+  std::vector<char> has_terms(varies.size(), 0);
+  extension_.for_each_term([&](std::size_t entry, std::size_t e, std::size_t k, double factor) {
+    if (varies[entry] == 0 || is_zero(e, k)) return;
+    if (has_terms[entry] == 0) varying_.push_back(static_cast<int>(entry));
+    if (terms[entry] == 1) alone_.push_back(source_of(entry, e, k));
+    else terms_.push_back({source_of(entry, e, k), has_terms[entry] == 0, factor});
+    has_terms[entry] = 1;
+  });
+  std::size_t e = extension_.problem().evaluator().tape().targets.size();
+  for (const ParameterGradient::Place& place : parameters_.places()) {
+    const std::size_t first = index(place.column) * index(extension_.num_rows());
+    for (int k = 0; k <= extension_.offsets().c[index(place.equation)] && !formulas_.is_number(e); ++k)
+      right_sources_.push_back(source_of(first + index(row_of(place.equation, k)), e, index(k)));
+    ++e;
+  }
 }
 
 // From F_p_.
@@ -41,33 +68,48 @@ void SensitivityEquations::take_parameters() {
   formulas_.take_parameters();
 }
 
-// coefficient(e, k): as DerivativeFormulas numbers them.
+// coefficient: of a source.
 template <class Coefficient>
 void SensitivityEquations::take_formulas(Coefficient coefficient, SensitivityRows& rows) const {
+  if (rows.version != formulas_.version()) return take_all_formulas(coefficient, rows);
+  double *const values = rows.values.data(), *const right = rows.right.data();
+  for (const Source& source : alone_) values[source.to] = coefficient(source);
+  for (const Term& term : terms_) {
+    const double value = term.factor * coefficient(term.source);
+    values[term.source.to] = term.is_first ? value : values[term.source.to] + value;
+  }
+  for (const Source& source : right_sources_) right[source.to] = -coefficient(source);
+}
+
+template <class Coefficient>
+void SensitivityEquations::take_all_formulas(Coefficient coefficient, SensitivityRows& rows) const {
+  rows.version = -1;  // while memory may be missing
   rows.values.resize(extension_.column().size());
-  extension_.take_derivatives(coefficient, rows.values.data());
+  const auto coefficient_of = [&](std::size_t e, std::size_t k) { return coefficient(source_of(0, e, k)); };
+  extension_.take_derivatives(coefficient_of, rows.values.data());
   const std::size_t num_rows = index(extension_.num_rows());
   rows.right.assign(num_rows * index(count()) + 1, 0.0);
   std::size_t e = extension_.problem().evaluator().tape().targets.size();
   for (const ParameterGradient::Place& place : parameters_.places()) {
     for (int k = 0; k <= extension_.offsets().c[index(place.equation)]; ++k)
-      rows.right[index(place.column) * num_rows + index(row_of(place.equation, k))] = -coefficient(e, index(k));
+      rows.right[index(place.column) * num_rows + index(row_of(place.equation, k))] = -coefficient_of(e, index(k));
     ++e;
   }
+  rows.version = formulas_.version();
 }
 
 bool SensitivityEquations::linearize_by_formulas(const Jet& jet, SensitivityRows& rows) {
   if (!formulas_.are_there()) return false;
   const double* const values = formulas_.evaluate(jet.t, jet.x.data(), extension_.highest_level());
   if (values == nullptr) return false;
-  const std::size_t count = formulas_.count();
-  take_formulas([=](std::size_t e, std::size_t k) { return values[e + k * count]; }, rows);
+  take_formulas([values](const Source& source) { return values[source.place]; }, rows);
   return true;
 }
 
 // Where formulas cannot be evaluated, others may be able to, or name what is wrong.
 CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& rows) {
   if (linearize_by_formulas(jet, rows)) return {};
+  rows.version = -1;
   CallbackError error = extension_.linearize(jet);
   if (error.status != SFDAE_OK) return error;
   rows.values = extension_.values();
@@ -100,7 +142,8 @@ bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, 
                                        extension_.highest_level()))
     return false;
   for (int i = 0; i < count; ++i)
-    take_formulas([&](std::size_t e, std::size_t k) { return formulas_.of_lanes(e)[k].lane[i]; }, rows[index(i)]);
+    take_formulas([&](const Source& source) { return formulas_.of_lanes(index(source.e))[source.k].lane[i]; },
+                  rows[index(i)]);
   return true;
 }
 

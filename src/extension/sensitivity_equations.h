@@ -22,6 +22,7 @@ namespace sfdae::core {
 struct SensitivityRows {
   std::vector<double> values;  // df/dx, in the order of the entries of the extension
   std::vector<double> right;   // -df/dp, num_rows() x count
+  long version = -1;           // of what is the same everywhere; -1: unknown
 };
 
 class SensitivityEquations {
@@ -38,13 +39,19 @@ class SensitivityEquations {
   // those above d_j zero; jet: of x, of one order more. r: num_rows() x count.
   CallbackError slopes(const Jet& jet, const double* S, double* r);
 
+  // Entries whose values differ from those of other rows of the same version.
+  const std::vector<int>& varying() const { return varying_; }
+
   MinimalExtension& extension() const { return extension_; }
   int count() const { return parameters_.count(); }
 
  private:
+  void list_varying();
   void take_parameter_rows(SensitivityRows& rows) const;
   template <class Coefficient>
   void take_formulas(Coefficient coefficient, SensitivityRows& rows) const;
+  template <class Coefficient>
+  void take_all_formulas(Coefficient coefficient, SensitivityRows& rows) const;
   bool linearize_by_formulas(const Jet& jet, SensitivityRows& rows);
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, std::vector<SensitivityRows>& rows);
   int row_of(int equation, int order) const { return row_[first_row_[index(equation)] + index(order)]; }
@@ -55,6 +62,23 @@ class SensitivityEquations {
   std::vector<std::size_t> first_row_;
   std::vector<int> row_;
   std::vector<int> slope_limits_;
+  // What is not the same everywhere: coefficient k of formula e, in `place` among all coefficients, is an entry, or a term of one, or minus one of a
+  // right-hand side.
+  struct Source {
+    int to, e, k;
+    std::size_t place;
+  };
+  struct Term {
+    Source source;
+    bool is_first;
+    double factor;
+  };
+  Source source_of(std::size_t to, std::size_t e, std::size_t k) const {
+    return {static_cast<int>(to), static_cast<int>(e), static_cast<int>(k), e + k * formulas_.count()};
+  }
+  std::vector<int> varying_;
+  std::vector<Source> alone_, right_sources_;
+  std::vector<Term> terms_;
   std::vector<double> F_p_, entries_;
   JetLanes lanes_;
 };
