@@ -20,7 +20,7 @@ constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, r
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations_of_stages = 12;
 constexpr double slowest_rate = 0.2;
-// Of all stages, full matrices of which take less time than iterations with the factors of x.
+// Of all stages, those in pairs counted once: full matrices of which take less time than iterations with the factors of x.
 constexpr int most_states_of_stages = 120;
 // With factors of x iterations are as many for each parameter. Chosen, not measured.
 constexpr int most_iterated = 2;
@@ -74,10 +74,11 @@ bool ExtensionSensitivityStages::solve_locally(const Task& task, const Extension
   const int s = task.method.s;
   resize(s);
   if (by != nullptr && count() <= most_iterated && iterate(task, [&] { take_away(task, *by); })) return copy_to(s, S);
-  if (!local_.is_of_use(s, most_states_of_stages)) return false;
-  ++factorizations_;
+  // As many states in pairs as there may be.
+  if (!local_.is_of_use(s, 2 * most_states_of_stages)) return false;
   const auto value = [&](std::size_t e, int i) { return task.rows[index(i)].values[e]; };
-  if (!local_.linearize(task.method, task.h, value, linearization)) return false;
+  if (!local_.linearize(task.method, task.h, value, linearization, most_states_of_stages)) return false;
+  ++factorizations_;
   std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
   for (int iteration = 0; iteration < most_refinements; ++iteration) {
     set_residuals(task);

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "linalg/dense.h"
 #include "linalg/index.h"
-#include "linalg/small_kernels.h"
 
 namespace sfdae::core {
 
@@ -41,17 +39,45 @@ void LocalStages::note_choice(const ExtensionLinearization& linearization) {
   elimination_.forget();
   const StateChoice& choice = linearization.choice();
   slope_slots_.clear();
-  held_entries_.clear();
   for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
+  list_held_entries(choice);
+  list_candidates(choice);
+  choice_ = linearization.choice_number();
+}
+
+void LocalStages::list_held_entries(const StateChoice& choice) {
+  held_.entries.clear();
+  std::vector<int> number(index(extension_.n()), -1);
+  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
   for (int row = 0; row < extension_.num_rows(); ++row)
     for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
       const int column = extension_.column()[index(e)];
-      if (!choice.is_held(column)) continue;
-      const auto state =
-          std::find(choice.states().begin(), choice.states().end(), extension_.columns()[index(column)].unknown);
-      held_entries_.push_back({row, static_cast<int>(state - choice.states().begin()), index(e)});
+      if (choice.is_held(column))
+        held_.entries.push_back({row, number[index(extension_.columns()[index(column)].unknown)], index(e)});
     }
-  choice_ = linearization.choice_number();
+  std::stable_sort(held_.entries.begin(), held_.entries.end(),
+                   [](const HeldEntry& one, const HeldEntry& other) { return one.state < other.state; });
+  held_.first.assign(choice.states().size() + 1, 0);
+  for (const HeldEntry& held : held_.entries) ++held_.first[index(held.state) + 1];
+  for (std::size_t b = 0; b < choice.states().size(); ++b) held_.first[b + 1] += held_.first[b];
+}
+
+// Rows of x_a' of a state and one other state, and nothing else.
+void LocalStages::list_candidates(const StateChoice& choice) {
+  candidates_.clear();
+  std::vector<int> number(index(extension_.n()), -1);
+  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
+  for (int row = 0; row < extension_.num_rows(); ++row) {
+    const std::size_t first = index(extension_.first()[index(row)]);
+    if (extension_.first()[index(row + 1)] != static_cast<int>(first) + 2) continue;
+    const int one = extension_.column()[first], other = extension_.column()[first + 1];
+    const bool is_first = choice.is_slope(one);
+    const int slope = is_first ? one : other, state = is_first ? other : one;
+    if (!choice.is_slope(slope) || !choice.is_held(state)) continue;
+    const int a = number[index(extension_.columns()[index(slope)].unknown)],
+              b = number[index(extension_.columns()[index(state)].unknown)];
+    if (a != b) candidates_.push_back({{a, b}, first + (is_first ? 0 : 1), first + (is_first ? 1 : 0)});
+  }
 }
 
 // Those of an earlier step, or of the linearization, or by its values.
@@ -120,7 +146,8 @@ PointStatus LocalStages::linearize(const StageEquations& equations, const std::v
   const PointStatus status = evaluate(jets, linearization, error);
   if (status != PointStatus::ok) return status;
   const double h = equations.t_end - equations.t;
-  return finish(equations.method, h, linearization.choice()) ? PointStatus::ok : PointStatus::singular;
+  const bool is_factored = finish_by_tangents(equations.method, h, linearization.choice());
+  return is_factored ? PointStatus::ok : PointStatus::singular;
 }
 
 void LocalStages::resize(int s) {
@@ -130,15 +157,60 @@ void LocalStages::resize(int s) {
 }
 
 // From derivatives_.
-bool LocalStages::finish(const StageMethod& method, double h, const StateChoice& choice) {
+bool LocalStages::finish_by_tangents(const StageMethod& method, double h, const StateChoice& choice) {
+  by_rows_ = false;
   if (!factor(choice)) return false;
   make_tangents();
-  return factor_coupled(method, h);
+  return coupled_.factor(method, h, d_,
+                         [this](int a, int b, int i) { return tangent(b)[slope_slots_[index(a)]].lane[i]; });
+}
+
+bool LocalStages::finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled) {
+  by_rows_ = true;
+  coupled_.set_pairs(d_, pairs());
+  if (s_ * (d_ - coupled_.pairs()) > coupled || !factor(choice)) return false;
+  make_rows_of_slopes();
+  return coupled_.factor_condensed(method, h,
+                                   [this](int c, int b, int i) { return slopes_[index(c * d_ + b)].lane[i]; });
+}
+
+// Each state in one of them; by values of all stages.
+std::vector<CoupledStates::Pair> LocalStages::pairs() const {
+  std::vector<CoupledStates::Pair> pairs;
+  std::vector<char> is_taken(index(d_), 0);
+  for (const Candidate& candidate : candidates_) {
+    const auto [a, b] = candidate.pair;
+    const LaneBlock &of_slope = derivatives_[candidate.of_slope], &of_state = derivatives_[candidate.of_state];
+    bool is_pair = is_taken[index(a)] == 0 && is_taken[index(b)] == 0;
+    for (int i = 0; i < s_ && is_pair; ++i)
+      is_pair = of_slope.lane[i] != 0.0 && of_state.lane[i] == -of_slope.lane[i];
+    if (!is_pair) continue;
+    is_taken[index(a)] = is_taken[index(b)] = 1;
+    pairs.push_back(candidate.pair);
+  }
+  return pairs;
+}
+
+void LocalStages::make_rows_of_slopes() {
+  const std::vector<int>& equations = coupled_.equations();
+  slopes_.resize(std::max(slopes_.size(), equations.size() * index(d_)));
+  r_.resize(index(q_));
+  LaneBlock* to = slopes_.data();
+  for (int c : equations) {
+    elimination_.row_of_inverse_lanes(factors_.data(), s_, slope_slots_[index(c)], r_.data());
+    const HeldEntry* held = held_.entries.data();
+    for (int b = 0; b < d_; ++b) {
+      Lanes sum{};
+      for (const HeldEntry* const last = held_.entries.data() + held_.first[index(b + 1)]; held != last; ++held)
+        sum -= lanes(r_[index(held->row)]) * lanes(derivatives_[held->entry]);
+      lanes(*to++) = sum;
+    }
+  }
 }
 
 void LocalStages::make_tangents() {
   tangents_.assign(index(q_) * index(d_), LaneBlock());
-  for (const HeldEntry& held : held_entries_) {
+  for (const HeldEntry& held : held_.entries) {
     LaneBlock& b = tangent(held.state)[held.row];
     for (int l = 0; l < lane_count; ++l) b.lane[l] -= derivatives_[held.entry].lane[l];
   }
@@ -147,40 +219,39 @@ void LocalStages::make_tangents() {
   for (const LaneBlock& block : tangents_) end_tangents_.push_back(block.lane[s_ - 1]);
 }
 
-bool LocalStages::factor_coupled(const StageMethod& method, double h) {
-  const int size = s_ * d_;
-  coupled_.resize(std::max(coupled_.size(), index(size) * index(size)));
-  z_.resize(std::max(z_.size(), index(size)));
-  pivots_.resize(std::max(pivots_.size(), index(size)));
-  const View M{coupled_.data(), size, size, size};
-  std::fill_n(coupled_.data(), index(size) * index(size), 0.0);
-  for (int i = 0; i < s_; ++i) {
-    for (int k = 0; k < s_; ++k)
-      for (int a = 0; a < d_; ++a) M(i * d_ + a, k * d_ + a) = method.D_at(i, k) / h;
-    for (int b = 0; b < d_; ++b)
-      for (int a = 0; a < d_; ++a) M(i * d_ + a, i * d_ + b) -= tangent(b)[slope_slots_[index(a)]].lane[i];
+// With T.
+void LocalStages::add_changes_of_states(const double* z) {
+  LaneBlock dz;
+  for (int b = 0; b < d_; ++b) {
+    for (int i = 0; i < s_; ++i) dz.lane[i] = z[i * d_ + b];
+    for (int row = 0; row < q_; ++row)
+      for (int l = 0; l < lane_count; ++l) r_[index(row)].lane[l] += tangent(b)[row].lane[l] * dz.lane[l];
   }
-  // LAPACK takes 1.6 times the instructions for 20 equations.
-  return size <= most_coupled ? small::factor_lu(M, pivots_.data()) : factor_lu(M, pivots_.data());
+}
+
+// Solved once more with the states as they are to be.
+void LocalStages::subtract_changes_of_states(const double* z) {
+  std::swap(r_, given_);
+  for (const HeldEntry& held : held_.entries)
+    for (int i = 0; i < s_; ++i)
+      r_[index(held.row)].lane[i] -= derivatives_[held.entry].lane[i] * z[i * d_ + held.state];
+  elimination_.solve_lanes(factors_.data(), s_, r_.data());
 }
 
 void LocalStages::solve(View r) {
   r_.resize(index(q_));
   for (int l = 0; l < lane_count; ++l)
     for (int row = 0; row < q_; ++row) r_[index(row)].lane[l] = r(row, std::min(l, s_ - 1));
-  elimination_.solve_lanes(factors_.data(), r_.data());
+  if (by_rows_) given_ = r_;
+  elimination_.solve_lanes(factors_.data(), by_rows_ ? s_ : lane_count, r_.data());
+  double* const z = coupled_.right();
   for (int i = 0; i < s_; ++i)
-    for (int a = 0; a < d_; ++a) z_[index(i * d_ + a)] = r_[index(slope_slots_[index(a)])].lane[i];
-  const int size = s_ * d_;
-  solve_lu(ConstView{coupled_.data(), size, size, size}, pivots_.data(), z_.data());
-  LaneBlock dz;
-  for (int b = 0; b < d_; ++b) {
-    for (int i = 0; i < s_; ++i) dz.lane[i] = z_[index(i * d_ + b)];
-    for (int row = 0; row < q_; ++row)
-      for (int l = 0; l < lane_count; ++l) r_[index(row)].lane[l] += tangent(b)[row].lane[l] * dz.lane[l];
-  }
+    for (int a = 0; a < d_; ++a) z[i * d_ + a] = r_[index(slope_slots_[index(a)])].lane[i];
+  coupled_.solve();
+  if (by_rows_) subtract_changes_of_states(z);
+  else add_changes_of_states(z);
   for (int i = 0; i < s_; ++i)
-    for (int a = 0; a < d_; ++a) r_[index(slope_slots_[index(a)])].lane[i] = z_[index(i * d_ + a)];
+    for (int a = 0; a < d_; ++a) r_[index(slope_slots_[index(a)])].lane[i] = z[i * d_ + a];
   for (int i = 0; i < s_; ++i)
     for (int row = 0; row < q_; ++row) r(row, i) = r_[index(row)].lane[i];
 }

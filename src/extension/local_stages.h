@@ -9,12 +9,16 @@
 // s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for all stages
 // (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the solution turns within a step,
 // as those of mechanisms do (docs/decisions/62-stages-with-few-states.md). All H_i are factored side by side by one elimination.
+//
+// For sensitivities rows of B_i come from rows of H_i^-1, of which half are wanted where states are positions and velocities, and what
+// moves with the states from a second solution (docs/decisions/88-pairs-of-states.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
 #include <vector>
 
+#include "extension/coupled_states.h"
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
 #include "linalg/lanes.h"
@@ -35,9 +39,11 @@ class LocalStages {
   // At the jets of all stages, with the states of `linearization`. Not ok: the error, or `singular`.
   PointStatus linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                         ExtensionLinearization& linearization, CallbackError& error);
-  // With derivatives that are known: value(e, i) is that of entry e of the extension at stage i. False: singular.
+  // With derivatives that are known: value(e, i) is that of entry e of the extension at stage i. B_i row by row,
+  // without T, and pairs of states eliminated (coupled_states.h). False: singular, or more than `coupled` unknowns of all stages are left.
   template <class Value>
-  bool linearize(const StageMethod& method, double h, Value value, const ExtensionLinearization& linearization);
+  bool linearize(const StageMethod& method, double h, Value value, const ExtensionLinearization& linearization,
+                 int coupled);
   // The pivots, which outlive steps. Reading: after the states of the linearization have been set.
   void archive(Archive& archive, const ExtensionLinearization& linearization);
   // With the states of this linearization.
@@ -53,12 +59,18 @@ class LocalStages {
   void note_choice(const ExtensionLinearization& linearization);
   void resize(int s);
   bool take_pivots(const ExtensionLinearization& linearization);
-  bool finish(const StageMethod& method, double h, const StateChoice& choice);
+  void list_held_entries(const StateChoice& choice);
+  void list_candidates(const StateChoice& choice);
+  std::vector<CoupledStates::Pair> pairs() const;
+  bool finish_by_tangents(const StageMethod& method, double h, const StateChoice& choice);
+  bool finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled);
+  void make_rows_of_slopes();
+  void add_changes_of_states(const double* z);
+  void subtract_changes_of_states(const double* z);
   PointStatus evaluate(const std::vector<Jet>& jets, ExtensionLinearization& linearization, CallbackError& error);
   void assemble(const StateChoice& choice);
   bool factor(const StateChoice& choice);
   void make_tangents();
-  bool factor_coupled(const StageMethod& method, double h);
   LaneBlock* tangent(int state) { return tangents_.data() + index(state) * index(q_); }
 
   // An entry of the extension in the column of a state.
@@ -72,22 +84,34 @@ class LocalStages {
   RecordedElimination elimination_;
   long choice_ = -1;  // of states, whose pivots and slots are known
   std::vector<int> slope_slots_;
-  std::vector<HeldEntry> held_entries_;
+  // By states, and where those of each begin.
+  struct HeldEntries {
+    std::vector<HeldEntry> entries;
+    std::vector<int> first;
+  };
+  HeldEntries held_;
   // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of right-hand sides.
-  LaneArray derivatives_, values_, factors_, tangents_, r_;
+  LaneArray derivatives_, values_, factors_, tangents_, r_, given_;
   std::vector<double> values_of_stage_, end_tangents_;
-  std::vector<double> coupled_, z_;  // s d equations
-  std::vector<int> pivots_;
+  CoupledStates coupled_;
+  // Rows that may be x_a' - x_b = 0 of two states: numbers of these, and their entries.
+  struct Candidate {
+    CoupledStates::Pair pair;
+    std::size_t of_slope, of_state;
+  };
+  std::vector<Candidate> candidates_;
+  bool by_rows_ = false;  // there are no tangents
+  LaneArray slopes_;      // rows of B_i that are left, one after the other
 };
 
 template <class Value>
 bool LocalStages::linearize(const StageMethod& method, double h, Value value,
-                            const ExtensionLinearization& linearization) {
+                            const ExtensionLinearization& linearization, int coupled) {
   resize(method.s);
   derivatives_.resize(extension_.column().size());
   for (std::size_t e = 0; e < derivatives_.size(); ++e)
     for (int l = 0; l < lane_count; ++l) derivatives_[e].lane[l] = value(e, std::min(l, s_ - 1));
-  return take_pivots(linearization) && finish(method, h, linearization.choice());
+  return take_pivots(linearization) && finish_by_rows(method, h, linearization.choice(), coupled);
 }
 
 }  // namespace sfdae::core

@@ -46,7 +46,11 @@ class RecordedElimination {
   // As factor(), of the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane that refuses
   // one.
   int factor_lanes(const LaneBlock* values, LaneBlock* factors) const;
-  void solve_lanes(const LaneBlock* factors, LaneBlock* b);
+  void solve_lanes(const LaneBlock* factors, LaneBlock* b) { solve_lanes(factors, lane_count, b); }
+  // In the first `count` lanes at least; others may stay as they are.
+  void solve_lanes(const LaneBlock* factors, int count, LaneBlock* b);
+  // x: that row of A^-1, by rows of A, in these lanes.
+  void row_of_inverse_lanes(const LaneBlock* factors, int count, int row, LaneBlock* x);
 
   struct Update {
     int target, left, right;  // slots: target -= left right

@@ -52,36 +52,115 @@ void factor_all(FactorWork& work) {
   }
 }
 
+// The first lanes alone, two at a time: what vectors of any processor have.
+typedef double TwoLanes __attribute__((vector_size(16), may_alias));
+template <int pairs>
+struct __attribute__((may_alias)) SomeLanes {
+  TwoLanes part[pairs];
+  SomeLanes& operator-=(const SomeLanes& other) {
+    for (int p = 0; p < pairs; ++p) part[p] -= other.part[p];
+    return *this;
+  }
+  friend SomeLanes operator*(const SomeLanes& one, const SomeLanes& other) {
+    SomeLanes product;
+    for (int p = 0; p < pairs; ++p) product.part[p] = one.part[p] * other.part[p];
+    return product;
+  }
+  friend SomeLanes operator*(double one, const SomeLanes& other) {
+    SomeLanes product;
+    for (int p = 0; p < pairs; ++p) product.part[p] = one * other.part[p];
+    return product;
+  }
+};
+
+// Of each block of lanes the first ones.
+template <class Some>
+struct First {
+  LaneBlock* blocks;
+  template <class Place>
+  Some& operator[](Place k) const {
+    return *reinterpret_cast<Some*>(blocks + k);
+  }
+};
+template <class Some>
+struct FirstOfConst {
+  const LaneBlock* blocks;
+  template <class Place>
+  const Some& operator[](Place k) const {
+    return *reinterpret_cast<const Some*>(blocks + k);
+  }
+};
+
 struct SolveWork {
   const List& list;
-  const Lanes* factors;
-  Lanes *b, *y;
+  const LaneBlock* factors;
+  LaneBlock *b, *y;
 };
 
 // As RecordedElimination::solve.
-void solve_all(SolveWork& work) {
+template <class Some>
+void solve_some(SolveWork& work) {
   const List& list = work.list;
-  const Lanes* const factors = work.factors;
-  Lanes* const y = work.y;
+  const FirstOfConst<Some> factors{work.factors};
+  const First<Some> y{work.y}, b{work.b};
   const std::size_t size = index(list.size);
-  for (std::size_t k = 0; k < size; ++k) y[k] = list.row_scale[k] * work.b[list.row[k]];
+  for (std::size_t k = 0; k < size; ++k) y[k] = list.row_scale[k] * b[list.row[k]];
   for (std::size_t k = 0; k < size; ++k) {
-    const Lanes solved = y[k] * factors[list.pivot[k]];
+    const Some solved = y[k] * factors[list.pivot[k]];
     y[k] = solved;
     for (int l = list.first_lower[k]; l < list.first_lower[k + 1]; ++l)
       y[list.lower[index(l)].place] -= factors[list.lower[index(l)].slot] * solved;
   }
   for (std::size_t k = size; k-- > 0;) {
-    Lanes sum = y[k];
+    Some sum = y[k];
     for (int u = list.first_upper[k]; u < list.first_upper[k + 1]; ++u)
       sum -= factors[list.upper[index(u)].slot] * y[list.upper[index(u)].place];
     y[k] = sum;
   }
-  for (std::size_t k = 0; k < size; ++k) work.b[list.column[k]] = list.column_scale[k] * y[k];
+  for (std::size_t k = 0; k < size; ++k) b[list.column[k]] = list.column_scale[k] * y[k];
 }
+void solve_all(SolveWork& work) { solve_some<Lanes>(work); }
+
+struct RowWork {
+  const List& list;
+  const LaneBlock* factors;
+  std::size_t first;  // place of the row
+  LaneBlock unit;     // its scale
+  LaneBlock *x, *y;
+};
+
+// As RecordedElimination::substitute_transposed, with a unit vector.
+template <class Some>
+void find_row(RowWork& work) {
+  const List& list = work.list;
+  const FirstOfConst<Some> factors{work.factors};
+  const First<Some> y{work.y}, x{work.x};
+  const std::size_t size = index(list.size);
+  const Some unit = *reinterpret_cast<const Some*>(&work.unit), zero = 0.0 * unit;
+  for (std::size_t k = 0; k < size; ++k) y[k] = zero;
+  y[work.first] = unit;
+  for (std::size_t k = work.first; k < size; ++k) {
+    const Some solved = y[k];
+    for (int u = list.first_upper[k]; u < list.first_upper[k + 1]; ++u)
+      y[list.upper[index(u)].place] -= factors[list.upper[index(u)].slot] * solved;
+  }
+  for (std::size_t k = size; k-- > 0;) {
+    Some sum = y[k];
+    for (int l = list.first_lower[k]; l < list.first_lower[k + 1]; ++l)
+      sum -= factors[list.lower[index(l)].slot] * y[list.lower[index(l)].place];
+    sum = sum * factors[list.pivot[k]];
+    y[k] = sum;
+    x[list.row[k]] = list.row_scale[k] * sum;
+  }
+}
+void find_row_of_all(RowWork& work) { find_row<Lanes>(work); }
 
 SFDAE_LANE_KERNEL(factor_all, FactorWork)
 SFDAE_LANE_KERNEL(solve_all, SolveWork)
+SFDAE_LANE_KERNEL(find_row_of_all, RowWork)
+
+// A block of lanes is more than one vector.
+bool has_short_vectors() { return instruction_set_of_lanes() != InstructionSet::avx512; }
 
 }  // namespace
 
@@ -93,10 +172,22 @@ int RecordedElimination::factor_lanes(const LaneBlock* values, LaneBlock* factor
   return -1;
 }
 
-void RecordedElimination::solve_lanes(const LaneBlock* factors, LaneBlock* b) {
+void RecordedElimination::solve_lanes(const LaneBlock* factors, int count, LaneBlock* b) {
   lanes_.resize(std::max(lanes_.size(), index(list_.size)));
-  SolveWork work{list_, &lanes(*factors), &lanes(*b), &lanes(*lanes_.data())};
-  run_solve_all(work);
+  SolveWork work{list_, factors, b, lanes_.data()};
+  if (has_short_vectors() && count <= 4) solve_some<SomeLanes<2>>(work);
+  else if (has_short_vectors() && count <= 6) solve_some<SomeLanes<3>>(work);
+  else run_solve_all(work);
+}
+
+void RecordedElimination::row_of_inverse_lanes(const LaneBlock* factors, int count, int row, LaneBlock* x) {
+  lanes_.resize(std::max(lanes_.size(), index(list_.size)));
+  const auto place = std::find(list_.column.begin(), list_.column.end(), row) - list_.column.begin();
+  RowWork work{list_, factors, static_cast<std::size_t>(place), {}, x, lanes_.data()};
+  std::fill_n(work.unit.lane, lane_count, list_.column_scale[work.first]);
+  if (has_short_vectors() && count <= 4) find_row<SomeLanes<2>>(work);
+  else if (has_short_vectors() && count <= 6) find_row<SomeLanes<3>>(work);
+  else run_find_row_of_all(work);
 }
 
 }  // namespace sfdae::core

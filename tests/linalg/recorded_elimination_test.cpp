@@ -223,6 +223,24 @@ TEST(RecordedElimination, RepeatsItselfInLanes) {
       elimination.solve(own_factors.data(), y.data());
       for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(x[i].lane[l], y[i]) << i << ", lane " << l;
     }
+    // In as many lanes as are wanted, to the last bit; rows of the inverse.
+    for (int count = 1; count <= 8; ++count) {
+      LaneArray some = b, row(n);
+      elimination.solve_lanes(factors.data(), count, some.data());
+      for (int l = 0; l < count; ++l)
+        for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(some[i].lane[l], x[i].lane[l]) << i << ", lane " << l;
+      for (std::size_t i : {std::size_t(0), std::size_t(count), n - 1}) {
+        elimination.row_of_inverse_lanes(factors.data(), count, static_cast<int>(i), row.data());
+        for (int l = 0; l < count; ++l) {
+          double product = 0.0, size = 0.0;
+          for (std::size_t k = 0; k < n; ++k) {
+            product += row[k].lane[l] * b[k].lane[l];
+            size += std::fabs(row[k].lane[l] * b[k].lane[l]);
+          }
+          EXPECT_NEAR(product, x[i].lane[l], 1e-12 * size) << i << ", lane " << l;
+        }
+      }
+    }
     LaneArray refused = values;
     for (int k = matrix.pattern.first[3]; k < matrix.pattern.first[4]; ++k) refused[index(k)].lane[5] = 0.0;
     EXPECT_EQ(elimination.factor_lanes(refused.data(), factors.data()), 5);
