@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "family_run.h"
@@ -74,7 +75,8 @@ template <class Problem>
 Matrix forward_gradient(const Problem& problem, sfdae::Options options, Journey journey, const Matrix& weights) {
   options.use_stop_time = 1;
   options.stop_time = journey.times.back();
-  options.structure = SFDAE_STRUCTURE_OFF;  // as with the adjoint
+  // As with the adjoint.
+  if (std::is_same_v<Problem, sfdae::NonlinearProblem>) options.structure = SFDAE_STRUCTURE_OFF;
   sfdae::Solver solver(problem, options);
   solver.set_sensitivities(journey.wanted);
   solver.start(journey.point, journey.times.back());
