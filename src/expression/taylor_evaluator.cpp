@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "expression/edges.h"
@@ -91,22 +92,7 @@ bool TaylorEvaluator::values_of(const std::vector<int>& equations, double t, con
   reserve(order);
   if (!load(t, jet, order)) return false;
   run(t, order, false);
-  const std::size_t m = index(record_->m()), stride = index(stride_);
-  const double* const slots = slots_.data();
-  const int* const residuals = tape_.residuals.data();
-  return with_order(order, [&](auto K) {
-    bool finite = true;
-    for (int i : equations) {
-      const double* const from = slots + index(residuals[i]) * stride;
-      for (int k = 0; k <= K; ++k) {
-        F[index(i) + index(k) * m] = from[k];
-        finite &= std::isfinite(from[k]);
-      }
-    }
-    for (std::size_t e = 0; e < equations.size() && !finite; ++e)
-      if (!write_value(equations[e], K, F)) return false;
-    return true;
-  });
+  return write_values_of(equations, order, F);
 }
 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
@@ -325,22 +311,27 @@ void TaylorEvaluator::run_before_state(double t, int order) {
 }
 
 bool TaylorEvaluator::write_values(int order, double* F) {
-  if (order < 0) return true;
+  return order < 0 || write_values_of(std::views::iota(0, record_->m()), order, F);
+}
+
+template <class Equations>
+bool TaylorEvaluator::write_values_of(const Equations& equations, int order, double* F) {
   const std::size_t m = index(record_->m()), stride = index(stride_);
   const double* const slots = slots_.data();
   const int* const residuals = tape_.residuals.data();
   return with_order(order, [&](auto K) {
     bool finite = true;
-    for (std::size_t i = 0; i < m; ++i) {
+    for (int i : equations) {
       const double* const from = slots + index(residuals[i]) * stride;
       for (int k = 0; k <= K; ++k) {
-        F[i + index(k) * m] = from[k];
+        F[index(i) + index(k) * m] = from[k];
         finite &= std::isfinite(from[k]);
       }
     }
+    if (finite) return true;
     // Which of them is not finite is named.
-    for (std::size_t i = 0; i < m && !finite; ++i)
-      if (!write_value(static_cast<int>(i), K, F)) return false;
+    for (int i : equations)
+      if (!write_value(i, K, F)) return false;
     return true;
   });
 }

@@ -39,16 +39,18 @@ void LocalStages::note_choice(const ExtensionLinearization& linearization) {
   elimination_.forget();
   const StateChoice& choice = linearization.choice();
   slope_slots_.clear();
-  for (int j : choice.states()) slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
-  list_held_entries(choice);
-  list_candidates(choice);
+  std::vector<int> number(index(extension_.n()), -1);  // of unknowns among the states
+  for (int j : choice.states()) {
+    number[index(j)] = static_cast<int>(slope_slots_.size());
+    slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
+  }
+  list_held_entries(choice, number);
+  list_candidates(choice, number);
   choice_ = linearization.choice_number();
 }
 
-void LocalStages::list_held_entries(const StateChoice& choice) {
+void LocalStages::list_held_entries(const StateChoice& choice, const std::vector<int>& number) {
   held_.entries.clear();
-  std::vector<int> number(index(extension_.n()), -1);
-  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
   for (int row = 0; row < extension_.num_rows(); ++row)
     for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
       const int column = extension_.column()[index(e)];
@@ -63,10 +65,8 @@ void LocalStages::list_held_entries(const StateChoice& choice) {
 }
 
 // Rows of x_a' of a state and one other state, and nothing else.
-void LocalStages::list_candidates(const StateChoice& choice) {
+void LocalStages::list_candidates(const StateChoice& choice, const std::vector<int>& number) {
   candidates_.clear();
-  std::vector<int> number(index(extension_.n()), -1);
-  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
   for (int row = 0; row < extension_.num_rows(); ++row) {
     const std::size_t first = index(extension_.first()[index(row)]);
     if (extension_.first()[index(row + 1)] != static_cast<int>(first) + 2) continue;
@@ -167,7 +167,8 @@ bool LocalStages::finish_by_tangents(const StageMethod& method, double h, const 
 
 bool LocalStages::finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled) {
   by_rows_ = true;
-  coupled_.set_pairs(d_, pairs());
+  find_pairs();
+  coupled_.set_pairs(d_, pairs_);
   if (s_ * (d_ - coupled_.pairs()) > coupled || !factor(choice)) return false;
   make_rows_of_slopes();
   return coupled_.factor_condensed(method, h,
@@ -175,20 +176,19 @@ bool LocalStages::finish_by_rows(const StageMethod& method, double h, const Stat
 }
 
 // Each state in one of them; by values of all stages.
-std::vector<CoupledStates::Pair> LocalStages::pairs() const {
-  std::vector<CoupledStates::Pair> pairs;
-  std::vector<char> is_taken(index(d_), 0);
+void LocalStages::find_pairs() {
+  pairs_.clear();
+  is_paired_.assign(index(d_), 0);
   for (const Candidate& candidate : candidates_) {
     const auto [a, b] = candidate.pair;
     const LaneBlock &of_slope = derivatives_[candidate.of_slope], &of_state = derivatives_[candidate.of_state];
-    bool is_pair = is_taken[index(a)] == 0 && is_taken[index(b)] == 0;
+    bool is_pair = is_paired_[index(a)] == 0 && is_paired_[index(b)] == 0;
     for (int i = 0; i < s_ && is_pair; ++i)
       is_pair = of_slope.lane[i] != 0.0 && of_state.lane[i] == -of_slope.lane[i];
     if (!is_pair) continue;
-    is_taken[index(a)] = is_taken[index(b)] = 1;
-    pairs.push_back(candidate.pair);
+    is_paired_[index(a)] = is_paired_[index(b)] = 1;
+    pairs_.push_back(candidate.pair);
   }
-  return pairs;
 }
 
 void LocalStages::make_rows_of_slopes() {

@@ -59,9 +59,10 @@ class LocalStages {
   void note_choice(const ExtensionLinearization& linearization);
   void resize(int s);
   bool take_pivots(const ExtensionLinearization& linearization);
-  void list_held_entries(const StateChoice& choice);
-  void list_candidates(const StateChoice& choice);
-  std::vector<CoupledStates::Pair> pairs() const;
+  // number: of unknowns among the states.
+  void list_held_entries(const StateChoice& choice, const std::vector<int>& number);
+  void list_candidates(const StateChoice& choice, const std::vector<int>& number);
+  void find_pairs();
   bool finish_by_tangents(const StageMethod& method, double h, const StateChoice& choice);
   bool finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled);
   void make_rows_of_slopes();
@@ -100,6 +101,8 @@ class LocalStages {
     std::size_t of_slope, of_state;
   };
   std::vector<Candidate> candidates_;
+  std::vector<CoupledStates::Pair> pairs_;
+  std::vector<char> is_paired_;
   bool by_rows_ = false;  // there are no tangents
   LaneArray slopes_;      // rows of B_i that are left, one after the other
 };

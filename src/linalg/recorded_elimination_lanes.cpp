@@ -74,22 +74,16 @@ struct __attribute__((may_alias)) SomeLanes {
 };
 
 // Of each block of lanes the first ones.
-template <class Some>
+template <class Some, class Block = LaneBlock>
 struct First {
-  LaneBlock* blocks;
+  Block* blocks;
   template <class Place>
   Some& operator[](Place k) const {
     return *reinterpret_cast<Some*>(blocks + k);
   }
 };
 template <class Some>
-struct FirstOfConst {
-  const LaneBlock* blocks;
-  template <class Place>
-  const Some& operator[](Place k) const {
-    return *reinterpret_cast<const Some*>(blocks + k);
-  }
-};
+using FirstOfConst = First<const Some, const LaneBlock>;
 
 struct SolveWork {
   const List& list;
