@@ -44,6 +44,20 @@ std::vector<int> input_slots(const Tape& tape) {
   return some;
 }
 
+bool is_steep(Code code) {
+  switch (code) {
+    case Code::negate:
+    case Code::add:
+    case Code::subtract:
+    case Code::multiply:
+    case Code::scale:
+    case Code::divide_by_number:
+    case Code::sin_cos:
+    case Code::copy: return false;
+    default: return true;
+  }
+}
+
 }  // namespace
 
 TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
@@ -53,6 +67,8 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     std::vector<int> inputs = input_slots(tape);
     if (inputs.empty()) continue;
     count_ += static_cast<int>(inputs.size());
+    for (const Instruction& instruction : tape.of_state.all())
+      are_with_steep_functions_ = are_with_steep_functions_ || is_steep(instruction.code);
     std::vector<double> slots(index(tape.num_slots), 0.0);
     for (const Tape::Number& constant : tape.constants)
       slots[index(constant.slot)] = evaluator->record().constant(constant.index);

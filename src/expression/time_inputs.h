@@ -15,6 +15,9 @@ class TimeInputs {
 
   // Of many inputs some stand for all; t itself is none.
   int count() const { return count_; }
+  // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is at its largest, as
+  // the current of a diode.
+  bool are_with_steep_functions() const { return are_with_steep_functions_; }
   // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
   void evaluate(double t, double* values);
 
@@ -27,6 +30,7 @@ class TimeInputs {
   };
   std::vector<Part> parts_;
   int count_ = 0;
+  bool are_with_steep_functions_ = false;
 };
 
 }  // namespace sfdae::core

@@ -17,6 +17,10 @@ namespace {
 constexpr double visible_part = 0.3;
 // Of its range: by how much it may be above or below its values at the nodes without being expected there. (Chosen.)
 constexpr double visible_excess = 0.05;
+// Of its range: crests that are higher are looked at, whether they are expected or not; and how they are found. (Chosen.)
+constexpr double crest_part = 0.001;
+constexpr int parabolas = 2;
+constexpr double reach_in_next = 0.25;
 // Of its size: changes are rounding errors.
 constexpr double least_range = 1e-10;
 // What follows the polynomial as closely in a few samples is not looked at any more. (Chosen.)
@@ -29,8 +33,9 @@ constexpr double golden = 0.6180339887498949;
 
 double fraction(double value) { return value - std::floor(value); }
 
-// Lagrange's polynomials at t.
-void set_weights(std::span<const double> nodes, double t, double* weights) {
+}  // namespace
+
+void set_lagrange_weights(std::span<const double> nodes, double t, double* weights) {
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     weights[k] = 1.0;
     for (std::size_t j = 0; j < nodes.size(); ++j)
@@ -38,40 +43,35 @@ void set_weights(std::span<const double> nodes, double t, double* weights) {
   }
 }
 
-}  // namespace
-
 void InputSamples::resize(int inputs) {
   at_nodes_.assign(index(inputs) * most_nodes, 0.0);
   for (std::vector<double>* v : {&now_, &lowest_node_, &highest_node_}) v->assign(index(inputs), 0.0);
   for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_}) v->assign(index(inputs), {});
 }
 
-std::span<const double> InputSamples::unseen(TimeInputs& inputs, std::span<const double> nodes, double t, double h,
-                                             double fastest) {
+void InputSamples::take(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
   const QuietArithmetic quiet;
+  const double t = nodes[0];
   take_nodes(inputs, nodes);
   const double changes = fastest > 0.0 ? per_change * std::fabs(h) / fastest : 0.0;
-  const int samples =
+  int samples =
       static_cast<int>(std::fmin(most, std::fmax(per_node * static_cast<double>(nodes.size() - 1), changes)));
   const double first = fraction(t / h * golden);
-  num_places_ = 0;
+  const auto sample_all = [&](int count) {
+    for (int sample = 0; sample < count; ++sample)
+      take_sample(inputs, nodes, t + (sample + fraction(first + sample * golden)) / count * h);
+  };
   const int few = changes > fewest ? 0 : fewest;
-  for (int sample = 0; sample < few; ++sample)
-    take_sample(inputs, nodes, t + (sample + fraction(first + sample * golden)) / few * h);
-  if (few > 0 && are_smooth()) return {};
-  for (int sample = 0; sample < samples; ++sample)
-    take_sample(inputs, nodes, t + (sample + fraction(first + sample * golden)) / samples * h);
-  for (std::size_t i = 0; i < now_.size(); ++i) {
-    const double range = range_of(i);
-    if (range == 0.0) continue;
-    const Extreme &low = lowest_[i], &high = highest_[i];
-    const double below = std::fmin(lowest_node_[i] - low.value, low.distance);
-    const double above = std::fmin(high.value - highest_node_[i], high.distance);
-    add_place(above / (visible_excess * range), high.t);
-    add_place(below / (visible_excess * range), low.t);
-    add_place(farthest_[i].distance / (visible_part * range), farthest_[i].t);
+  sample_all(few);
+  if (few > 0 && are_smooth()) {
+    unseen_.clear();
+    samples = few;
+  } else {
+    sample_all(samples);
+    find_unseen();
   }
-  return std::span(places_).first(num_places_);
+  crests_.clear();
+  if (inputs.are_with_steep_functions()) find_crests(inputs, nodes, h / samples, h);
 }
 
 void InputSamples::take_nodes(TimeInputs& inputs, std::span<const double> nodes) {
@@ -91,7 +91,7 @@ void InputSamples::take_nodes(TimeInputs& inputs, std::span<const double> nodes)
 
 void InputSamples::take_sample(TimeInputs& inputs, std::span<const double> nodes, double t) {
   std::array<double, most_nodes> weights{};
-  set_weights(nodes, t, weights.data());
+  set_lagrange_weights(nodes, t, weights.data());
   inputs.evaluate(t, now_.data());
   for (std::size_t i = 0; i < now_.size(); ++i) {
     double expected = 0.0;
@@ -120,18 +120,71 @@ bool InputSamples::are_smooth() const {
   return true;
 }
 
-// In the order of their scores; those up to one are none.
-void InputSamples::add_place(double score, double t) {
+void InputSamples::find_unseen() {
+  unseen_.clear();
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const double range = range_of(i);
+    if (range == 0.0) continue;
+    const Extreme &low = lowest_[i], &high = highest_[i];
+    const double below = std::fmin(lowest_node_[i] - low.value, low.distance);
+    const double above = std::fmin(high.value - highest_node_[i], high.distance);
+    unseen_.add(above / (visible_excess * range), high.t);
+    unseen_.add(below / (visible_excess * range), low.t);
+    unseen_.add(farthest_[i].distance / (visible_part * range), farthest_[i].t);
+  }
+}
+
+// What the nodes before the step say of w there is of the past.
+void InputSamples::find_crests(TimeInputs& inputs, std::span<const double> nodes, double spacing, double h) {
+  const double t = nodes[0];
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    if (range_of(i) == 0.0) continue;
+    const double* const at_nodes = at_nodes_.data() + i * most_nodes;
+    double low_node = at_nodes[0], high_node = low_node;
+    for (std::size_t k = 1; k < nodes.size(); ++k) {
+      if ((nodes[k] - t) * h < 0.0) continue;
+      low_node = std::fmin(low_node, at_nodes[k]);
+      high_node = std::fmax(high_node, at_nodes[k]);
+    }
+    const Extreme &low = lowest_[i], &high = highest_[i];
+    const double least = crest_part * (std::fmax(high.value, high_node) - std::fmin(low.value, low_node));
+    if (high.value - high_node > least)
+      crests_.add((high.value - high_node) / least, crest(inputs, i, spacing, high, t, h));
+    if (low_node - low.value > least)
+      crests_.add((low_node - low.value) / least, crest(inputs, i, spacing, low, t, h));
+  }
+}
+
+// Near the sample that is the extreme one, by parabolas.
+double InputSamples::crest(TimeInputs& inputs, std::size_t i, double spacing, Extreme extreme, double t, double h) {
+  double at = extreme.t, reach = spacing;
+  const auto value = [&](double time) {
+    inputs.evaluate(time, now_.data());
+    return now_[i];
+  };
+  double middle = extreme.value;
+  for (int round = 0; round < parabolas; ++round) {
+    const double before = value(at - reach), after = value(at + reach), bend = before - 2.0 * middle + after;
+    const double shift = 0.5 * (before - after) / bend;
+    if (!(std::fabs(shift) <= 1.0)) break;
+    at += shift * reach;
+    reach *= reach_in_next;
+    if (round + 1 < parabolas) middle = value(at);
+  }
+  return std::fabs(at - t) <= std::fabs(h) && (at - t) * h >= 0.0 ? at : extreme.t;
+}
+
+void InputSamples::Places::add(double score, double t) {
   if (!(score > 1.0)) return;
-  std::size_t at = num_places_;
+  std::size_t at = count_;
   while (at > 0 && score > scores_[at - 1]) --at;
-  if (at == most_places) return;
-  num_places_ = std::min(num_places_ + 1, most_places);
-  for (std::size_t k = num_places_ - 1; k > at; --k) {
-    places_[k] = places_[k - 1];
+  if (at == most) return;
+  count_ = std::min(count_ + 1, most);
+  for (std::size_t k = count_ - 1; k > at; --k) {
+    t_[k] = t_[k - 1];
     scores_[k] = scores_[k - 1];
   }
-  places_[at] = t;
+  t_[at] = t;
   scores_[at] = score;
 }
 

@@ -11,35 +11,53 @@
 
 namespace sfdae::core {
 
+// Of the values at the nodes, for the value at t of the polynomial through them.
+void set_lagrange_weights(std::span<const double> nodes, double t, double* weights);
+
 class InputSamples {
  public:
   static constexpr std::size_t most_nodes = 8;
 
   void resize(int inputs);
-  // nodes: the points of a step of size h from t at which equations are evaluated, those before t among them. Inputs are sampled in
-  // between: times at which some are far from the polynomial through their values at the nodes, or beyond all of these, the worst ones
-  // first. fastest: in which time inputs are known to change, or 0. Valid until the next call.
-  std::span<const double> unseen(TimeInputs& inputs, std::span<const double> nodes, double t, double h,
-                                 double fastest);
+  // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among them. Inputs are
+  // sampled in between. fastest: in which time inputs are known to change, or 0.
+  void take(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest);
+  // Times at which inputs are far from the polynomial through their values at the nodes, or unexpectedly beyond all of these, the
+  // worst ones first.
+  std::span<const double> unseen() const { return unseen_.all(); }
+  // Times at which inputs of steep functions are largest or smallest, beyond their values at the nodes, expected or not.
+  std::span<const double> crests() const { return crests_.all(); }
 
  private:
-  static constexpr std::size_t most_places = 4;
   struct Extreme {
     double value, distance, t;
+  };
+  // Times in the order of their scores; those with scores up to one are none.
+  class Places {
+   public:
+    void clear() { count_ = 0; }
+    void add(double score, double t);
+    std::span<const double> all() const { return std::span(t_).first(count_); }
+
+   private:
+    static constexpr std::size_t most = 4;
+    std::array<double, most> t_{}, scores_{};
+    std::size_t count_ = 0;
   };
   void take_nodes(TimeInputs& inputs, std::span<const double> nodes);
   void take_sample(TimeInputs& inputs, std::span<const double> nodes, double t);
   double range_of(std::size_t i) const;
   bool are_smooth() const;
-  void add_place(double score, double t);
+  void find_unseen();
+  void find_crests(TimeInputs& inputs, std::span<const double> nodes, double spacing, double h);
+  double crest(TimeInputs& inputs, std::size_t i, double spacing, Extreme extreme, double t, double h);
 
   std::vector<double> at_nodes_;  // of input i, one for each node, from i most_nodes on
   std::vector<double> now_;
   // Of each input, at the nodes and in between, with the distance from the polynomial there; and where that is largest.
   std::vector<double> lowest_node_, highest_node_;
   std::vector<Extreme> lowest_, highest_, farthest_;
-  std::array<double, most_places> places_{}, scores_{};
-  std::size_t num_places_ = 0;
+  Places unseen_, crests_;
 };
 
 }  // namespace sfdae::core

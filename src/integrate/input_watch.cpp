@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "integrate/radau_method.h"
@@ -22,7 +21,10 @@ namespace {
 constexpr double unimportant = 10.0, shown_part = 0.5;
 constexpr int most_input_halvings = 30;
 // Where slopes cannot be found the step fails of itself, or does not.
-constexpr int most_blind_halvings = 3;
+constexpr int most_blind_halvings = 3, most_blind_halvings_of_crests = 12;
+// Of the way to a time: strides that are shorter are of no use.
+constexpr double least_stride = 0.01;
+constexpr int most_strides = 12;
 
 }  // namespace
 
@@ -30,8 +32,9 @@ void InputWatch::resize(const DaeSystem& system, int inputs) {
   samples_.resize(inputs);
   const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);
+  changes_.assign(size_w * InputSamples::most_nodes, 0.0);
   w_.assign(std::max(n, size_w), 0.0);
-  for (std::vector<double>* v : {&x_, &xdot_}) v->assign(n, 0.0);
+  for (std::vector<double>* v : {&x_, &xdot_, &from_}) v->assign(n, 0.0);
   const std::size_t columns = system.taylor_order() > 0 ? index(system.taylor_order() + 1) : 2;
   for (std::vector<double>* v : {&taylor_, &taylor_before_}) v->assign(n * columns, 0.0);
 }
@@ -53,27 +56,26 @@ std::size_t InputWatch::set_nodes(const Integrator& integrator, double h) {
 
 double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, double h) {
   has_slope_ = false;
-  const double t = integrator.stepper->state().t;
-  double size = h;
+  double size = h, seen = 0.0;
   for (int halvings = 0; halvings < most_input_halvings; ++halvings) {
     const std::span<const double> nodes(nodes_.data(), set_nodes(integrator, size));
-    const std::span<const double> places = samples_.unseen(inputs, nodes, t, size, fastest_);
-    if (places.empty()) break;
-    const std::optional<bool> do_matter = matter(integrator, size, places);
-    if (!do_matter.value_or(halvings < most_blind_halvings)) break;
+    samples_.take(inputs, nodes, size, fastest_);
+    const bool is_unseen = do_matter(integrator, size, samples_.unseen()).value_or(halvings < most_blind_halvings);
+    if (!is_unseen && !do_crests_matter(integrator, size, nodes).value_or(halvings < most_blind_halvings_of_crests))
+      break;
     size *= 0.5;
+    if (is_unseen) seen = std::fabs(size);
   }
-  if (size != h) fastest_ = fastest_ > 0.0 ? std::fmin(fastest_, std::fabs(size)) : std::fabs(size);
+  if (seen > 0.0) fastest_ = fastest_ > 0.0 ? std::fmin(fastest_, seen) : seen;
   return size;
 }
 
 // Whether the slope of w at one of the places is far from what the ends of the step show; none: slopes cannot be found.
-std::optional<bool> InputWatch::matter(Integrator& integrator, double h, std::span<const double> places) {
+std::optional<bool> InputWatch::do_matter(Integrator& integrator, double h, std::span<const double> places) {
+  if (places.empty()) return false;
   const QuietArithmetic quiet;
   const double start = integrator.stepper->state().t;
-  integrator.weights.update(integrator.stepper->x().data());
-  if (!has_slope_ && !find_slope(integrator, start, at_start_)) return false;
-  has_slope_ = true;
+  if (!has_slope_at_start(integrator)) return false;
   if (!find_slope(integrator, start + h, change_)) return std::nullopt;
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= at_start_[i];
   const double shown = size_of_change(integrator, h, change_);
@@ -86,33 +88,96 @@ std::optional<bool> InputWatch::matter(Integrator& integrator, double h, std::sp
   return false;
 }
 
+// The same of crests, and of the polynomial through the slopes at all nodes, the first of which is the start: what depends on inputs in
+// a linear way is as near to it as they are to theirs.
+std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double h, std::span<const double> nodes) {
+  if (samples_.crests().empty()) return false;
+  const QuietArithmetic quiet;
+  if (!has_slope_at_start(integrator)) return false;
+  const std::size_t size_w = at_start_.size();
+  double shown = 0.0;
+  for (std::size_t k = 1; k < nodes.size(); ++k) {
+    if (!find_slope(integrator, nodes[k], change_)) return std::nullopt;
+    for (std::size_t i = 0; i < size_w; ++i) change_[i] -= at_start_[i];
+    std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
+    shown = std::fmax(shown, size_of_change(integrator, h, change_));
+  }
+  for (const double t : samples_.crests()) {
+    if (!find_slope(integrator, t, here_)) return std::nullopt;
+    std::array<double, InputSamples::most_nodes> weights{};
+    set_lagrange_weights(nodes, t, weights.data());
+    for (std::size_t i = 0; i < size_w; ++i) here_[i] -= at_start_[i];
+    for (std::size_t k = 1; k < nodes.size(); ++k)
+      for (std::size_t i = 0; i < size_w; ++i) here_[i] -= weights[k] * changes_[k * size_w + i];
+    if (!(size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
+  }
+  return false;
+}
+
+bool InputWatch::has_slope_at_start(Integrator& integrator) {
+  if (has_slope_) return true;
+  integrator.weights.update(integrator.stepper->x().data());
+  has_slope_ = find_slope(integrator, integrator.stepper->state().t, at_start_);
+  return has_slope_;
+}
+
 // (W x)' at t for w as it is now.
 bool InputWatch::find_slope(Integrator& integrator, double t, std::vector<double>& wdot) {
   DaeSystem& system = integrator.system;
-  const StepState state = integrator.stepper->state();
-  const std::size_t n = x_.size();
-  integrator.stepper->interpolate({state.t, w_.data(), x_.data(), xdot_.data()});
-  Guess guess;
-  if (system.taylor_order() > 0) {
-    std::fill(taylor_.begin(), taylor_.end(), 0.0);
-    std::copy(x_.begin(), x_.end(), taylor_.begin());
-    std::copy_n(xdot_.begin(), n, taylor_.begin() + static_cast<std::ptrdiff_t>(n));
-    taylor_before_ = taylor_;
-    guess = {taylor_.data(), taylor_before_.data(), integrator.weights.inverse()};
-  }
+  const double start = integrator.stepper->state().t;
+  integrator.stepper->interpolate({start, w_.data(), x_.data(), xdot_.data()});
   try {
-    if (system.move_to(t) != PointStatus::ok) return false;
-    // The point itself is consistent.
-    if (t != state.t) system.restore(w_.data(), integrator.stepper->x().data(), guess, x_.data());
-    if (!all_finite(x_.data(), n)) return false;
-    system.correct_derivative(std::numeric_limits<double>::infinity(), x_.data(), xdot_.data());
-    if (!all_finite(xdot_.data(), n)) return false;
+    // The start itself is consistent.
+    if (t == start ? system.move_to(t) != PointStatus::ok : !follow(integrator, t)) return false;
+    system.estimate_derivative(x_.data(), xdot_.data());
+    if (!all_finite(xdot_.data(), xdot_.size())) return false;
     system.leading_derivative(x_.data(), xdot_.data(), wdot.data());
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
     return false;
   }
   return all_finite(wdot.data(), wdot.size());
+}
+
+// Moves x to t from the start with w held; where the equations are too nonlinear for that, by way of times in between.
+bool InputWatch::follow(Integrator& integrator, double t) {
+  const double start = integrator.stepper->state().t;
+  double at = start, stride = t - start;
+  from_ = integrator.stepper->x();
+  for (int tries = 0; tries < most_strides && std::fabs(stride) > least_stride * std::fabs(t - start); ++tries) {
+    const double next = std::fabs(t - at) <= std::fabs(stride) ? t : at + stride;
+    if (!restore(integrator, next)) {
+      stride *= 0.25;
+      continue;
+    }
+    if (next == t) return true;
+    at = next;
+    from_ = x_;
+    stride *= 2.0;
+  }
+  return false;
+}
+
+// x at t from from_, which is nearby.
+bool InputWatch::restore(Integrator& integrator, double t) {
+  DaeSystem& system = integrator.system;
+  const std::size_t n = x_.size();
+  Guess guess;
+  if (system.taylor_order() > 0) {
+    std::fill(taylor_.begin(), taylor_.end(), 0.0);
+    std::copy(from_.begin(), from_.end(), taylor_.begin());
+    std::copy_n(xdot_.begin(), n, taylor_.begin() + static_cast<std::ptrdiff_t>(n));
+    taylor_before_ = taylor_;
+    guess = {taylor_.data(), taylor_before_.data(), integrator.weights.inverse()};
+  }
+  try {
+    if (system.move_to(t) != PointStatus::ok) return false;
+    system.restore(w_.data(), from_.data(), guess, x_.data());
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    return false;
+  }
+  return all_finite(x_.data(), n);
 }
 
 // Of x, over the step, in tolerances. The slope is lost.

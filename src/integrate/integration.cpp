@@ -214,8 +214,7 @@ void Integration::resize_workspace() {
 double Integration::noticing_step(double t) {
   const StepState state = integrator_.stepper->state();
   const double h = t - state.t;
-  const bool is_watched =
-      options_.inputs != nullptr && integrator_.system.differential() > 0 && state.failures_in_a_row == 0 && h != 0.0;
+  const bool is_watched = options_.inputs != nullptr && integrator_.system.differential() > 0 && h != 0.0;
   return std::fabs(is_watched ? inputs_.noticing_step(integrator_, *options_.inputs, h) : h);
 }
 

@@ -83,6 +83,7 @@ class NonlinearSystem final : public DaeSystem {
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
+  void estimate_derivative(const double* x, double* xdot) override { correct_by_linearization(x, xdot); }
 
   std::string inconsistency_message() const override;
   PointQuality quality() const override;

@@ -9,6 +9,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "system/stage_method.h"
 
 namespace sfdae::core {
@@ -117,6 +119,10 @@ class StrangenessFreeSystem {
   // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over
   // the time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
   virtual void correct_derivative(double c, const double* x, double* xdot) = 0;
+  // The same with c = infinity and a linearization from nearby, of what w' consists of.
+  virtual void estimate_derivative(const double* x, double* xdot) {
+    correct_derivative(std::numeric_limits<double>::infinity(), x, xdot);
+  }
 
  protected:
   SystemTraits traits_;

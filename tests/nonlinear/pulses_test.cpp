@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rectifiers: while the diode blocks, steps grow, whatever the source does; its next pulse is not stepped over.
+// Rectifiers: while the diode blocks, steps grow, whatever the source does; its next pulse is not stepped over, nor is the crest of a
+// sine at which a diode without load conducts for a moment.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,6 +67,36 @@ double reference(const Rectifier& rectifier) {
   return integrate(rectifier, options).x;
 }
 
+// Volts in any unit, amperes: v, i, and the voltage of a capacitor that a diode charges, but nothing discharges.
+struct PeakDetector {
+  double unit, period, amplitude, C, R, tolerance;
+
+  double final_voltage(int method, int structure, double max_step, double accuracy) const {
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [*this](const Expression& t, auto x, auto xdot, auto F) {
+      const Expression v = unit * x[0], capacitor = unit * x[2];
+      F[0] = (amplitude * sin(2.0 * std::numbers::pi / period * t) - v) / R - x[1];
+      F[1] = x[1] - 1e-12 * (exp((v - capacitor) / 0.0259) - 1.0);
+      F[2] = C * unit * xdot[2] - x[1];
+    };
+    sfdae::Options options = solver_options(accuracy, method);
+    options.max_step = max_step;
+    options.structure = structure;
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
+    solver.start(point, 10.0 * period);
+    solver.advance(10.0 * period, point);
+    return point.x[2];
+  }
+};
+
+PeakDetector random_detector(std::uint64_t seed) {
+  RandomNumbers random(seed);
+  const auto of_any_size = [&](double low, double high) { return std::pow(10.0, random.uniform(low, high)); };
+  return {of_any_size(-3.0, 1.0),  of_any_size(-3.0, -1.0), random.uniform(1.0, 11.0),
+          of_any_size(-7.0, -5.0), of_any_size(1.0, 3.0),   seed % 2 == 0 ? 1e-5 : 1e-7};
+}
+
 class Pulses : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Pulses, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
@@ -85,6 +116,23 @@ TEST_P(Pulses, AreNotSteppedOver) {
     }
   }
   EXPECT_LE(wrong, GetParam() == SFDAE_METHOD_BDF ? 2 : 7) << "of " << all;
+}
+
+// The polynomial through what steps see of the sine shows its crest, but not what the exponential makes of it. Before crests were
+// looked at by themselves, 35 (BDF) and 16 (Radau) of these 40 runs were off by more than 100 tolerances, with SFDAE_OK.
+TEST_P(Pulses, AreNotSteppedOverAtCrests) {
+  int wrong = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const PeakDetector detector = random_detector(seed);
+    const double tolerance = detector.tolerance,
+                 exact = detector.final_voltage(SFDAE_METHOD_RADAU, SFDAE_STRUCTURE_OFF, detector.period / 50, 1e-9);
+    for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED}) {
+      const double result = detector.final_voltage(GetParam(), structure, 0.0, tolerance);
+      wrong += std::fabs(result - exact) > 100.0 * tolerance * (1.0 + std::fabs(exact)) ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_EQ(wrong, 0) << "of " << all;
 }
 
 // A current that a resistor limits; backward, in microseconds.
