@@ -192,4 +192,25 @@ TEST_P(Pulses, AreNotSoughtInSmoothSolutions) {
   EXPECT_LE(steps_with(true), steps_with(false) * 13 / 10);
 }
 
+// Six phases, so that most steps contain the crest of one of them; the exponential, which makes that be looked at, is next to nothing.
+TEST_P(Pulses, AreNotSoughtAtCrestsThatStepsResolve) {
+  const auto steps_with = [&](double factor, double tolerance) {
+    sfdae::NonlinearProblem problem(12, 12);
+    problem.equations = [=](const Expression& t, auto x, auto xdot, auto F) {
+      for (int k = 0; k < 12; k += 2) {
+        F[k] = xdot[k] + x[k] * x[k] * x[k] - x[k + 1];
+        F[k + 1] = x[k + 1] - sin(3.0 * t + k);
+      }
+      if (factor != 0.0) F[0] += factor * exp(x[1]);
+    };
+    sfdae::Solver solver(problem, solver_options(tolerance, GetParam()));
+    sfdae::Point point{0.0, std::vector<double>(12, 0.0), {}};
+    solver.start(point, 20.0);
+    solver.advance(20.0, point);
+    return solver.statistics().steps;
+  };
+  for (const double tolerance : {1e-3, 1e-5, 1e-8})
+    EXPECT_EQ(steps_with(1e-30, tolerance), steps_with(0.0, tolerance));
+}
+
 }  // namespace sfdae_test
