@@ -15,6 +15,7 @@
 #include "c_api/checks.h"
 #include "c_api/problems.h"
 #include "c_api/sensitivities.h"
+#include "expression/steep_arguments.h"
 #include "expression/time_breakpoints.h"
 #include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
@@ -80,6 +81,7 @@ struct sfdae_solver {
     const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
     breakpoints.emplace(evaluators);
     inputs.emplace(evaluators);
+    steep_arguments.emplace(kind.nonlinear != nullptr ? evaluators : Evaluators());
     use_breakpoints(options.integration);
   }
 
@@ -88,6 +90,7 @@ struct sfdae_solver {
     const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
     integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
     integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
+    integration_options.steep_arguments = steep_arguments->empty() ? nullptr : &*steep_arguments;
     integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
   }
 
@@ -123,6 +126,7 @@ struct sfdae_solver {
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   std::optional<sfdae::core::TimeBreakpoints> breakpoints;
   std::optional<sfdae::core::TimeInputs> inputs;
+  std::optional<sfdae::core::SteepArguments> steep_arguments;
   sfdae::core::JumpsOfModel jumps{*this};
   sfdae::core::ContinuationOfModel continuation{*this};
   long max_passed = 0;                                  // singular points in an integration

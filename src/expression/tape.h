@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -97,6 +98,12 @@ class InstructionList {
   const int* listed_results() const { return results_.data(); }
   int step() const { return step_; }
   const Instruction* others() const { return others_.data(); }
+  // Whether there is an instruction of such a code, none of the binary ones.
+  template <class Test>
+  bool has_other(Test is_wanted) const {
+    return std::any_of(others_.begin(), others_.end(),
+                       [&](const Instruction& other) { return is_wanted(other.code); });
+  }
 
  private:
   std::vector<Run> runs_;

@@ -67,8 +67,7 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     std::vector<int> inputs = input_slots(tape);
     if (inputs.empty()) continue;
     count_ += static_cast<int>(inputs.size());
-    for (const Instruction& instruction : tape.of_state.all())
-      are_with_steep_functions_ = are_with_steep_functions_ || is_steep(instruction.code);
+    are_with_steep_functions_ = are_with_steep_functions_ || tape.of_state.has_other(is_steep);
     std::vector<double> slots(index(tape.num_slots), 0.0);
     for (const Tape::Number& constant : tape.constants)
       slots[index(constant.slot)] = evaluator->record().constant(constant.index);

@@ -33,9 +33,11 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
   set.safety_ = safety;
   set.floor_ = floor_;
   set.floor_ratio_ = floor_ratio_;
+  set.steep_arguments_ = steep_arguments_;
   set.rtol_ = tolerances.rtol;
   set.atol_ = tolerances.atol;
   set.inverse_.assign(tolerances.rtol.size(), 1.0);
+  set.of_iterations_ = set.inverse_;
   set.reduction_ = tolerances.rtol.mapped([&set](double rtol) { return rtol > 0.0 ? set.reduction(rtol) : 1.0; });
   if (tightening == Tightening::none)
     for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) set.relative_.push_back(tolerances.rtol[i]);
@@ -55,6 +57,13 @@ void ErrorWeights::update(const double* x) {
     }
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
+}
+
+const double* ErrorWeights::of_iterations(double t, const double* x) {
+  if (steep_arguments_ == nullptr) return inverse_.data();
+  of_iterations_ = inverse_;
+  steep_arguments_->sharpen(t, x, of_iterations_.data());
+  return of_iterations_.data();
 }
 
 void ErrorWeights::update(const double* x, const double* scale) {

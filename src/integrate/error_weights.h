@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "expression/steep_arguments.h"
 #include "system/tolerances.h"
 
 namespace sfdae::core {
@@ -22,6 +23,8 @@ class ErrorWeights {
   // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps
   // cannot reduce.
   void set_floor(const double* floor) { floor_ = floor; }
+  // Not owned; null: none.
+  void set_steep_arguments(SteepArguments* arguments) { steep_arguments_ = arguments; }
   // Of the last update: the largest floor over the weight without it.
   double floor_ratio() const { return floor_ratio_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
@@ -30,6 +33,8 @@ class ErrorWeights {
   void update(const double* x, const double* scale);
   // 1 / weight_i, as of the last update.
   const double* inverse() const { return inverse_.data(); }
+  // The same for what iterations leave open, which arguments of exponentials at (t, x) limit.
+  const double* of_iterations(double t, const double* x);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
   // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent <
@@ -55,7 +60,8 @@ class ErrorWeights {
   const double* floor_ = nullptr;
   double floor_ratio_ = 0.0;
   PerComponent rtol_, atol_, reduction_;
-  std::vector<double> inverse_;
+  std::vector<double> inverse_, of_iterations_;
+  SteepArguments* steep_arguments_ = nullptr;
   // Tolerances relative to the components: of those that are not tightened, as the errors of BDF are not measured by them.
   std::vector<double> relative_;
 };
