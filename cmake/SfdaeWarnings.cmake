@@ -4,7 +4,7 @@ add_library(sfdae_warnings INTERFACE)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set(warnings -Wall -Wextra -Wpedantic -Wconversion)
   # Sources that are compiled at once have constants of the same name.
-  if(NOT SFDAE_UNITY_BUILD)
+  if(NOT SFDAE_UNITY_BUILD AND NOT SFDAE_UNITY_TESTS)
     list(APPEND warnings -Wshadow)
   endif()
   # Fortran: overriding procedures have to accept arguments that they do not need.

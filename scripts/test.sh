@@ -155,14 +155,14 @@ else
 fi
 
 heading "release: build"
-# All sources of a folder at once, as the demonstration is built, too: a third of the time. That each includes what it uses is
-# what scripts/check-included-names.py looks at. Benchmarks are compiled, not run.
+# All sources of a folder at once, as the demonstration is built, too, and a dozen tests at once: a third of the time. That each
+# includes what it uses is what scripts/check-included-names.py looks at. Benchmarks are compiled, not run.
 options=(-DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON -DSFDAE_BENCHMARK_OPTIONS=-O0)
-cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON
+cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON -DSFDAE_UNITY_TESTS=ON
 if ! build release; then
-  cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=OFF
+  cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=OFF -DSFDAE_UNITY_TESTS=OFF
   build release
-  complain "local names of sources clash, see above: src/CMakeLists.txt lists those to be compiled alone"
+  complain "local names clash, see above: src/CMakeLists.txt and tests/CMakeLists.txt list those to be compiled apart"
 fi
 
 heading "release: all tests, OpenBLAS, $scale of random problems"
@@ -194,7 +194,8 @@ fi
 
 heading "asan: build"
 # Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
-cmake_asan() { cmake --preset asan -DSFDAE_UNITY_BUILD=ON -DSFDAE_BUILD_ALL_TESTS=OFF -DSFDAE_BUILD_PROGRAM=OFF "$@"; }
+asan_options=(-DSFDAE_UNITY_BUILD=ON -DSFDAE_UNITY_TESTS=ON -DSFDAE_BUILD_ALL_TESTS=OFF -DSFDAE_BUILD_PROGRAM=OFF)
+cmake_asan() { cmake --preset asan "${asan_options[@]}" "$@"; }
 if ! command -v clang > /dev/null || ! command -v clang++ > /dev/null; then
   cmake_asan
   build asan
