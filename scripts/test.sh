@@ -162,7 +162,7 @@ cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON -DSFDAE_UNITY_TEST
 if ! build release; then
   cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=OFF -DSFDAE_UNITY_TESTS=OFF
   build release
-  complain "local names clash, see above: src/CMakeLists.txt and tests/CMakeLists.txt list those to be compiled apart"
+  complain "local names clash, see above: src, tests and cli list those to be compiled apart in CMakeLists.txt"
 fi
 
 heading "release: all tests, OpenBLAS, $scale of random problems"
