@@ -64,10 +64,10 @@ class DiscreteAdjoint final : public Companion {
     const double* weights;
     int count;
   };
-  // tolerances: of what steps to points within others leave.
+  // accuracy: of what steps to points within others leave.
   struct Surroundings {
     PointsWithin::KeepToPiece keep_to_piece;
-    const Tolerances& tolerances;
+    PointsWithin::Accuracy accuracy;
   };
   void gradient(const Functionals& functionals, const Surroundings& surroundings, double* gradient);
 

@@ -40,9 +40,10 @@ std::unique_ptr<SystemTwin> twin_of(AdjointSystem& system) {
 
 }  // namespace
 
-PointsWithin::PointsWithin(AdjointSystem& system, const Tolerances& tolerances, KeepToPiece keep_to_piece)
+PointsWithin::PointsWithin(AdjointSystem& system, const Accuracy& accuracy, KeepToPiece keep_to_piece)
     : system_(system), keep_to_piece_(std::move(keep_to_piece)) {
-  weights_.set(tolerances, Tightening::none, safety);
+  weights_.set(accuracy.tolerances, Tightening::none, safety);
+  weights_.set_steep_arguments(accuracy.steep_arguments);
   const std::size_t n = index(system.unknowns());
   collocation_.resize(n, max_radau_nodes);
   xdot_.resize(n);
@@ -93,7 +94,8 @@ Guess PointsWithin::predict(const StageMethod& method, double t_start, double t_
                         predicted_.data() + block * index(i));
   collocation_.taylor(given.step.t, order, at_end_.data());
   collocation_.taylor(given.before.front()->jet.t, order, at_start_.data());
-  return {predicted_.data(), at_end_.data(), weights_.inverse(), at_start_.data()};
+  const Jet& end = end_of(given).jet;
+  return {predicted_.data(), at_end_.data(), weights_.of_iterations(end.t, end.x.data()), at_start_.data()};
 }
 
 std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings& given) {
