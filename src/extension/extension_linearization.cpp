@@ -20,9 +20,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Other states are chosen where these move some unknown by so much more than where they were chosen, and by so many of its
-// sizes if they change by theirs. Chosen, not measured.
-constexpr double worth_a_choice = 3.0, harmless_sensitivity = 30.0;
+// Other states are chosen where these move some unknown that could be one by so much more than where they were chosen, and by so many of its
+// sizes if they change by theirs (docs/decisions/92-states-that-serve.md).
+constexpr double worth_a_choice = 3.0, harmless_sensitivity = 5.0;
 // Of the matrix, so that a choice stage by stage is taken without a look at others. Chosen, not measured.
 constexpr double good_condition = 1e-10;
 // What is larger than so many rounding errors is none. Chosen, not measured.
@@ -51,10 +51,21 @@ PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error) 
   if (status != PointStatus::ok) return status;
   note_sizes();
   const bool keeps = choices_ > 0 && factor_held() && is_harmless(sensitivity_);
-  if (!keeps) {
-    if (!choose_states()) return PointStatus::singular;
-    sensitivity_of_choice_ = sensitivity_;
-  }
+  if (!keeps) return take_choice();
+  is_usable_ = true;
+  return PointStatus::ok;
+}
+
+PointStatus ExtensionLinearization::renew_with_choice(const Jet& jet, CallbackError& error) {
+  const PointStatus status = linearize(jet, error);
+  if (status != PointStatus::ok) return status;
+  note_sizes();
+  return take_choice();
+}
+
+PointStatus ExtensionLinearization::take_choice() {
+  if (!choose_states()) return PointStatus::singular;
+  sensitivity_of_choice_ = sensitivity_;
   is_usable_ = true;
   return PointStatus::ok;
 }
@@ -222,13 +233,14 @@ std::vector<double> ExtensionLinearization::random_changes() const {
   return changes;
 }
 
-// Changes of the other unknowns in their sizes, from those by slots. Unknowns that are nothing but rounding errors have no size.
+// Changes of the unknowns that could be states in their sizes, from those by slots. What follows from these without a choice moves with them, and
+// says nothing about it. Unknowns that are nothing but rounding errors have no size.
 double ExtensionLinearization::sensitivity_to(const double* changes) const {
   double sensitivity = 0.0;
   for (int j = 0; j < extension_.n(); ++j) {
     const double size = sizes_[index(j)];
     const int column = extension_.column_of(j, 0);
-    if (choice_.is_state(j) || size <= certain * noise_[index(column)]) continue;
+    if (choice_.is_state(j) || !may_be_state(column) || size <= certain * noise_[index(column)]) continue;
     const double change = std::fabs(changes[choice_.slot(column)]);
     // Not a number counts as too much.
     sensitivity = std::max(sensitivity, change <= HUGE_VAL ? change / size : HUGE_VAL);
@@ -272,10 +284,6 @@ void ExtensionLinearization::measure_sensitivity() {
   subtract_states(random_changes().data(), work_.data());
   held_.solve(work_.data());
   sensitivity_ = sensitivity_to(work_.data());
-}
-
-bool ExtensionLinearization::states_serve(ConstView tangents) const {
-  return is_harmless(sensitivity_to(changes_by(tangents).data()));
 }
 
 bool ExtensionLinearization::factor_step(double c) {

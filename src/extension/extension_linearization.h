@@ -27,6 +27,8 @@ class ExtensionLinearization {
   // At the jet; the states stay if they determine all other unknowns about as well as where they were chosen, else others
   // take their place. singular: no choice does.
   PointStatus renew(const Jet& jet, CallbackError& error);
+  // The same with states chosen there, whatever those that are there do.
+  PointStatus renew_with_choice(const Jet& jet, CallbackError& error);
   // As renew() with these states and no others, and the lists that were archived.
   PointStatus restore(const Jet& jet, const std::vector<int>& states, Archive& archive, CallbackError& error);
   void archive_lists(Archive& archive) {
@@ -44,9 +46,15 @@ class ExtensionLinearization {
     ++counts_.reductions;
     ++counts_.factorizations;
   }
-  // Whether the states determine the other unknowns as well as where they were chosen; tangents: of the others by the states, by
+  // By how many of their sizes the unknowns that could be states change if the states do by theirs; tangents: of the others by the states, by
   // slots.
-  bool states_serve(ConstView tangents) const;
+  double sensitivity(ConstView tangents) const { return sensitivity_to(changes_by(tangents).data()); }
+  // Whether states with that sensitivity determine the other unknowns about as well as where they were chosen.
+  bool is_harmless(double sensitivity) const;
+  // Where unknowns begin to move their sizes are small, and sensitivities large: they are not to be the measure for good.
+  void note_sensitivity(double sensitivity) {
+    sensitivity_of_choice_ = std::min(sensitivity_of_choice_, sensitivity);
+  }
   const StateChoice& choice() const { return choice_; }
   // Changes whenever the states do.
   long choice_number() const { return choice_number_; }
@@ -109,7 +117,7 @@ class ExtensionLinearization {
   bool factor_held();
   void set_states(std::vector<int> states);
   void note_sizes();
-  bool is_harmless(double sensitivity) const;
+  PointStatus take_choice();
   std::vector<double> random_changes() const;
   double sensitivity_to(const double* changes) const;
   void make_tangents();
@@ -124,7 +132,7 @@ class ExtensionLinearization {
   Jet origin_;
   bool is_usable_ = false;
   long choices_ = 0, choice_number_ = 0;
-  // By how many of their sizes the other unknowns x_j change if the states do by theirs.
+  // By how many of their sizes the other unknowns x_j change if the states do by theirs; where these were chosen, or the least noted since.
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x
   StateChoice choice_;

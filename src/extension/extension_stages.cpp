@@ -70,12 +70,15 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
   // As for other nonlinear systems: more are better saved by shorter steps.
   constexpr int most = 12;
   const double h = equations.t_end - equations.t;
-  const bool is_local = linearized == Linearized::at_each_stage;
+  const bool is_local = linearized != Linearized::once;
+  ill_served_ = -1;
   for (int i = 0; i < s_; ++i) jets_[index(i)] = starts_[index(i)];
   set_slopes(equations, linearization.choice());
   if (is_local) {
     const PointStatus status = local_.linearize(equations, jets_, linearization, iteration.callback_error());
     if (status != PointStatus::ok) return status;
+    if (linearized == Linearized::at_each_stage) ill_served_ = local_.ill_served(linearization);
+    if (ill_served_ >= 0) return PointStatus::not_converged;
   } else if (!linearization.factor_stages(equations.method, h)) {
     return PointStatus::singular;
   }

@@ -27,10 +27,13 @@ class ExtensionStages {
   void hold_derivatives(const JetHistory& history) {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
-  // With one linearization for all stages, or, where that is of use, with one for each.
-  enum class Linearized { once, at_each_stage };
+  // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states do not serve at all of them,
+  // or whatever they do there.
+  enum class Linearized { once, at_each_stage, at_each_stage_as_is };
   PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
+  // Where the states did not serve, by what was predicted; else null.
+  const Jet* ill_served() const { return ill_served_ < 0 ? nullptr : &starts_[index(ill_served_)]; }
   bool may_linearize_each(int s) const { return local_.is_of_use(s); }
   // What stages depend on besides the linearization; see LocalStages.
   void archive(Archive& archive, const ExtensionLinearization& linearization) {
@@ -57,7 +60,7 @@ class ExtensionStages {
 
   MinimalExtension& extension_;
   LocalStages local_;
-  int s_ = 0;
+  int s_ = 0, ill_served_ = -1;
   std::vector<Jet> starts_, jets_;
   std::vector<double> r_, z_;  // a column for each stage
   std::vector<std::complex<double>> pair_;

@@ -193,8 +193,11 @@ std::string ExtensionSystem::describe_block(int block) const {
 }
 
 PointStatus ExtensionSystem::renew(const Jet& jet) {
+  return note_renewal(linearization_.renew(jet, callback_error_));
+}
+
+PointStatus ExtensionSystem::note_renewal(PointStatus status) {
   iteration_.chord().forget_rate();
-  const PointStatus status = linearization_.renew(jet, callback_error_);
   if (status == PointStatus::singular && about_change_.empty()) about_change_ = "no unknowns determine all others.";
   if (status != PointStatus::ok) return status;
   std::fill(rounding_errors_.begin(), rounding_errors_.end(), 0.0);
@@ -242,7 +245,8 @@ PointStatus ExtensionSystem::review_local() {
     if (status != PointStatus::ok) return status;
   }
   iteration_.chord().set_slow(false);
-  if (unjudged_ % points_between_renewals != 0 && linearization_.states_serve(stages_.end_tangents()))
+  if (unjudged_ % points_between_renewals != 0 &&
+      linearization_.is_harmless(linearization_.sensitivity(stages_.end_tangents())))
     return PointStatus::ok;
   // The end of the step is the same, whatever the states.
   has_end_tangents_ = false;
@@ -293,13 +297,31 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
   return status;
 }
 
+// Newton's method at each stage also converges beyond points where the states do not determine the other unknowns, to something that is no
+// solution: states have to serve at all stages, those that are chosen where the old ones serve worst or, if there is no better choice, these.
+PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations) {
+  using Linearized = ExtensionStages::Linearized;
+  PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
+  const Jet* const there = stages_.ill_served();
+  if (there == nullptr) return status;
+  const long choice = linearization_.choice_number();
+  status = note_renewal(linearization_.renew_with_choice(*there, callback_error_));
+  if (status != PointStatus::ok) return status;
+  const bool is_better = linearization_.choice_number() != choice;
+  status = stages_.solve(equations, is_better ? Linearized::at_each_stage : Linearized::at_each_stage_as_is,
+                         linearization_, iteration_);
+  // What was predicted was no good: nothing that follows is to be judged by its rounding errors.
+  if (status == PointStatus::not_converged) renew(history_.accepted());
+  return status;
+}
+
 PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
   using Linearized = ExtensionStages::Linearized;
   t_reached = equations.t_end;
   has_end_tangents_ = false;
   stages_.predict(equations, history_, determined_);
   if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
-    PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
+    const PointStatus status = solve_local_stages(equations);
     if (status == PointStatus::ok) {
       failures_in_row_ = 0;
       are_stages_local_ = true;

@@ -110,6 +110,7 @@ class ExtensionSystem final : public DaeSystem {
                       Certificates certificates = Certificates::not_kept);
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
+  PointStatus note_renewal(PointStatus status);
   // guess: the jet to start from.
   template <class Start, class Iterate>
   PointStatus iterate_with_renewal(Start guess, Iterate iterate);
@@ -117,6 +118,7 @@ class ExtensionSystem final : public DaeSystem {
   void add_tangents(ConstView T, const double* dw, double* dx) const;
   PointStatus review();
   PointStatus review_local();
+  PointStatus solve_local_stages(const StageEquations& equations);
   // start: makes the jet to start from, once or twice.
   template <class Start>
   PointStatus solve_held(Start start, Jet& jet, double* xdot);

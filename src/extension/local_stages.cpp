@@ -219,6 +219,23 @@ void LocalStages::make_tangents() {
   for (const LaneBlock& block : tangents_) end_tangents_.push_back(block.lane[s_ - 1]);
 }
 
+int LocalStages::ill_served(ExtensionLinearization& linearization) {
+  int worst = 0;
+  double largest = 0.0;
+  stage_tangents_.resize(tangents_.size());
+  for (int i = 0; i < s_; ++i) {
+    for (std::size_t k = 0; k < tangents_.size(); ++k) stage_tangents_[k] = tangents_[k].lane[i];
+    const double sensitivity = linearization.sensitivity({stage_tangents_.data(), q_, d_, std::max(q_, 1)});
+    if (sensitivity >= largest) {
+      largest = sensitivity;
+      worst = i;
+    }
+  }
+  if (!linearization.is_harmless(largest)) return worst;
+  linearization.note_sensitivity(largest);
+  return -1;
+}
+
 // With T.
 void LocalStages::add_changes_of_states(const double* z) {
   LaneBlock dz;

@@ -51,6 +51,8 @@ class LocalStages {
   // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots, those of x_j in place of x_j' of the
   // states.
   void solve(View r);
+  // After linearize(): the stage where the states serve worst, if they do not serve there; -1: they serve at all stages.
+  int ill_served(ExtensionLinearization& linearization);
   // T of the last stage: by slots, a column for each state.
   ConstView end_tangents() const { return {end_tangents_.data(), q_, d_, q_ > 0 ? q_ : 1}; }
 
@@ -93,7 +95,7 @@ class LocalStages {
   HeldEntries held_;
   // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of right-hand sides.
   LaneArray derivatives_, values_, factors_, tangents_, r_, given_;
-  std::vector<double> values_of_stage_, end_tangents_;
+  std::vector<double> values_of_stage_, end_tangents_, stage_tangents_;
   CoupledStates coupled_;
   // Rows that may be x_a' - x_b = 0 of two states: numbers of these, and their entries.
   struct Candidate {
