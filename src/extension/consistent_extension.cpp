@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "extension/least_change_search.h"
@@ -63,12 +64,51 @@ double ConsistentExtension::weight(const MinimalExtension::Column& column, doubl
     return ratio * ratio;
   }
   if (!request_.differentiated_stay()) return 1.0;
-  if (is_drawn(column)) return 1.0 / (units_.sizes[j] * units_.sizes[j]);
+  if (is_drawn(column)) return 1.0 / (drawn_sizes_[j] * drawn_sizes_[j]);
   const double size = std::max(units_.sizes[j], std::fabs(value));
   return weight_of_free / (size * size);
 }
 
 Jet ConsistentExtension::find(const PointOfInterest& point) {
+  Jet nearest = find_nearest(point);
+  if (!request_.differentiated_stay() || !may_be_digits(point.x, nearest)) return nearest;
+  const ConsistencyRequest trusting = request_.trusting_digits(point.x);
+  drawn_sizes_ = trusting.sizes();
+  std::optional<Jet> by_digits;
+  try {
+    by_digits = find_nearest(point);
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+  }
+  drawn_sizes_ = units_.sizes;
+  return by_digits && is_within(trusting.tolerances, point.x, *by_digits) ? std::move(*by_digits)
+                                                                          : std::move(nearest);
+}
+
+// Something has moved, and a jet that moves everything by less than its tolerance may exist: the nearest one has the least sum of squares.
+bool ConsistentExtension::may_be_digits(const double* given, const Jet& found) const {
+  double sum = 0.0;
+  int count = 0;
+  bool has_moved = false;
+  for (int j = 0; j < extension_.n(); ++j) {
+    if (!is_drawn({j, 0})) continue;
+    const double change = std::fabs(found.x[index(j)] - given[j]), size = units_.sizes[index(j)];
+    const double in_sizes = change / size;
+    has_moved = has_moved || change > beyond_rounding_of_x * std::max(std::fabs(given[j]), size);
+    sum += in_sizes * in_sizes;
+    ++count;
+  }
+  return has_moved && sum <= count;
+}
+
+bool ConsistentExtension::is_within(const std::vector<double>& tolerances, const double* given,
+                                    const Jet& found) const {
+  for (int j = 0; j < extension_.n(); ++j)
+    if (is_drawn({j, 0}) && !(std::fabs(found.x[index(j)] - given[j]) <= tolerances[index(j)])) return false;
+  return true;
+}
+
+Jet ConsistentExtension::find_nearest(const PointOfInterest& point) {
   // Nearly singular matrices make numbers that are not finite, which searches look at.
   const QuietArithmetic quiet;
   Jet guess;

@@ -28,11 +28,14 @@ class ConsistentExtension {
       : extension_(extension),
         request_(request),
         units_{request.sizes()},
+        drawn_sizes_(units_.sizes),
         differentiated_(differentiated_unknowns(extension.problem().structure()->signature)) {
     if (!request.weights.empty()) least_weight_ = *std::min_element(request.weights.begin(), request.weights.end());
   }
 
-  // Near the x and, if it is there, x' of the point. Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
+  // Near the x and, if it is there, x' of the point: what is differentiated moves in proportion to its values where their last digits explain
+  // that, as published values are off by these (docs/decisions/28-start-values.md). Throws Failure: errors of callbacks,
+  // SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
@@ -45,6 +48,9 @@ class ConsistentExtension {
   bool stays(int j) const { return is_held({j, 0}) || is_drawn({j, 0}); }
 
  private:
+  Jet find_nearest(const PointOfInterest& point);
+  bool may_be_digits(const double* given, const Jet& found) const;
+  bool is_within(const std::vector<double>& tolerances, const double* given, const Jet& found) const;
   void solve_stage(int stage, const Jet& guess, Jet& jet);
   void solve_together(const Jet& guess, Jet& jet);
   bool has_to_move(const Jet& guess, const Jet& jet) const;
@@ -54,6 +60,7 @@ class ConsistentExtension {
   MinimalExtension& extension_;
   const ConsistencyRequest& request_;
   SearchUnits units_;
+  std::vector<double> drawn_sizes_;  // changes of what is drawn that count as one
   std::vector<char> differentiated_;
   double least_weight_ = 1.0;  // only ratios of weights count
 };

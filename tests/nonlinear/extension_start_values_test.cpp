@@ -103,4 +103,32 @@ TEST(ExtensionStartValues, AreMovedByNoLargeForce) {
   }
 }
 
+// A long rod and a stiff elongation, given with nine digits: what these leave open is the rod's.
+TEST(ExtensionStartValues, MoveByLastDigits) {
+  sfdae::NonlinearProblem rod(5, 5);
+  const double sum = 0.450016932999, length = 0.45, elongation = 1.69327969e-5;
+  rod.equations = [=](const sfdae::Expression&, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + x[0] + x[4];
+    F[3] = xdot[3] + 1e8 * x[1] + x[4];
+    F[4] = x[0] + x[1] - sum;
+  };
+  const double off = sum - length - elongation;
+  ASSERT_GT(std::fabs(off), 1e-10);
+  for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED})
+    for (double tolerance : {1e-8, 1e-6, 1e-4}) {
+      SCOPED_TRACE(testing::Message() << "structure " << structure << ", tolerance " << tolerance);
+      const Start found = start(rod, {length, elongation, 0.1, -0.1, 0.0}, structure, tolerance);
+      EXPECT_EQ(found.status, SFDAE_OK);
+      EXPECT_NEAR(found.x[0], length + off, 1e-5 * std::fabs(off));
+      EXPECT_NEAR(found.x[1], elongation, 1e-5 * std::fabs(off));
+    }
+  // More than digits: the nearest point by the tolerances.
+  const double far = 1e-5, weight = (1.0 + length) * (1.0 + length);
+  const Start found = start(rod, {length + far, elongation, 0.1, -0.1, 0.0}, SFDAE_STRUCTURE_REQUIRED, 1e-4);
+  EXPECT_EQ(found.status, SFDAE_OK);
+  EXPECT_NEAR(found.x[1] - elongation, (off - far) / (1.0 + weight), 1e-3 * far);
+}
+
 }  // namespace
