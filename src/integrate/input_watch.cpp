@@ -8,9 +8,7 @@
 
 #include "integrate/radau_method.h"
 #include "linalg/index.h"
-#include "linalg/matrix.h"
 #include "linalg/quiet_arithmetic.h"
-#include "problem/failure.h"
 
 namespace sfdae::core {
 
@@ -22,21 +20,15 @@ constexpr double unimportant = 10.0, shown_part = 0.5;
 constexpr int most_input_halvings = 30;
 // Where slopes cannot be found the step fails of itself, or does not.
 constexpr int most_blind_halvings = 3, most_blind_halvings_of_crests = 12;
-// Of the way to a time: strides that are shorter are of no use.
-constexpr double least_stride = 0.01;
-constexpr int most_strides = 12;
 
 }  // namespace
 
 void InputWatch::resize(const DaeSystem& system, int inputs) {
   samples_.resize(inputs);
-  const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
+  slopes_.resize(system);
+  const std::size_t size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);
   changes_.assign(size_w * InputSamples::most_nodes, 0.0);
-  w_.assign(std::max(n, size_w), 0.0);
-  for (std::vector<double>* v : {&x_, &xdot_, &from_}) v->assign(n, 0.0);
-  const std::size_t columns = system.taylor_order() > 0 ? index(system.taylor_order() + 1) : 2;
-  for (std::vector<double>* v : {&taylor_, &taylor_before_}) v->assign(n * columns, 0.0);
 }
 
 // Of BDF the last point counts, too.
@@ -76,14 +68,14 @@ std::optional<bool> InputWatch::do_matter(Integrator& integrator, double h, std:
   const QuietArithmetic quiet;
   const double start = integrator.stepper->state().t;
   if (!has_slope_at_start(integrator)) return false;
-  if (!find_slope(integrator, start + h, change_)) return std::nullopt;
+  if (!slopes_.find(integrator, start + h, change_)) return std::nullopt;
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= at_start_[i];
-  const double shown = size_of_change(integrator, h, change_);
+  const double shown = slopes_.size_of_change(integrator, h, change_);
   for (const double t : places) {
-    if (!find_slope(integrator, t, here_)) return std::nullopt;
+    if (!slopes_.find(integrator, t, here_)) return std::nullopt;
     const double part = (t - start) / h;
     for (std::size_t i = 0; i < here_.size(); ++i) here_[i] -= at_start_[i] + part * change_[i];
-    if (!(size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
+    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
   }
   return false;
 }
@@ -97,19 +89,19 @@ std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double 
   const std::size_t size_w = at_start_.size();
   double shown = 0.0;
   for (std::size_t k = 1; k < nodes.size(); ++k) {
-    if (!find_slope(integrator, nodes[k], change_)) return std::nullopt;
+    if (!slopes_.find(integrator, nodes[k], change_)) return std::nullopt;
     for (std::size_t i = 0; i < size_w; ++i) change_[i] -= at_start_[i];
     std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
-    shown = std::fmax(shown, size_of_change(integrator, h, change_));
+    shown = std::fmax(shown, slopes_.size_of_change(integrator, h, change_));
   }
   for (const double t : samples_.crests()) {
-    if (!find_slope(integrator, t, here_)) return std::nullopt;
+    if (!slopes_.find(integrator, t, here_)) return std::nullopt;
     std::array<double, InputSamples::most_nodes> weights{};
     set_lagrange_weights(nodes, t, weights.data());
     for (std::size_t i = 0; i < size_w; ++i) here_[i] -= at_start_[i];
     for (std::size_t k = 1; k < nodes.size(); ++k)
       for (std::size_t i = 0; i < size_w; ++i) here_[i] -= weights[k] * changes_[k * size_w + i];
-    if (!(size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
+    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
   }
   return false;
 }
@@ -117,74 +109,8 @@ std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double 
 bool InputWatch::has_slope_at_start(Integrator& integrator) {
   if (has_slope_) return true;
   integrator.weights.update(integrator.stepper->x().data());
-  has_slope_ = find_slope(integrator, integrator.stepper->state().t, at_start_);
+  has_slope_ = slopes_.find(integrator, integrator.stepper->state().t, at_start_);
   return has_slope_;
-}
-
-// (W x)' at t for w as it is now.
-bool InputWatch::find_slope(Integrator& integrator, double t, std::vector<double>& wdot) {
-  DaeSystem& system = integrator.system;
-  const double start = integrator.stepper->state().t;
-  integrator.stepper->interpolate({start, w_.data(), x_.data(), xdot_.data()});
-  try {
-    // The start itself is consistent.
-    if (t == start ? system.move_to(t) != PointStatus::ok : !follow(integrator, t)) return false;
-    system.estimate_derivative(x_.data(), xdot_.data());
-    if (!all_finite(xdot_.data(), xdot_.size())) return false;
-    system.leading_derivative(x_.data(), xdot_.data(), wdot.data());
-  } catch (const Failure& failure) {
-    if (ends_everything(failure.status())) throw;
-    return false;
-  }
-  return all_finite(wdot.data(), wdot.size());
-}
-
-// Moves x to t from the start with w held; where the equations are too nonlinear for that, by way of times in between.
-bool InputWatch::follow(Integrator& integrator, double t) {
-  const double start = integrator.stepper->state().t;
-  double at = start, stride = t - start;
-  from_ = integrator.stepper->x();
-  for (int tries = 0; tries < most_strides && std::fabs(stride) > least_stride * std::fabs(t - start); ++tries) {
-    const double next = std::fabs(t - at) <= std::fabs(stride) ? t : at + stride;
-    if (!restore(integrator, next)) {
-      stride *= 0.25;
-      continue;
-    }
-    if (next == t) return true;
-    at = next;
-    from_ = x_;
-    stride *= 2.0;
-  }
-  return false;
-}
-
-// x at t from from_, which is nearby.
-bool InputWatch::restore(Integrator& integrator, double t) {
-  DaeSystem& system = integrator.system;
-  const std::size_t n = x_.size();
-  Guess guess;
-  if (system.taylor_order() > 0) {
-    std::fill(taylor_.begin(), taylor_.end(), 0.0);
-    std::copy(from_.begin(), from_.end(), taylor_.begin());
-    std::copy_n(xdot_.begin(), n, taylor_.begin() + static_cast<std::ptrdiff_t>(n));
-    taylor_before_ = taylor_;
-    guess = {taylor_.data(), taylor_before_.data(), integrator.weights.inverse()};
-  }
-  try {
-    if (system.move_to(t) != PointStatus::ok) return false;
-    system.restore(w_.data(), from_.data(), guess, x_.data());
-  } catch (const Failure& failure) {
-    if (ends_everything(failure.status())) throw;
-    return false;
-  }
-  return all_finite(x_.data(), n);
-}
-
-// Of x, over the step, in tolerances. The slope is lost.
-double InputWatch::size_of_change(Integrator& integrator, double h, const std::vector<double>& slope) {
-  for (std::size_t i = 0; i < slope.size(); ++i) w_[i] = h * slope[i];
-  integrator.system.error_in_x(w_.data(), x_.data());
-  return integrator.weights.norm(x_.data());
 }
 
 }  // namespace sfdae::core

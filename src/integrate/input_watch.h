@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "integrate/held_slopes.h"
 #include "integrate/input_samples.h"
 #include "integrate/integrator.h"
 #include "linalg/archive.h"
@@ -27,18 +28,14 @@ class InputWatch {
   std::optional<bool> do_matter(Integrator& integrator, double h, std::span<const double> places);
   std::optional<bool> do_crests_matter(Integrator& integrator, double h, std::span<const double> nodes);
   bool has_slope_at_start(Integrator& integrator);
-  bool find_slope(Integrator& integrator, double t, std::vector<double>& wdot);
-  bool follow(Integrator& integrator, double t);
-  bool restore(Integrator& integrator, double t);
-  double size_of_change(Integrator& integrator, double h, const std::vector<double>& slope);
 
   InputSamples samples_;
+  HeldSlopes slopes_;
   double fastest_ = 0.0;  // in which time inputs have been found to change unnoticed; 0: none have
   std::array<double, InputSamples::most_nodes> nodes_{};
   bool has_slope_ = false;                        // at the start of the step
   std::vector<double> at_start_, change_, here_;  // (W x)' there, w held; its change up to the end; and elsewhere
   std::vector<double> changes_;                   // up to each node
-  std::vector<double> w_, x_, from_, xdot_, taylor_, taylor_before_;
 };
 
 }  // namespace sfdae::core
