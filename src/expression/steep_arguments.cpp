@@ -104,7 +104,7 @@ void SteepArguments::sharpen(double t, const double* x, double* inverse_weights)
       const double needed = part.change[index(leaf.slot)] / certain_part;
       double& inverse = inverse_weights[leaf.unknown];
       const double most = 1.0 / (least_relative * std::fabs(x[leaf.unknown]));
-      if (needed > 1.0 && inverse < most) inverse = std::fmin(inverse * needed, most);
+      if (needed > 1.0 && std::isfinite(needed) && inverse < most) inverse = std::fmin(inverse * needed, most);
     }
   }
 }

@@ -19,7 +19,7 @@ constexpr double visible_part = 0.3;
 constexpr double visible_excess = 0.05;
 // Of its range: crests that are higher are looked at, whether they are expected or not; and how they are found. (Chosen.)
 constexpr double crest_part = 0.001;
-constexpr int parabolas = 2;
+constexpr int parabolas = 3;
 constexpr double reach_in_next = 0.25;
 // Of its size: changes are rounding errors.
 constexpr double least_range = 1e-10;
@@ -137,6 +137,7 @@ void InputSamples::find_unseen() {
 // What the nodes before the step say of w there is of the past.
 void InputSamples::find_crests(TimeInputs& inputs, std::span<const double> nodes, double spacing, double h) {
   const double t = nodes[0];
+  const Interval step{t, t + h};
   for (std::size_t i = 0; i < now_.size(); ++i) {
     if (range_of(i) == 0.0) continue;
     const double* const at_nodes = at_nodes_.data() + i * most_nodes;
@@ -149,29 +150,31 @@ void InputSamples::find_crests(TimeInputs& inputs, std::span<const double> nodes
     const Extreme &low = lowest_[i], &high = highest_[i];
     const double least = crest_part * (std::fmax(high.value, high_node) - std::fmin(low.value, low_node));
     if (high.value - high_node > least)
-      crests_.add((high.value - high_node) / least, crest(inputs, i, spacing, high, t, h));
+      crests_.add((high.value - high_node) / least, crest(inputs, i, 1.0, spacing, high.t, step));
     if (low_node - low.value > least)
-      crests_.add((low_node - low.value) / least, crest(inputs, i, spacing, low, t, h));
+      crests_.add((low_node - low.value) / least, crest(inputs, i, -1.0, spacing, low.t, step));
   }
 }
 
-// Near the sample that is the extreme one, by parabolas.
-double InputSamples::crest(TimeInputs& inputs, std::size_t i, double spacing, Extreme extreme, double t, double h) {
-  double at = extreme.t, reach = spacing;
+// Near the sample that is the largest one, of those times sign, by parabolas within the step.
+double InputSamples::crest(TimeInputs& inputs, std::size_t i, double sign, double spacing, double at,
+                           const Interval& step) {
+  const auto room = [&](double time) { return std::fmin(std::fabs(time - step.start), std::fabs(step.end - time)); };
   const auto value = [&](double time) {
     inputs.evaluate(time, now_.data());
-    return now_[i];
+    return sign * now_[i];
   };
-  double middle = extreme.value;
+  double reach = std::fmin(std::fabs(spacing), room(at)), middle = value(at);
   for (int round = 0; round < parabolas; ++round) {
     const double before = value(at - reach), after = value(at + reach), bend = before - 2.0 * middle + after;
     const double shift = 0.5 * (before - after) / bend;
-    if (!(std::fabs(shift) <= 1.0)) break;
-    at += shift * reach;
-    reach *= reach_in_next;
-    if (round + 1 < parabolas) middle = value(at);
+    const bool is_inside = bend < 0.0 && std::fabs(shift) <= 1.0;
+    if (!is_inside && !(std::fmax(before, after) > middle)) break;
+    at += is_inside ? shift * reach : after > before ? reach : -reach;
+    reach = std::fmin(is_inside ? reach_in_next * reach : reach, room(at));
+    middle = value(at);
   }
-  return std::fabs(at - t) <= std::fabs(h) && (at - t) * h >= 0.0 ? at : extreme.t;
+  return at;
 }
 
 void InputSamples::Places::add(double score, double t) {

@@ -32,6 +32,9 @@ class InputSamples {
   struct Extreme {
     double value, distance, t;
   };
+  struct Interval {
+    double start, end;
+  };
   // Times in the order of their scores; those with scores up to one are none.
   class Places {
    public:
@@ -50,7 +53,7 @@ class InputSamples {
   bool are_smooth() const;
   void find_unseen();
   void find_crests(TimeInputs& inputs, std::span<const double> nodes, double spacing, double h);
-  double crest(TimeInputs& inputs, std::size_t i, double spacing, Extreme extreme, double t, double h);
+  double crest(TimeInputs& inputs, std::size_t i, double sign, double spacing, double at, const Interval& step);
 
   std::vector<double> at_nodes_;  // of input i, one for each node, from i most_nodes on
   std::vector<double> now_;

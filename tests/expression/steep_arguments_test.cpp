@@ -67,6 +67,12 @@ TEST(SteepArguments, AreNotKnownBeyondRoundingErrors) {
   EXPECT_DOUBLE_EQ(sharpened({2.0}, {1.0}, 0.0, steep)[0], 1.0 / 2e-12);
 }
 
+// At a pole nothing is known.
+TEST(SteepArguments, AtPolesAreLeftAlone) {
+  const auto reaction = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(-1.0 / r.x[0])}; };
+  EXPECT_EQ(sharpened({0.0}, {3.0}, 0.0, reaction)[0], 3.0);
+}
+
 // Sources in arguments, and hyperbolic functions. Arguments of t alone, or of functions whose changes are not followed, are left alone.
 TEST(SteepArguments, OfOtherKinds) {
   const auto with_source = [](Recording& r) { return std::vector<Term>{r.x[0] - sinh(r.t * (r.x[0] - sin(r.t)))}; };
