@@ -204,7 +204,7 @@ else
   if ! build asan; then
     echo "Clang could not build this, see above: once more with the default compiler"
     rm -rf build/asan
-    cmake_asan
+    cmake_asan -DSFDAE_UNITY_BUILD=OFF -DSFDAE_UNITY_TESTS=OFF
     build asan
   fi
 fi

@@ -19,7 +19,7 @@ class SteepArguments {
 
   bool empty() const { return parts_.empty(); }
   // inverse_weights: 1 / tolerances of the unknowns. Those of unknowns that arguments depend on are made as large as it takes for
-  // these to be known to a hundredth. Nothing is allocated.
+  // these to be known to a hundredth, all of them by one factor, whatever their part in it is. Nothing is allocated.
   void sharpen(double t, const double* x, double* inverse_weights);
 
  private:

@@ -50,6 +50,11 @@ struct Instruction {
   const FunctionCall* call = nullptr;  // of a function; b is then the slot after a
 };
 
+// Slots of derivatives are read as values where sine and cosine share an instruction.
+inline bool has_two_results(const Instruction& instruction) {
+  return (instruction.code == Code::sin_cos || instruction.code == Code::sinh_cosh) && instruction.p > 0;
+}
+
 enum class EdgeCode : std::uint8_t {
   pass,              // adjoint(to) += adjoint(from)
   negate,            // -=

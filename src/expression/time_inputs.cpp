@@ -30,7 +30,10 @@ void for_operands(const Instruction& instruction, Take take) {
 std::vector<int> input_slots(const Tape& tape) {
   std::vector<char> is_of_time(index(tape.num_slots), 0), is_input(is_of_time);
   const auto mark = [](std::vector<char>& flags, int slot) { flags[index(slot)] = 1; };
-  for (const Instruction& instruction : tape.of_time.all()) mark(is_of_time, instruction.v);
+  for (const Instruction& instruction : tape.of_time.all()) {
+    mark(is_of_time, instruction.v);
+    if (has_two_results(instruction)) mark(is_of_time, instruction.p);
+  }
   for (const Instruction& instruction : tape.of_state.all())
     for_operands(instruction, [&](int slot) {
       if (is_of_time[index(slot)] != 0) mark(is_input, slot);

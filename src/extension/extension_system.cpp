@@ -304,14 +304,14 @@ PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations)
   PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
   const Jet* const there = stages_.ill_served();
   if (there == nullptr) return status;
-  const long choice = linearization_.choice_number();
+  const std::vector<int> states = linearization_.choice().states();
   status = note_renewal(linearization_.renew_with_choice(*there, callback_error_));
   if (status != PointStatus::ok) return status;
-  const bool is_better = linearization_.choice_number() != choice;
+  const bool is_better = linearization_.choice().states() != states;
   status = stages_.solve(equations, is_better ? Linearized::at_each_stage : Linearized::at_each_stage_as_is,
                          linearization_, iteration_);
   // What was predicted was no good: nothing that follows is to be judged by its rounding errors.
-  if (status == PointStatus::not_converged) renew(history_.accepted());
+  if (status != PointStatus::ok && !is_hopeless(status)) renew(history_.accepted());
   return status;
 }
 

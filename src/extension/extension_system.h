@@ -75,6 +75,7 @@ class ExtensionSystem final : public DaeSystem {
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double, const double* x, double* xdot) override { exact_derivative(x, xdot); }
+  bool estimate_derivative(const double* x, double* xdot) override { return exact_derivative(x, xdot); }
 
   PointQuality quality() const override;
   // Those known, or none where the structure is not confirmed any more: others are not found here.

@@ -34,8 +34,7 @@ bool HeldSlopes::find(Integrator& integrator, double t, std::vector<double>& wdo
   try {
     // The start itself is consistent.
     if (t == start ? system.move_to(t) != PointStatus::ok : !follow(integrator, t)) return false;
-    system.estimate_derivative(x_.data(), xdot_.data());
-    if (!all_finite(xdot_.data(), xdot_.size())) return false;
+    if (!system.estimate_derivative(x_.data(), xdot_.data()) || !all_finite(xdot_.data(), xdot_.size())) return false;
     system.leading_derivative(x_.data(), xdot_.data(), wdot.data());
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;

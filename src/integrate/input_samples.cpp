@@ -17,8 +17,9 @@ namespace {
 constexpr double visible_part = 0.3;
 // Of its range: by how much it may be above or below its values at the nodes without being expected there. (Chosen.)
 constexpr double visible_excess = 0.05;
-// Of its range: crests that are higher are looked at, whether they are expected or not; and how they are found. (Chosen.)
+// Of its range: crests are looked at, whether they are expected or not, where a sample is that much beyond its values at the nodes. (Chosen.)
 constexpr double crest_part = 0.001;
+// From the largest sample to the crest: each parabola through points at a quarter of the last one's distances.
 constexpr int parabolas = 3;
 constexpr double reach_in_next = 0.25;
 // Of its size: changes are rounding errors.
@@ -167,6 +168,7 @@ double InputSamples::crest(TimeInputs& inputs, std::size_t i, double sign, doubl
   double reach = std::fmin(std::fabs(spacing), room(at)), middle = value(at);
   for (int round = 0; round < parabolas; ++round) {
     const double before = value(at - reach), after = value(at + reach), bend = before - 2.0 * middle + after;
+    if (!std::isfinite(bend)) break;
     const double shift = 0.5 * (before - after) / bend;
     const bool is_inside = bend < 0.0 && std::fabs(shift) <= 1.0;
     if (!is_inside && !(std::fmax(before, after) > middle)) break;

@@ -89,7 +89,14 @@ std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double 
   const std::size_t size_w = at_start_.size();
   double shown = 0.0;
   for (std::size_t k = 1; k < nodes.size(); ++k) {
-    if (!slopes_.find(integrator, nodes[k], change_)) return std::nullopt;
+    if (!slopes_.find(integrator, nodes[k], change_)) {
+      // Before the step w was another one, with which no x may exist: a polynomial of one degree less, then.
+      if (k + 1 == nodes.size() && (nodes[k] - nodes[0]) * h < 0.0) {
+        nodes = nodes.first(k);
+        break;
+      }
+      return std::nullopt;
+    }
     for (std::size_t i = 0; i < size_w; ++i) change_[i] -= at_start_[i];
     std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
     shown = std::fmax(shown, slopes_.size_of_change(integrator, h, change_));

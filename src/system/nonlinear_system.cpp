@@ -382,10 +382,11 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
 }
 
 // xdot stays where F cannot be evaluated, or could not when it was to be linearized.
-void NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
-  if (!linearization_.is_usable()) return;
-  if (linearization_.correct_derivative(jet_.t, x, xdot) != PointStatus::ok && !callback_error_.is_recoverable())
-    callback_error_.raise();
+bool NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
+  if (!linearization_.is_usable()) return false;
+  const bool is_corrected = linearization_.correct_derivative(jet_.t, x, xdot) == PointStatus::ok;
+  if (!is_corrected && !callback_error_.is_recoverable()) callback_error_.raise();
+  return is_corrected;
 }
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------

@@ -83,7 +83,9 @@ class NonlinearSystem final : public DaeSystem {
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
-  void estimate_derivative(const double* x, double* xdot) override { correct_by_linearization(x, xdot); }
+  bool estimate_derivative(const double* x, double* xdot) override {
+    return linearization_.is_usable() ? correct_by_linearization(x, xdot) : exact_derivative(x, xdot);
+  }
 
   std::string inconsistency_message() const override;
   PointQuality quality() const override;
@@ -111,7 +113,7 @@ class NonlinearSystem final : public DaeSystem {
   void restore_anew();
   double distance_from_start(const Jet& jet) const;
   PointStatus restore_with_linearization_at(const Jet& place);
-  void correct_by_linearization(const double* x, double* xdot);
+  bool correct_by_linearization(const double* x, double* xdot);
   bool may_hold_derivatives(PointStatus status) const;
   PointStatus iterate_from_guess(const IterationTask& task);
   PointStatus solve_index_zero(const IterationTask& task);

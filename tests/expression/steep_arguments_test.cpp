@@ -71,6 +71,22 @@ TEST(SteepArguments, AreNotKnownBeyondRoundingErrors) {
 TEST(SteepArguments, AtPolesAreLeftAlone) {
   const auto reaction = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(-1.0 / r.x[0])}; };
   EXPECT_EQ(sharpened({0.0}, {3.0}, 0.0, reaction)[0], 3.0);
+  const auto both = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(-1.0 / r.x[0]) - exp(r.x[0] / 0.02)}; };
+  EXPECT_NEAR(sharpened({0.0}, {3.0}, 0.0, both)[0], 1.0 / (0.02 * 0.01), 1e-6);
+}
+
+TEST(SteepArguments, FollowChangesOfParameters) {
+  Recording recording(1);
+  const Term V = recording.parameter("V", 0.025);
+  TaylorEvaluator evaluator(recording.finish({recording.x[0] - exp(recording.x[0] / V)}));
+  SteepArguments arguments({&evaluator});
+  const double x = 0.6;
+  for (const double value : {0.025, 0.05}) {
+    evaluator.set_parameter(0, value);
+    double inverse = 1.0;
+    arguments.sharpen(0.0, &x, &inverse);
+    EXPECT_NEAR(inverse, 1.0 / value / 0.01, 1e-6);
+  }
 }
 
 // Sources in arguments, and hyperbolic functions. Arguments of t alone, or of functions whose changes are not followed, are left alone.
@@ -81,6 +97,10 @@ TEST(SteepArguments, OfOtherKinds) {
   EXPECT_EQ(sharpened({1.0}, {1.0}, 1.0, of_time)[0], 1.0);
   const auto of_sine = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(100.0 * sin(r.x[0]))}; };
   EXPECT_EQ(sharpened({1.0}, {1.0}, 1.0, of_sine)[0], 1.0);
+  const auto of_cosine = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(100.0 * (r.x[0] + cos(r.x[0])))}; };
+  EXPECT_EQ(sharpened({1.0}, {1.0}, 1.0, of_cosine)[0], 1.0);
+  const auto of_cosh = [](Recording& r) { return std::vector<Term>{r.x[0] - exp(100.0 * r.x[0] / cosh(r.x[0]))}; };
+  EXPECT_NEAR(sharpened({1.0}, {1.0}, 1.0, of_cosh)[0], 1.0 / 0.01, 1e-9);  // the argument of cosh
   const auto of_derivative = [](Recording& r) {
     return std::vector<Term>{r.x[0] - exp(100.0 * (r.x[0] + r.xdot[0]))};
   };

@@ -3,8 +3,8 @@
 // time, and steps have to end before (docs/decisions/92-states-that-serve.md).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "nonlinear_run.h"

@@ -102,17 +102,22 @@ INSTANTIATE_TEST_SUITE_P(Methods, Pulses, testing::Values(SFDAE_METHOD_BDF, SFDA
 
 }  // namespace
 
-// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 5 % (Radau, short pulses) are still.
+// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 5 % (Radau, short pulses) are still, and
+// 0.6 % end with BDF within a pulse, as steps find no solution.
 TEST_P(Pulses, AreNotSteppedOver) {
   int wrong = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const Rectifier rectifier = random_rectifier(seed);
     const double exact = reference(rectifier);
     for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
-      const Outcome run = integrate(rectifier, solver_options(tolerance, GetParam()));
-      const double error = std::fabs(run.x - exact) / (1.0 + std::fabs(exact));
-      wrong += error > 100.0 * tolerance ? 1 : 0;
       ++all;
+      try {
+        const Outcome run = integrate(rectifier, solver_options(tolerance, GetParam()));
+        const double error = std::fabs(run.x - exact) / (1.0 + std::fabs(exact));
+        wrong += error <= 100.0 * tolerance ? 0 : 1;
+      } catch (const sfdae::Error&) {
+        ++wrong;
+      }
     }
   }
   EXPECT_LE(wrong, GetParam() == SFDAE_METHOD_BDF ? 2 : 7) << "of " << all;
@@ -128,7 +133,7 @@ TEST_P(Pulses, AreNotSteppedOverAtCrests) {
                  exact = detector.final_voltage(SFDAE_METHOD_RADAU, SFDAE_STRUCTURE_OFF, detector.period / 50, 1e-9);
     for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED}) {
       const double result = detector.final_voltage(GetParam(), structure, 0.0, tolerance);
-      wrong += std::fabs(result - exact) > 100.0 * tolerance * (1.0 + std::fabs(exact)) ? 1 : 0;
+      wrong += std::fabs(result - exact) <= 100.0 * tolerance * (1.0 + std::fabs(exact)) ? 0 : 1;
       ++all;
     }
   }
@@ -154,6 +159,28 @@ TEST_P(Pulses, AreNotSteppedOverBackwardAndInShortTimes) {
     return point.x[0];
   };
   EXPECT_NEAR(end_of(1e-6, 0.0), end_of(1e-8, 1e-8), 1e-4);
+}
+
+// Cosines are sines, alone or beside a sine of the same angle.
+TEST_P(Pulses, OfCosinesAreInputs) {
+  for (const bool is_beside_sine : {false, true}) {
+    const auto end_of = [&](double tolerance, double max_step) {
+      sfdae::NonlinearProblem problem(2, 2);
+      problem.equations = [=](const Expression& t, auto x, auto xdot, auto F) {
+        F[0] = xdot[0] - x[1];
+        F[1] = x[1] - 1e-4 * (exp((cos(t) - x[0]) / 0.02) - 1.0) / (1.0 + 1e-4 * exp((cos(t) - x[0]) / 0.02));
+        if (is_beside_sine) F[0] += 1e-9 * sin(t) * x[0];
+      };
+      sfdae::Options options = solver_options(tolerance, GetParam());
+      options.max_step = max_step;
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{2.0, {0.5, 0.0}, {}};
+      solver.start(point, 60.0);
+      solver.advance(60.0, point);
+      return point.x[0];
+    };
+    EXPECT_NEAR(end_of(1e-6, 0.0), end_of(1e-9, 0.02), 1e-4) << is_beside_sine;
+  }
 }
 
 // A source of a millionth of the tolerance that no step resolves: steps do not follow it.
