@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 #include "expression/edges.h"
@@ -92,7 +91,8 @@ bool TaylorEvaluator::values_of(const std::vector<int>& equations, double t, con
   reserve(order);
   if (!load(t, jet, order)) return false;
   run(t, order, false);
-  return write_values_of(equations, order, F);
+  return write_values_of(
+      static_cast<int>(equations.size()), [&equations](int k) { return equations[index(k)]; }, order, F);
 }
 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
@@ -311,17 +311,19 @@ void TaylorEvaluator::run_before_state(double t, int order) {
 }
 
 bool TaylorEvaluator::write_values(int order, double* F) {
-  return order < 0 || write_values_of(std::views::iota(0, record_->m()), order, F);
+  return order < 0 || write_values_of(
+                          record_->m(), [](int i) { return i; }, order, F);
 }
 
-template <class Equations>
-bool TaylorEvaluator::write_values_of(const Equations& equations, int order, double* F) {
+template <class EquationAt>
+bool TaylorEvaluator::write_values_of(int count, EquationAt equation, int order, double* F) {
   const std::size_t m = index(record_->m()), stride = index(stride_);
   const double* const slots = slots_.data();
   const int* const residuals = tape_.residuals.data();
   return with_order(order, [&](auto K) {
     bool finite = true;
-    for (int i : equations) {
+    for (int next = 0; next < count; ++next) {
+      const int i = equation(next);
       const double* const from = slots + index(residuals[i]) * stride;
       for (int k = 0; k <= K; ++k) {
         F[index(i) + index(k) * m] = from[k];
@@ -330,8 +332,8 @@ bool TaylorEvaluator::write_values_of(const Equations& equations, int order, dou
     }
     if (finite) return true;
     // Which of them is not finite is named.
-    for (int i : equations)
-      if (!write_value(i, K, F)) return false;
+    for (int next = 0; next < count; ++next)
+      if (!write_value(equation(next), K, F)) return false;
     return true;
   });
 }

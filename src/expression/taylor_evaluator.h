@@ -112,8 +112,9 @@ class TaylorEvaluator {
   void run_before_state(double t, int order);
   bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
   bool write_values(int order, double* F);
-  template <class Equations>
-  bool write_values_of(const Equations& equations, int order, double* F);
+  // Of equation(0), equation(1), ..., equation(count - 1).
+  template <class EquationAt>
+  bool write_values_of(int count, EquationAt equation, int order, double* F);
   template <class Order>
   bool write_value(int equation, Order order, double* F);
   bool write_entries(int order, const std::vector<int>& limits, double* values);
