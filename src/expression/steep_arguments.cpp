@@ -24,19 +24,11 @@ constexpr double least_relative = 1e-12;
 bool is_exponential(Code code) { return code == Code::exp || code == Code::sinh_cosh; }
 
 bool is_arithmetic(Code code) {
-  switch (code) {
-    case Code::negate:
-    case Code::add:
-    case Code::subtract:
-    case Code::multiply:
-    case Code::scale:
-    case Code::divide:
-    case Code::divide_by_number:
-    case Code::copy: return true;
-    default: return false;
-  }
+  return InstructionList::is_binary(code) || code == Code::negate || code == Code::divide ||
+         code == Code::divide_by_number || code == Code::copy;
 }
 
+// Of arithmetic ones.
 bool has_second_operand(Code code) { return code != Code::negate && code != Code::copy; }
 
 enum class Origin : char { of_no_state, followed, not_followed };
@@ -66,8 +58,8 @@ SteepArguments::SteepArguments(const std::vector<const TaylorEvaluator*>& evalua
   }
 }
 
-SteepArguments::Part::Part(const TaylorEvaluator& its_evaluator) : evaluator(&its_evaluator) {
-  const Tape& tape = evaluator->tape();
+SteepArguments::Part::Part(const TaylorEvaluator& evaluator) : values(evaluator) {
+  const Tape& tape = evaluator.tape();
   const std::vector<Instruction> of_state = tape.of_state.all();
   const std::vector<Origin> origin = origins_of(tape, of_state);
   std::vector<char> is_needed(index(tape.num_slots), 0);
@@ -84,13 +76,10 @@ SteepArguments::Part::Part(const TaylorEvaluator& its_evaluator) : evaluator(&it
     if (has_second_operand(instruction->code)) is_needed[index(instruction->b)] = 1;
   }
   std::reverse(instructions.begin(), instructions.end());
-  for (const Instruction& instruction : instructions) values.push_back(instruction);
-  values.finish();
+  for (const Instruction& instruction : instructions) list.push_back(instruction);
+  list.finish();
   for (const Tape::Leaf& leaf : tape.leaves)
     if (is_needed[index(leaf.slot)] != 0) leaves.push_back(leaf);
-  slots.assign(index(tape.num_slots), 0.0);
-  for (const Tape::Number& constant : tape.constants)
-    slots[index(constant.slot)] = evaluator->record().constant(constant.index);
   change.assign(index(tape.num_slots), 0.0);
   of_arguments.assign(arguments.size(), 0.0);
 }
@@ -98,8 +87,7 @@ SteepArguments::Part::Part(const TaylorEvaluator& its_evaluator) : evaluator(&it
 void SteepArguments::sharpen(double t, const double* x, double* inverse_weights) {
   const QuietArithmetic quiet;
   for (Part& part : parts_) {
-    evaluate(part, t, x);
-    propagate(part, inverse_weights);
+    propagate(part, evaluate(part, t, x), inverse_weights);
     if (!hand_back(part)) continue;
     for (const Tape::Leaf& leaf : part.leaves) {
       const double needed = part.change[index(leaf.slot)] / certain_part;
@@ -110,27 +98,16 @@ void SteepArguments::sharpen(double t, const double* x, double* inverse_weights)
   }
 }
 
-void SteepArguments::evaluate(Part& part, double t, const double* x) {
-  const TaylorEvaluator& evaluator = *part.evaluator;
-  const Tape& tape = evaluator.tape();
-  double* const slots = part.slots.data();
-  if (part.version != evaluator.changes_of_parameters()) {
-    for (const Tape::Number& parameter : tape.parameters)
-      slots[parameter.slot] = evaluator.parameter(parameter.index);
-    execute_values(tape.of_parameters, slots);
-    part.version = evaluator.changes_of_parameters();
-  }
-  if (tape.time >= 0) {
-    slots[tape.time] = t;
-    execute_values(tape.of_time, slots);
-  }
+// By slots.
+const double* SteepArguments::evaluate(Part& part, double t, const double* x) {
+  double* const slots = part.values.at(t);
   for (const Tape::Leaf& leaf : part.leaves) slots[leaf.slot] = x[leaf.unknown];
-  execute_values(part.values, slots);
+  execute_values(part.list, slots);
+  return slots;
 }
 
 // By how much values change with x by its tolerances, to first order.
-void SteepArguments::propagate(Part& part, const double* inverse_weights) {
-  const double* const value = part.slots.data();
+void SteepArguments::propagate(Part& part, const double* value, const double* inverse_weights) {
   double* const change = part.change.data();
   clear(part);
   for (const Tape::Leaf& leaf : part.leaves) change[leaf.slot] = 1.0 / inverse_weights[leaf.unknown];

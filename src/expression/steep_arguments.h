@@ -8,6 +8,7 @@
 
 #include "expression/tape.h"
 #include "expression/taylor_evaluator.h"
+#include "expression/values_of_time.h"
 
 namespace sfdae::core {
 
@@ -24,20 +25,18 @@ class SteepArguments {
 
  private:
   struct Part {
-    explicit Part(const TaylorEvaluator& its_evaluator);
+    explicit Part(const TaylorEvaluator& evaluator);
 
-    const TaylorEvaluator* evaluator;
+    ValuesOfTime values;
     std::vector<int> arguments;             // slots
     std::vector<Instruction> instructions;  // what they are made of
-    InstructionList values;                 // the same
+    InstructionList list;                   // the same
     std::vector<Tape::Leaf> leaves;         // unknowns among that
-    std::vector<double> slots;              // values
     std::vector<double> change;             // of slots, by the tolerances of unknowns
     std::vector<double> of_arguments;       // changes of these
-    long version = -1;                      // of the parameters
   };
-  static void evaluate(Part& part, double t, const double* x);
-  static void propagate(Part& part, const double* inverse_weights);
+  static const double* evaluate(Part& part, double t, const double* x);
+  static void propagate(Part& part, const double* value, const double* inverse_weights);
   static bool hand_back(Part& part);
   static void clear(Part& part);
 

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "expression/execution.h"
 #include "expression/tape.h"
 #include "linalg/index.h"
 
@@ -47,18 +46,9 @@ std::vector<int> input_slots(const Tape& tape) {
   return some;
 }
 
+// Of those that are no sums or products.
 bool is_steep(Code code) {
-  switch (code) {
-    case Code::negate:
-    case Code::add:
-    case Code::subtract:
-    case Code::multiply:
-    case Code::scale:
-    case Code::divide_by_number:
-    case Code::sin_cos:
-    case Code::copy: return false;
-    default: return true;
-  }
+  return code != Code::negate && code != Code::divide_by_number && code != Code::sin_cos && code != Code::copy;
 }
 
 }  // namespace
@@ -71,26 +61,14 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     if (inputs.empty()) continue;
     count_ += static_cast<int>(inputs.size());
     are_with_steep_functions_ = are_with_steep_functions_ || tape.of_state.has_other(is_steep);
-    std::vector<double> slots(index(tape.num_slots), 0.0);
-    for (const Tape::Number& constant : tape.constants)
-      slots[index(constant.slot)] = evaluator->record().constant(constant.index);
-    parts_.push_back({evaluator, std::move(inputs), std::move(slots)});
+    parts_.push_back({ValuesOfTime(*evaluator), std::move(inputs)});
   }
 }
 
 void TimeInputs::evaluate(double t, double* values) {
   for (Part& part : parts_) {
-    const TaylorEvaluator& evaluator = *part.evaluator;
-    const Tape& tape = evaluator.tape();
-    if (part.version != evaluator.changes_of_parameters()) {
-      for (const Tape::Number& parameter : tape.parameters)
-        part.slots[index(parameter.slot)] = evaluator.parameter(parameter.index);
-      execute_values(tape.of_parameters, part.slots.data());
-      part.version = evaluator.changes_of_parameters();
-    }
-    part.slots[index(tape.time)] = t;
-    execute_values(tape.of_time, part.slots.data());
-    for (const int slot : part.inputs) *values++ = part.slots[index(slot)];
+    const double* const slots = part.values.at(t);
+    for (const int slot : part.inputs) *values++ = slots[slot];
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
+#include "expression/values_of_time.h"
 
 namespace sfdae::core {
 
@@ -23,10 +24,8 @@ class TimeInputs {
 
  private:
   struct Part {
-    const TaylorEvaluator* evaluator;
+    ValuesOfTime values;
     std::vector<int> inputs;  // slots
-    std::vector<double> slots;
-    long version = -1;  // of the parameters
   };
   std::vector<Part> parts_;
   int count_ = 0;

@@ -46,26 +46,15 @@ PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& err
   return PointStatus::ok;
 }
 
-PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error) {
+PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error, States states) {
   const PointStatus status = linearize(jet, error);
   if (status != PointStatus::ok) return status;
   note_sizes();
-  const bool keeps = choices_ > 0 && factor_held() && is_harmless(sensitivity_);
-  if (!keeps) return take_choice();
-  is_usable_ = true;
-  return PointStatus::ok;
-}
-
-PointStatus ExtensionLinearization::renew_with_choice(const Jet& jet, CallbackError& error) {
-  const PointStatus status = linearize(jet, error);
-  if (status != PointStatus::ok) return status;
-  note_sizes();
-  return take_choice();
-}
-
-PointStatus ExtensionLinearization::take_choice() {
-  if (!choose_states()) return PointStatus::singular;
-  sensitivity_of_choice_ = sensitivity_;
+  const bool stay = states == States::may_stay && choices_ > 0 && factor_held() && is_harmless(sensitivity_);
+  if (!stay) {
+    if (!choose_states()) return PointStatus::singular;
+    sensitivity_of_choice_ = sensitivity_;
+  }
   is_usable_ = true;
   return PointStatus::ok;
 }

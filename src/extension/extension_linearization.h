@@ -24,11 +24,10 @@ class ExtensionLinearization {
   ExtensionLinearization(MinimalExtension& extension, SystemCounts& counts)
       : extension_(extension), counts_(counts) {}
 
-  // At the jet; the states stay if they determine all other unknowns about as well as where they were chosen, else others
-  // take their place. singular: no choice does.
-  PointStatus renew(const Jet& jet, CallbackError& error);
-  // The same with states chosen there, whatever those that are there do.
-  PointStatus renew_with_choice(const Jet& jet, CallbackError& error);
+  // At the jet; the states may stay if they determine all other unknowns about as well as where they were chosen, else they
+  // are chosen there. singular: no choice does.
+  enum class States { may_stay, chosen_there };
+  PointStatus renew(const Jet& jet, CallbackError& error, States states = States::may_stay);
   // As renew() with these states and no others, and the lists that were archived.
   PointStatus restore(const Jet& jet, const std::vector<int>& states, Archive& archive, CallbackError& error);
   void archive_lists(Archive& archive) {
@@ -117,7 +116,6 @@ class ExtensionLinearization {
   bool factor_held();
   void set_states(std::vector<int> states);
   void note_sizes();
-  PointStatus take_choice();
   std::vector<double> random_changes() const;
   double sensitivity_to(const double* changes) const;
   void make_tangents();

@@ -305,7 +305,7 @@ PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations)
   const Jet* const there = stages_.ill_served();
   if (there == nullptr) return status;
   const std::vector<int> states = linearization_.choice().states();
-  status = note_renewal(linearization_.renew_with_choice(*there, callback_error_));
+  status = note_renewal(linearization_.renew(*there, callback_error_, ExtensionLinearization::States::chosen_there));
   if (status != PointStatus::ok) return status;
   const bool is_better = linearization_.choice().states() != states;
   status = stages_.solve(equations, is_better ? Linearized::at_each_stage : Linearized::at_each_stage_as_is,

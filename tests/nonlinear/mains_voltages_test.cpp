@@ -51,8 +51,9 @@ MainsOutcome integrate_mains(const MainsRectifier& rectifier, sfdae::Options opt
   sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
   const double end = 10.0 * rectifier.period;
   MainsOutcome outcome;
-  for (int status = solver.start(point, end); status != SFDAE_OK || point.t != end;) {
-    status = solver.step(end, point);
+  solver.start(point, end);
+  for (bool is_there = false; !is_there;) {
+    is_there = solver.step(end, point) == SFDAE_OK;
     const double violation = std::fabs(point.x[1] - rectifier.diode_current(point.x));
     // Not a number counts as the largest.
     if (!(violation * rectifier.R / rectifier.amplitude <= outcome.largest_violation))
