@@ -51,13 +51,12 @@ sfdae::NonlinearProblem raw_pendulum() {
   return problem;
 }
 
-sfdae::Ensemble random_pendula(int instances) {
+sfdae::Ensemble random_pendula(int instances, std::minstd_rand& generator) {
   sfdae::Ensemble ensemble;
   ensemble.parameter_names = {"L", "g"};
   ensemble.parameters = sfdae::Matrix(2, instances);
   ensemble.x0 = sfdae::Matrix(5, instances);
   ensemble.times = {10.0};
-  std::minstd_rand generator(5);
   const auto random = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(generator()) / static_cast<double>(std::minstd_rand::max());
   };
@@ -69,14 +68,15 @@ sfdae::Ensemble random_pendula(int instances) {
   return ensemble;
 }
 
-// All instances, one solver each: seconds of creation, of starts and of integrations alone, and x at the end.
+// All instances, one solver each: seconds of creation, of starts and of integrations alone, and x at the end of those
+// of the last call.
 struct OneByOne {
   double creating = 0.0, starting = 0.0, advancing = 0.0;
   std::vector<double> x;
 };
 
-OneByOne solve_one_by_one(const AnyProblem& problem, const sfdae::Options& options, const sfdae::Ensemble& ensemble) {
-  OneByOne result;
+void solve_one_by_one(const AnyProblem& problem, const sfdae::Options& options, const sfdae::Ensemble& ensemble,
+                      OneByOne& result) {
   for (int i = 0; i < ensemble.x0.columns(); ++i) {
     const double begin = thread_seconds();
     sfdae::Solver solver = std::visit([&](const auto& kind) { return sfdae::Solver(kind, options); }, problem);
@@ -94,16 +94,17 @@ OneByOne solve_one_by_one(const AnyProblem& problem, const sfdae::Options& optio
     result.advancing += thread_seconds() - started;
     result.x.insert(result.x.end(), reached.x.begin(), reached.x.end());
   }
-  return result;
 }
 
+// Sums over ensembles.
 struct Times {
   double busiest = 0.0, all = 0.0;  // threads
-  bool same_bits = false;
+  bool same_bits = true;
   int analyses = 0;
 };
 
-Times solve_together(sfdae::Solver& solver, sfdae::Ensemble ensemble, int threads, const std::vector<double>& x) {
+void solve_together(sfdae::Solver& solver, sfdae::Ensemble ensemble, int threads, const std::vector<double>& x,
+                    Times& times) {
   std::map<std::thread::id, std::pair<double, double>> seconds;  // first and last
   const double begin = thread_seconds();
   seconds[std::this_thread::get_id()] = {begin, begin};
@@ -113,24 +114,33 @@ Times solve_together(sfdae::Solver& solver, sfdae::Ensemble ensemble, int thread
     return false;
   };
   sfdae::EnsembleSolution solution = solver.solve_ensemble(ensemble);
-  Times times;
+  double busiest = 0.0;
   for (const auto& [id, interval] : seconds) {
-    times.busiest = std::max(times.busiest, interval.second - interval.first);
+    busiest = std::max(busiest, interval.second - interval.first);
     times.all += interval.second - interval.first;
   }
-  times.same_bits =
-      solution.x().size() == x.size() && std::memcmp(solution.x().data(), x.data(), x.size() * sizeof(double)) == 0;
-  times.analyses = solution.num_analyses;
-  return times;
+  times.busiest += busiest;
+  times.same_bits = times.same_bits && solution.x().size() == x.size() &&
+                    std::memcmp(solution.x().data(), x.data(), x.size() * sizeof(double)) == 0;
+  times.analyses += solution.num_analyses;
 }
 
+// In turns, ensemble after ensemble: the speed of a machine may change with what else it does.
 void measure(const std::string& name, const AnyProblem& problem, int method, int instances) {
+  constexpr int most_in_turn = 500;
   sfdae::Options options;
   options.method = method;
-  const sfdae::Ensemble ensemble = random_pendula(instances);
-  const OneByOne alone = solve_one_by_one(problem, options, ensemble);
   sfdae::Solver solver = std::visit([&](const auto& kind) { return sfdae::Solver(kind, options); }, problem);
-  const Times one = solve_together(solver, ensemble, 1, alone.x), two = solve_together(solver, ensemble, 2, alone.x);
+  std::minstd_rand generator(5);
+  OneByOne alone;
+  Times one, two;
+  for (int done = 0; done < instances; done += most_in_turn) {
+    const sfdae::Ensemble ensemble = random_pendula(std::min(most_in_turn, instances - done), generator);
+    alone.x.clear();
+    solve_one_by_one(problem, options, ensemble, alone);
+    solve_together(solver, ensemble, 1, alone.x, one);
+    solve_together(solver, ensemble, 2, alone.x, two);
+  }
   const double each = 1e6 / instances;
   std::printf("%-26s %8.1f %8.1f %8.1f | %8.1f %8.1f | %6.3f %6.3f %6.3f | %d %s\n", name.c_str(),
               alone.creating * each, alone.starting * each, alone.advancing * each, one.all * each,
