@@ -223,39 +223,49 @@ double at_digits(const std::vector<PeerRun>& runs, double wanted) {
   return a.milliseconds * std::exp(slope * (wanted - a.digits));
 }
 
+// The best of several rounds in which all are solved one after the other: the speed of a machine may change with what
+// else it does.
 void compare(const Problem& problem, int n) {
   current_n = n;
   if (!sfdae_bench::ida_is_available()) return;
-  const std::vector<double> reference = sfdae_bench::solve_with_ida(peer(problem), 1e-11).x;
-  std::vector<PeerRun> peers;
-  for (double tol = 1e-3; tol > 1e-10; tol *= 0.1) {
-    double best = 1e300;
-    SolverRun run;
-    for (int k = 0; k < (n > 100 ? 1 : 3); ++k) {
+  const PeerProblem peer_problem = peer(problem);
+  const std::vector<double> reference = sfdae_bench::solve_with_ida(peer_problem, 1e-11).x;
+  constexpr int num_tolerances = 8;  // of IDA
+  const std::vector<double> tolerances = {1e-4, 1e-6, 1e-8};
+  std::vector<SolverRun> peer_runs(num_tolerances);
+  std::vector<double> peer_times(num_tolerances, 1e300);
+  std::vector<Run> runs(tolerances.size());
+  for (int round = 0; round < (n > 100 ? 1 : n > 20 ? 5 : 25); ++round) {
+    for (std::size_t k = 0; k < peer_runs.size(); ++k) {
       const double begin = milliseconds();
-      run = sfdae_bench::solve_with_ida(peer(problem), tol);
-      best = std::min(best, milliseconds() - begin);
+      peer_runs[k] = sfdae_bench::solve_with_ida(peer_problem, std::pow(10.0, -3.0 - static_cast<double>(k)));
+      peer_times[k] = std::min(peer_times[k], milliseconds() - begin);
     }
-    if (!run.failure.empty()) continue;
-    std::printf("%-12s %4d %-6s %7.0e %6.2f %9s %9.2f %6ld %6ld %6ld\n", problem.name, n, "IDA", tol,
-                digits(run.x, reference), "", best, run.steps, run.evaluations, run.factorizations);
-    if (peers.empty() || digits(run.x, reference) > peers.back().digits + 0.2)
-      peers.push_back({digits(run.x, reference), best});
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      Run run = solve(problem, tolerances[k], SFDAE_METHOD_BDF);
+      if (round == 0 || run.start + run.integration < runs[k].start + runs[k].integration) runs[k] = run;
+    }
   }
-  for (const double tol : {1e-4, 1e-6, 1e-8}) {
-    Run best;
-    for (int k = 0; k < (n > 100 ? 1 : 3); ++k) {
-      Run run = solve(problem, tol, SFDAE_METHOD_BDF);
-      if (k == 0 || run.start + run.integration < best.start + best.integration) best = run;
-    }
+  std::vector<PeerRun> peers;
+  for (std::size_t k = 0; k < peer_runs.size(); ++k) {
+    const SolverRun& run = peer_runs[k];
+    if (!run.failure.empty()) continue;
+    std::printf("%-12s %4d %-6s %7.0e %6.2f %9s %9.2f %6ld %6ld %6ld\n", problem.name, n, "IDA",
+                std::pow(10.0, -3.0 - static_cast<double>(k)), digits(run.x, reference), "", peer_times[k], run.steps,
+                run.evaluations, run.factorizations);
+    if (peers.empty() || digits(run.x, reference) > peers.back().digits + 0.2)
+      peers.push_back({digits(run.x, reference), peer_times[k]});
+  }
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const Run& best = runs[k];
     if (!best.failure.empty()) {
-      std::printf("%-12s %4d %-6s %7.0e %s\n", problem.name, n, "BDF", tol, best.failure.c_str());
+      std::printf("%-12s %4d %-6s %7.0e %s\n", problem.name, n, "BDF", tolerances[k], best.failure.c_str());
       continue;
     }
     const double found = digits(best.x, reference), ida = at_digits(peers, found);
     std::printf(
         "%-12s %4d %-6s %7.0e %6.2f %9.2f %9.2f %6ld %6ld %6ld %6ld | IDA %9.2f  all %6.2f  integration %6.2f\n",
-        problem.name, n, "BDF", tol, found, best.start, best.integration, best.counts.steps,
+        problem.name, n, "BDF", tolerances[k], found, best.start, best.integration, best.counts.steps,
         best.counts.evaluations_F, best.counts.linearizations, best.counts.factorizations, ida,
         (best.start + best.integration) / ida, best.integration / ida);
     std::fflush(stdout);
