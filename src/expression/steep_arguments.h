@@ -22,6 +22,13 @@ class SteepArguments {
   // inverse_weights: 1 / tolerances of the unknowns. Those of unknowns that arguments depend on are made as large as it takes for
   // these to be known to a hundredth, all of them by one factor, whatever their part in it is. Nothing is allocated.
   void sharpen(double t, const double* x, double* inverse_weights);
+  // Whether an argument is smaller at the second place by so much that the derivative of its exponential at the first one is too large
+  // by an order of magnitude. Nothing is allocated.
+  struct Place {
+    double t;
+    const double* x;
+  };
+  bool have_fallen(const Place& from, const Place& to);
 
  private:
   struct Part {
@@ -29,6 +36,7 @@ class SteepArguments {
 
     ValuesOfTime values;
     std::vector<int> arguments;             // slots
+    std::vector<char> is_of_both_signs;     // of sinh and cosh, which are large on either side
     std::vector<Instruction> instructions;  // what they are made of
     InstructionList list;                   // the same
     std::vector<Tape::Leaf> leaves;         // unknowns among that

@@ -95,7 +95,8 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
     linearization.solve_step(r_.data());
     const double norm = apply_change(factor, r_.data(), linearization, jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (chord_.has_converged(target, iteration, norm, before)) {
+    const auto is_out_of_date = [&] { return have_fallen(task.steep_arguments, linearization.origin(), jet); };
+    if (chord_.has_converged(target, iteration, norm, before, is_out_of_date)) {
       set_slopes(linearization.choice(), task.c, task.w_rest, jet);
       return PointStatus::ok;
     }

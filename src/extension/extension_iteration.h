@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "expression/steep_arguments.h"
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
 #include "system/chord_iteration.h"
@@ -17,7 +18,8 @@ struct StepTask {
   double c;
   const double* w_rest;
   const double* inverse_weights;
-  double tolerance;  // of the weighted changes of x
+  SteepArguments* steep_arguments;  // or null
+  double tolerance;                 // of the weighted changes of x
 };
 
 class ExtensionIteration {

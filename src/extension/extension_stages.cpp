@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
+#include "system/kept_matrix.h"
 #include "system/nonlinear_iteration.h"
 #include "system/transformed_stages.h"
 
@@ -84,6 +85,13 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
   }
   iteration.set_weights(equations.method.gamma / h, equations.guess.inverse_weights, linearization.choice());
   const ChordTarget target{newton_tolerance, 1e-3};
+  const auto is_out_of_date = [&] {
+    for (int i = 0; i < s_; ++i) {
+      const Jet& origin = is_local ? starts_[index(i)] : linearization.origin();
+      if (have_fallen(equations.guess.steep_arguments, origin, jets_[index(i)])) return true;
+    }
+    return false;
+  };
   double before = 0.0, earlier = 0.0;
   iteration.chord().begin();
   for (int k = 0; k < most; ++k) {
@@ -98,7 +106,7 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
       norm = std::max(norm, size);
     }
     set_slopes(equations, linearization.choice());
-    if (iteration.chord().has_converged(target, k, norm, before)) return PointStatus::ok;
+    if (iteration.chord().has_converged(target, k, norm, before, is_out_of_date)) return PointStatus::ok;
     if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
     earlier = before;
     before = norm;

@@ -216,6 +216,14 @@ PointStatus ExtensionSystem::move_to(double t) {
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
+// A linearization of a point that was given up, which may be anywhere, says nothing: rounding errors there may be above all tolerances
+// here, and every change is below them.
+void ExtensionSystem::leave_point_given_up() {
+  if (linearization_.is_usable() && history_.is_beyond(linearization_.origin().t) &&
+      renew(history_.accepted()) != PointStatus::ok)
+    linearization_.forget();
+}
+
 // With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
 template <class Start, class Iterate>
 PointStatus ExtensionSystem::iterate_with_renewal(Start guess, Iterate iterate) {
@@ -274,13 +282,15 @@ PointStatus ExtensionSystem::review() {
 }
 
 PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
+  leave_point_given_up();
   bool holds_derivatives = false;
   const auto guess = [&]() -> const Jet& {
     history_.predict(equations.guess, 0, determined_, {}, jet_);
     if (holds_derivatives) history_.hold_derivatives(jet_);
     return jet_;
   };
-  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, step_tolerance};
+  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, equations.guess.steep_arguments,
+                      step_tolerance};
   const auto iterate = [&] {
     return iterate_with_renewal(guess, [&] {
       guess();
@@ -319,6 +329,7 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   using Linearized = ExtensionStages::Linearized;
   t_reached = equations.t_end;
   has_end_tangents_ = false;
+  leave_point_given_up();
   stages_.predict(equations, history_, determined_);
   if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
     const PointStatus status = solve_local_stages(equations);
@@ -374,6 +385,8 @@ void ExtensionSystem::correct_slopes(double* wdot, double* xdot) {
 
 void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   const int n = unknowns();
+  // As the next step would, after one without a solution.
+  if (!linearization_.is_usable()) renew(history_.accepted());
   const StateChoice& choice = linearization_.choice();
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
     if (dx != dw) std::copy_n(dw, n, dx);
@@ -414,8 +427,8 @@ PointStatus ExtensionSystem::solve_held(Start start, Jet& jet, double* xdot) {
                                                         : status;
   };
   start(jet);
-  PointStatus status =
-      linearization_.is_usable() ? solve(linearization_, Hope::other_linearization) : PointStatus::not_converged;
+  const bool is_usable = linearization_.is_usable() && !history_.is_beyond(linearization_.origin().t);
+  PointStatus status = is_usable ? solve(linearization_, Hope::other_linearization) : PointStatus::not_converged;
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   ExtensionLinearization here(extension_, counts_);
   start(jet);

@@ -93,7 +93,9 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   guess_.forget_ends();
   polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
   polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
-  return {guess_.here.data(), guess_.before.data(), weights.of_iterations(history_.time(0), history_.x().data())};
+  Guess guess{guess_.here.data(), guess_.before.data()};
+  weights.judge_iterations(history_.time(0), history_.x().data(), guess);
+  return guess;
 }
 
 StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {

@@ -59,11 +59,13 @@ void ErrorWeights::update(const double* x) {
   }
 }
 
-const double* ErrorWeights::of_iterations(double t, const double* x) {
-  if (steep_arguments_ == nullptr) return inverse_.data();
+void ErrorWeights::judge_iterations(double t, const double* x, Guess& guess) {
+  guess.steep_arguments = steep_arguments_;
+  guess.inverse_weights = inverse_.data();
+  if (steep_arguments_ == nullptr) return;
   of_iterations_ = inverse_;
   steep_arguments_->sharpen(t, x, of_iterations_.data());
-  return of_iterations_.data();
+  guess.inverse_weights = of_iterations_.data();
 }
 
 void ErrorWeights::update(const double* x, const double* scale) {

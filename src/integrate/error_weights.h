@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "expression/steep_arguments.h"
+#include "system/strangeness_free_system.h"
 #include "system/tolerances.h"
 
 namespace sfdae::core {
@@ -33,8 +34,8 @@ class ErrorWeights {
   void update(const double* x, const double* scale);
   // 1 / weight_i, as of the last update.
   const double* inverse() const { return inverse_.data(); }
-  // The same for what iterations leave open, which arguments of exponentials at (t, x) limit.
-  const double* of_iterations(double t, const double* x);
+  // Gives an iteration the same for what it leaves open, which arguments of exponentials at (t, x) limit, and these.
+  void judge_iterations(double t, const double* x, Guess& guess);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
   // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent <

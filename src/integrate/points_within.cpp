@@ -95,7 +95,9 @@ Guess PointsWithin::predict(const StageMethod& method, double t_start, double t_
   collocation_.taylor(given.step.t, order, at_end_.data());
   collocation_.taylor(given.before.front()->jet.t, order, at_start_.data());
   const Jet& end = end_of(given).jet;
-  return {predicted_.data(), at_end_.data(), weights_.of_iterations(end.t, end.x.data()), at_start_.data()};
+  Guess guess{.taylor = predicted_.data(), .taylor_before = at_end_.data(), .taylor_at_start = at_start_.data()};
+  weights_.judge_iterations(end.t, end.x.data(), guess);
+  return guess;
 }
 
 std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings& given) {

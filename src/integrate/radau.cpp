@@ -116,7 +116,7 @@ Guess Radau::guess(const StrangenessFreeSystem& system, double t, ErrorWeights& 
   weights.update(start.x.data());
   Guess prediction =
       workspace_.guess.predict(predictor(system), tried_.method->stages, start.t, t, system.taylor_order());
-  prediction.inverse_weights = weights.of_iterations(start.t, start.x.data());
+  weights.judge_iterations(start.t, start.x.data(), prediction);
   return prediction;
 }
 

@@ -33,4 +33,10 @@ bool ChordIteration::has_converged(const ChordTarget& target, int iteration, dou
   return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible;
 }
 
+bool ChordIteration::has_certainly_converged(const ChordTarget& target, int iteration, double norm) const {
+  if (norm <= negligible) return true;
+  const double rate = std::max(rate_, target.least_rate);
+  return iteration > 1 && rate <= slowest && rate / (1.0 - rate) * norm <= target.tolerance;
+}
+
 }  // namespace sfdae::core

@@ -28,6 +28,20 @@ class ChordIteration {
   void begin() { is_slow_ = false; }
   // After the change of the given norm; before: that of the last one, which counts from the second iteration on.
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before);
+  // The same, after that, with a matrix whose entries may be larger by orders of magnitude than those at the point: changes are small
+  // beside the error then, and the first one solves what is linear. At least three are made unless one is negligible, and only the last
+  // two say how they become smaller.
+  bool has_certainly_converged(const ChordTarget& target, int iteration, double norm) const;
+  // One of the two: is_out_of_date(), which is asked for where it matters, says whether the matrix is such a one.
+  template <class IsOutOfDate>
+  bool has_converged(const ChordTarget& target, int iteration, double norm, double before,
+                     IsOutOfDate is_out_of_date) {
+    if (!has_converged(target, iteration, norm, before)) return false;
+    if (!is_out_of_date()) return true;
+    // A new one pays for the next point.
+    is_slow_ = true;
+    return has_certainly_converged(target, iteration, norm);
+  }
   static bool is_too_slow(int iteration, double norm, double before) {
     return iteration > 1 && norm > slowest * before;
   }

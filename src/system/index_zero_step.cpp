@@ -238,7 +238,8 @@ PointStatus IndexZeroStep::solve(const IterationTask& task, const Shared& shared
     matrix_.solve(change_.data());
     const double norm = apply_change(task, shared.noise, factor, jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (chord.has_converged(target, iteration, norm, before)) {
+    const auto is_out_of_date = [&] { return have_fallen(task.steep_arguments, origin_, jet); };
+    if (chord.has_converged(target, iteration, norm, before, is_out_of_date)) {
       for (int i = 0; i < jet.n; ++i) jet.column(1)[i] = task.c * jet.x[index(i)] + task.w_rest[i];
       return PointStatus::ok;
     }

@@ -22,6 +22,10 @@ class JetHistory {
   void accept(const Jet& jet);
   const Jet& accepted() const { return accepted_; }
   bool has_two() const { return before_.t != accepted_.t; }
+  // Where no point has been accepted yet: ahead of the last one or, where that is the only one, anywhere else.
+  bool is_beyond(double t) const {
+    return has_two() ? (t - accepted_.t) * (accepted_.t - before_.t) > 0.0 : t != accepted_.t;
+  }
   // The nearer one of the two.
   const Jet& nearest(double t) const;
 

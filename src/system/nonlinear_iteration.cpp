@@ -7,6 +7,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
@@ -63,7 +64,9 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = task.has_step ? before : std::max(before, earlier);
-    const bool has_ended = has_converged(task, iteration, norm, reference);
+    const bool has_ended = has_converged(task, iteration, norm, reference, [&] {
+      return have_fallen(task.steep_arguments, linearization.origin().jet, jet);
+    });
     if (task.is_mixed) mix(linearization, jet);
     if (has_ended && (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual))) {
       measure_inconsistency(task, linearization, jet);
@@ -179,15 +182,10 @@ double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayL
   return norm;
 }
 
-bool NonlinearIteration::has_converged(const IterationTask& task, int iteration, double norm, double before) {
-  if (task.inverse_weights == nullptr) {
-    // To rounding: until changes stop becoming smaller, after the first ones at some hundred roundings.
-    constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13;
-    return norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before);
-  }
-  // A rate that is measured once may be small by chance. Chosen, not measured.
-  constexpr double least_rate = 1e-3;
-  return chord_.has_converged({task.tolerance, least_rate}, iteration, norm, before);
+// Until changes stop becoming smaller, after the first ones at some hundred roundings.
+bool NonlinearIteration::is_rounding_error(int iteration, double norm, double before) {
+  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13;
+  return norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before);
 }
 
 // Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x

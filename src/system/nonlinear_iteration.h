@@ -20,8 +20,9 @@ struct IterationTask {
   double c = 0.0;
   const double* w_rest = nullptr;
   const double* x_rest = nullptr;
-  const double* inverse_weights = nullptr;  // null: as accurately as rounding permits
-  double tolerance = 0.0;                   // of the weighted changes of x
+  const double* inverse_weights = nullptr;    // null: as accurately as rounding permits
+  SteepArguments* steep_arguments = nullptr;  // of the equations, or null
+  double tolerance = 0.0;                     // of the weighted changes of x
   bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
   const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
 };
@@ -52,9 +53,18 @@ class NonlinearIteration {
   // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
   double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
                       const ArrayResiduals& residuals, const double* dx, Jet& jet);
-  bool has_converged(const IterationTask& task, int iteration, double norm, double before);
+  // is_out_of_date: see ChordIteration.
+  template <class IsOutOfDate>
+  bool has_converged(const IterationTask& task, int iteration, double norm, double before,
+                     IsOutOfDate is_out_of_date) {
+    // A rate that is measured once may be small by chance. Chosen, not measured.
+    constexpr double least_rate = 1e-3;
+    if (task.inverse_weights == nullptr) return is_rounding_error(iteration, norm, before);
+    return chord_.has_converged({task.tolerance, least_rate}, iteration, norm, before, is_out_of_date);
+  }
 
  private:
+  static bool is_rounding_error(int iteration, double norm, double before);
   ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);

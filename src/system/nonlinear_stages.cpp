@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
@@ -45,7 +47,11 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
   std::copy_n(starts_.begin(), s_, jets_.begin());
   if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
   const int q = linearization.form().unknowns();
-  const IterationTask task{true, 1.0 / h, nullptr, nullptr, equations.guess.inverse_weights, newton_tolerance};
+  const IterationTask task{.has_step = true,
+                           .c = 1.0 / h,
+                           .inverse_weights = equations.guess.inverse_weights,
+                           .steep_arguments = equations.guess.steep_arguments,
+                           .tolerance = newton_tolerance};
   double before = 0.0, earlier = 0.0;
   bool is_side_by_side = lanes_.prepare(equations, problem_, linearization);
   if (is_side_by_side) lanes_.begin(equations, problem_, linearization, jets_);
@@ -65,7 +71,14 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
       norm = apply_changes(task, linearization, iteration);
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (iteration.has_converged(task, k, norm, before)) {
+    const auto is_out_of_date = [&] {
+      if (task.steep_arguments == nullptr) return false;
+      if (std::exchange(is_side_by_side, false)) lanes_.leave(jets_);
+      return std::any_of(jets_.begin(), jets_.begin() + s_, [&](const Jet& jet) {
+        return have_fallen(task.steep_arguments, linearization.origin().jet, jet);
+      });
+    };
+    if (iteration.has_converged(task, k, norm, before, is_out_of_date)) {
       if (is_side_by_side) lanes_.leave(jets_);
       return iteration.check_redundant(task, linearization, last());
     }

@@ -112,7 +112,10 @@ void NonlinearSystem::apply_inputs() {
 
 // Where the last renewal did not come to its end it is made up for at the point accepted last.
 PointStatus NonlinearSystem::complete_linearization() {
-  if (linearization_.is_complete()) return PointStatus::ok;
+  return linearization_.is_complete() ? PointStatus::ok : renew_at_accepted();
+}
+
+PointStatus NonlinearSystem::renew_at_accepted() {
   iteration_.chord().forget_rate();
   const PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
   return status == PointStatus::ok ? rank_check_.renew(history_.accepted(), linearization_, iteration_) : status;
@@ -130,6 +133,13 @@ PointStatus NonlinearSystem::move_to(double t) {
 void NonlinearSystem::accept() {
   history_.accept(jet_);
   linearization_.count_point();
+}
+
+void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
+  if (index_zero_.error_in_x(dw, count, dx)) return;
+  // As the next step would, after one without a solution.
+  if (!linearization_.is_usable()) renew_at_accepted();
+  linearization_.error_in_x(dw, count, dx);
 }
 
 PointStatus NonlinearSystem::check_ranks() { return rank_check_.compare(jet_, linearization_, iteration_); }
@@ -183,8 +193,13 @@ bool NonlinearSystem::may_hold_derivatives(PointStatus status) const {
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   history_.predict(equations.guess, 0, linearization_.determined(), units(), jet_);
-  const IterationTask task{
-      true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
+  const IterationTask task{true,
+                           equations.c,
+                           equations.w_rest,
+                           equations.x_rest,
+                           equations.guess.inverse_weights,
+                           equations.guess.steep_arguments,
+                           newton_tolerance};
   PointStatus status;
   if (index_zero_.is_possible() && linearization_.is_usable()) {
     status = solve_index_zero(task);

@@ -76,9 +76,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
-  void error_in_x(const double* dw, int count, double* dx) override {
-    if (!index_zero_.error_in_x(dw, count, dx)) linearization_.error_in_x(dw, count, dx);
-  }
+  void error_in_x(const double* dw, int count, double* dx) override;
   // Throws Failure where no consistent x is found near x_free.
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
@@ -107,6 +105,7 @@ class NonlinearSystem final : public DaeSystem {
 
  private:
   PointStatus complete_linearization();
+  PointStatus renew_at_accepted();
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);

@@ -11,6 +11,7 @@
 
 #include <limits>
 
+#include "expression/steep_arguments.h"
 #include "system/stage_method.h"
 
 namespace sfdae::core {
@@ -50,6 +51,8 @@ struct Guess {
   const double* inverse_weights = nullptr;
   // Points between the last two accepted ones: those at the first of them.
   const double* taylor_at_start = nullptr;
+  // Of the equations; null: none.
+  SteepArguments* steep_arguments = nullptr;
 };
 
 // F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0, U an orthonormal basis of the free

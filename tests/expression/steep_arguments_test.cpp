@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -105,6 +106,42 @@ TEST(SteepArguments, OfOtherKinds) {
     return std::vector<Term>{r.x[0] - exp(100.0 * (r.x[0] + r.xdot[0]))};
   };
   EXPECT_EQ(sharpened({1.0}, {1.0}, 1.0, of_derivative)[0], 1.0);
+}
+
+// By more than two; exponentials that are nothing anywhere do not count, nor do those that rise.
+TEST(SteepArguments, HaveFallen) {
+  Recording recording(2);
+  const Term V = recording.parameter("V", 0.025);
+  TaylorEvaluator evaluator(
+      recording.finish({recording.x[0] - exp((recording.x[0] - sin(recording.t)) / V), recording.x[1]}));
+  SteepArguments arguments({&evaluator});
+  const auto fallen = [&](double from, double to, double t_from = 0.0, double t_to = 0.0) {
+    const double x_from[] = {from, 1.0}, x_to[] = {to, 2.0};
+    return arguments.have_fallen({t_from, x_from}, {t_to, x_to});
+  };
+  EXPECT_TRUE(fallen(0.6, 0.549));
+  EXPECT_FALSE(fallen(0.6, 0.551));
+  EXPECT_FALSE(fallen(0.549, 0.6));
+  EXPECT_FALSE(fallen(-2.6, -300.0));
+  EXPECT_TRUE(fallen(0.6, 0.6, 0.0, 0.1));
+  EXPECT_FALSE(fallen(0.6, 0.6, 0.1, 0.0));
+  EXPECT_FALSE(fallen(NAN, 0.6));
+  EXPECT_FALSE(fallen(0.6, NAN));
+  evaluator.set_parameter(0, 0.05);
+  EXPECT_FALSE(fallen(0.6, 0.549));
+  EXPECT_TRUE(fallen(0.6, 0.499));
+}
+
+// On both sides of zero.
+TEST(SteepArguments, OfHyperbolicFunctionsHaveFallen) {
+  Recording recording(1);
+  TaylorEvaluator evaluator(recording.finish({recording.x[0] - sinh(recording.x[0] / 0.05)}));
+  SteepArguments arguments({&evaluator});
+  const auto fallen = [&](double from, double to) { return arguments.have_fallen({0.0, &from}, {0.0, &to}); };
+  EXPECT_TRUE(fallen(0.6, 0.49));
+  EXPECT_TRUE(fallen(-0.6, -0.49));
+  EXPECT_TRUE(fallen(-0.6, 0.49));
+  EXPECT_FALSE(fallen(0.49, -0.6));
 }
 
 }  // namespace sfdae::core

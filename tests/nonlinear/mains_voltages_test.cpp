@@ -20,11 +20,17 @@ using sfdae::Expression;
 // v, i, and the voltage of the capacitor; with a load or without.
 struct MainsRectifier {
   double period, amplitude, C, R, load;
+  int source;  // a sine, its ninth power, pulses
 
+  Expression voltage(const Expression& t) const {
+    const Expression s = sin(2.0 * std::numbers::pi / period * t);
+    if (source == 0) return amplitude * s;
+    return source == 1 ? amplitude * pow(s, 9.0) : amplitude * exp(-200.0 * (1.0 - s) * (1.0 - s));
+  }
   sfdae::NonlinearProblem problem() const {
     sfdae::NonlinearProblem result(3, 3);
     result.equations = [*this](const Expression& t, auto x, auto xdot, auto F) {
-      F[0] = (amplitude * sin(2.0 * std::numbers::pi / period * t) - x[0]) / R - x[1];
+      F[0] = (voltage(t) - x[0]) / R - x[1];
       F[1] = x[1] - 1e-12 * (exp((x[0] - x[2]) / 0.0259) - 1.0);
       F[2] = C * xdot[2] - x[1] + x[2] / load;
     };
@@ -38,8 +44,12 @@ struct MainsRectifier {
 MainsRectifier random_mains_rectifier(std::uint64_t seed) {
   RandomNumbers random(seed);
   const auto of_any_size = [&](double low, double high) { return std::pow(10.0, random.uniform(low, high)); };
-  return {of_any_size(-3.0, -1.0), random.uniform(100.0, 1000.0), of_any_size(-7.0, -5.0), of_any_size(1.0, 3.0),
-          seed % 2 == 0 ? 1e12 : of_any_size(3.0, 6.0)};
+  return {of_any_size(-3.0, -1.0),
+          random.uniform(100.0, 1000.0),
+          of_any_size(-7.0, -5.0),
+          of_any_size(1.0, 3.0),
+          seed % 2 == 0 ? 1e12 : of_any_size(3.0, 6.0),
+          static_cast<int>(seed / 2 % 3)};
 }
 
 struct MainsOutcome {
@@ -77,10 +87,11 @@ INSTANTIATE_TEST_SUITE_P(All, MainsVoltages,
 }  // namespace
 
 // While changes within the tolerances counted as none whatever the exponential made of them, 24 to 46 of 60 such runs at 1e-3 ended
-// because a step had no solution, and with the minimal extension some were wrong by up to 1e10 tolerances.
+// because a step had no solution, and with the minimal extension some were wrong by up to 1e10 tolerances. While matrices with
+// conductances that are too large could make them so small, some ended of seeds 9, 29, 34, 40 and 45, or were wrong.
 TEST_P(MainsVoltages, AreNoHighVoltagesForDiodes) {
   int ended = 0, wrong = 0, violated = 0, all = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 9, 29, 34, 40, 45}) {
     const MainsRectifier rectifier = random_mains_rectifier(seed);
     sfdae::Options options = solver_options(1e-9, SFDAE_METHOD_RADAU);
     options.max_step = 0.02 * rectifier.period;
@@ -100,7 +111,7 @@ TEST_P(MainsVoltages, AreNoHighVoltagesForDiodes) {
   }
   EXPECT_EQ(wrong, 0) << "of " << all;
   EXPECT_EQ(violated, 0) << "of " << all;
-  EXPECT_LE(ended, GetParam().structure == SFDAE_STRUCTURE_OFF ? 0 : 2) << "of " << all;
+  EXPECT_EQ(ended, 0) << "of " << all;
 }
 
 }  // namespace sfdae_test

@@ -58,6 +58,36 @@ TEST(ChordIteration, IsNotDeceivedByTheMatrixOfAGuess) {
   EXPECT_EQ(end_of(chord, {0.03, 0.001}, 100.0, 1e-4), 1);
 }
 
+// The matrix has an entry that is a thousand times too large: the first change solves what is linear, those that follow are a thousandth
+// of the error that is left, which is 100 tolerances.
+TEST(ChordIteration, IsNotDeceivedByAMatrixThatIsOutOfDate) {
+  for (bool is_out_of_date : {false, true}) {
+    ChordIteration chord;
+    const double rate = 1.0 - 1e-3;
+    int last = 0;
+    double before = 0.0, norm = 1e5;
+    for (; last < 10; ++last, before = norm, norm = last == 1 ? 0.1 : norm * rate) {
+      if (chord.has_converged({0.03, 0.001}, last, norm, before, [&] { return is_out_of_date; })) break;
+      if (ChordIteration::is_too_slow(last, norm, before)) break;
+    }
+    // It is given up.
+    EXPECT_EQ(last, is_out_of_date ? 2 : 1);
+    EXPECT_EQ(ChordIteration::is_too_slow(last, norm, before), is_out_of_date);
+    EXPECT_EQ(chord.is_slow(), is_out_of_date);
+  }
+}
+
+// Nor where what is left is far below the target, but does not become less.
+TEST(ChordIteration, CertainConvergenceNeedsTwoChangesThatSayHowFast) {
+  ChordIteration chord;
+  const auto out_of_date = [] { return true; };
+  EXPECT_FALSE(chord.has_converged({0.03, 0.001}, 1, 1e-3, 100.0, out_of_date));
+  EXPECT_FALSE(chord.has_converged({0.03, 0.001}, 2, 9.9e-4, 1e-3, out_of_date));
+  EXPECT_TRUE(chord.has_converged({0.03, 0.001}, 3, 1e-4, 9.9e-4, out_of_date));
+  EXPECT_TRUE(chord.has_converged({0.03, 0.001}, 0, 1e-10, 0.0, out_of_date));
+  EXPECT_FALSE(chord.has_converged({0.03, 0.001}, 1, 1.0, 100.0, out_of_date));
+}
+
 // A fresh matrix knows no rate: the first change alone never ends the iteration unless it is negligible.
 TEST(ChordIteration, DoesNotEndWithTheFirstChangeBeforeARateIsKnown) {
   ChordIteration chord;

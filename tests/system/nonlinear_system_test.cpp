@@ -195,6 +195,18 @@ TEST(NonlinearSystem, ErrorsOfComponentsKeepTheConstraints) {
   }
 }
 
+// x2 = x1 where the step has no solution, too.
+TEST(NonlinearSystem, ErrorsOfComponentsKeepTheConstraintsAfterAStepWithoutASolution) {
+  NonlinearExample e(sfdae_test::record_of_hyperbola());
+  e.analyze(0.0, 1.0, {1.0, 1.0});
+  ASSERT_EQ(euler(*e.system, {1.0, 1.0}, -1.0, 1e-6).status, PointStatus::not_converged);  // z + 1 = z^2 + 2
+  const Vector dw = {0.25, -7.0};
+  Vector dx(2);
+  e.system->error_in_x(dw.data(), 1, dx.data());
+  EXPECT_NEAR(dx[0], 0.25, 10.0 * rounding(2));
+  EXPECT_NEAR(dx[1], 0.25, 10.0 * rounding(2));
+}
+
 TEST(NonlinearSystem, RestoresHiddenConstraints) {
   for (double amount : {1e-8, 1e-3, 0.1}) {
     NonlinearExample e(sfdae_test::record_of_pendulum());
