@@ -22,6 +22,8 @@ constexpr double crest_part = 0.001;
 // From the largest sample to the crest: each parabola through points at a quarter of the last one's distances.
 constexpr int parabolas = 3;
 constexpr double reach_in_next = 0.25;
+// Points of a step between which the largest value of a polynomial is that of a parabola.
+constexpr int polynomial_points = 12;
 // Of its size: changes are rounding errors.
 constexpr double least_range = 1e-10;
 // What follows the polynomial as closely in a few samples is not looked at any more. (Chosen.)
@@ -47,7 +49,8 @@ void set_lagrange_weights(std::span<const double> nodes, double t, double* weigh
 void InputSamples::resize(int inputs) {
   at_nodes_.assign(index(inputs) * most_nodes, 0.0);
   for (std::vector<double>* v : {&now_, &lowest_node_, &highest_node_}) v->assign(index(inputs), 0.0);
-  for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_}) v->assign(index(inputs), {});
+  for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_, &expected_low_, &expected_high_})
+    v->assign(index(inputs), {});
 }
 
 void InputSamples::take(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
@@ -67,6 +70,8 @@ void InputSamples::take(TimeInputs& inputs, std::span<const double> nodes, doubl
   if (few > 0 && are_smooth()) {
     unseen_.clear();
     samples = few;
+    // Between few samples a crest may be missed.
+    if (inputs.are_with_steep_functions()) take_expected_extremes(inputs, nodes, h);
   } else {
     sample_all(samples);
     find_unseen();
@@ -101,6 +106,27 @@ void InputSamples::take_sample(TimeInputs& inputs, std::span<const double> nodes
     if (now_[i] < lowest_[i].value) lowest_[i] = {now_[i], distance, t};
     if (now_[i] > highest_[i].value) highest_[i] = {now_[i], distance, t};
     if (distance > farthest_[i].distance) farthest_[i] = {now_[i], distance, t};
+  }
+}
+
+// Samples where the polynomials through the nodes are largest and smallest.
+void InputSamples::take_expected_extremes(TimeInputs& inputs, std::span<const double> nodes, double h) {
+  std::array<double, most_nodes> weights{};
+  for (int point = 1; point < polynomial_points; ++point) {
+    const double t = nodes[0] + point * h / polynomial_points;
+    set_lagrange_weights(nodes, t, weights.data());
+    for (std::size_t i = 0; i < now_.size(); ++i) {
+      double expected = 0.0;
+      for (std::size_t k = 0; k < nodes.size(); ++k) expected += weights[k] * at_nodes_[i * most_nodes + k];
+      if (point == 1 || expected < expected_low_[i].value) expected_low_[i] = {expected, 0.0, t};
+      if (point == 1 || expected > expected_high_[i].value) expected_high_[i] = {expected, 0.0, t};
+    }
+  }
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    inputs.evaluate(expected_low_[i].t, now_.data());
+    if (now_[i] < lowest_[i].value) lowest_[i] = {now_[i], 0.0, expected_low_[i].t};
+    inputs.evaluate(expected_high_[i].t, now_.data());
+    if (now_[i] > highest_[i].value) highest_[i] = {now_[i], 0.0, expected_high_[i].t};
   }
 }
 
