@@ -24,6 +24,10 @@ namespace {
 constexpr double weight_of_free = 1e-10;
 // Of the tolerances, and of what is changed: changes that count. By judgement.
 constexpr double moved = 1e-6, beyond_rounding_of_x = 64.0 * unit_roundoff;
+// Derivatives of higher order lose digits from step to step where all equations are solved together. By judgement.
+constexpr int highest_order_to_approach = 6;
+// Of the tolerances: no step toward the nearest point that is left out is larger.
+constexpr double thousandth = 1e-3;
 // Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by about its size.
 constexpr double beyond_rounding = 1.0 / unit_roundoff;
 
@@ -167,6 +171,7 @@ bool ConsistentExtension::has_derivatives_beyond_rounding(const Jet& jet) const 
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
   LeastChangeSearch::Demands demands;
+  if (request_.differentiated_stay()) demands.negligible = thousandth * thousandth;
   bool is_candidate = true;  // consistent, and what is fixed is where it should be
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto [unknown, order] = columns[k];
@@ -192,7 +197,11 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
       jet = std::move(quick);
       return;
     }
-    if (may_stay) return;
+    // Where constraints are bent whole steps may converge slowly, or not at all.
+    if (may_stay) {
+      if (extension_.jet_order() <= highest_order_to_approach) search.approach(guess, jet);
+      return;
+    }
   }
   Jet next = jet;
   const bool is_fulfilled = search.fulfil(next);

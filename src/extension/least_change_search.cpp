@@ -98,7 +98,10 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, residual_, relative_)) return true;
+    if (progress.has_ended(change, residual_, relative_)) {
+      if (sum_of_change() > demands_.negligible) settle(guess, jet);
+      return true;
+    }
     if (progress.is_stuck()) return false;
   }
   return false;
@@ -109,7 +112,8 @@ void LeastChangeSearch::approach(const Jet& guess, Jet& jet) {
   constexpr double shortest = 1.0 / 1024.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     const double before = sum(guess, jet);
-    if (!compute(jet, &guess) || sum_of_change() <= settled * before) return;
+    if (!compute(jet, &guess)) return;
+    if (sum_of_change() <= settled * before) return settle(guess, jet);
     const std::vector<double> whole = dx_;
     bool is_nearer = false;
     for (double part = 1.0; !is_nearer && part >= shortest; part *= 0.5) {
@@ -118,6 +122,21 @@ void LeastChangeSearch::approach(const Jet& guess, Jet& jet) {
       if (is_nearer) jet = std::move(next);
     }
     if (!is_nearer) return;
+  }
+}
+
+// Sums near the least one are the same in all digits, steps are not.
+void LeastChangeSearch::settle(const Jet& guess, Jet& jet) {
+  constexpr double no_smaller = 0.9, small_beside_all = 1e-8;
+  double last = small_beside_all * sum(guess, jet);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (!compute(jet, &guess)) return;
+    const double change = sum_of_change();
+    if (!(change < no_smaller * last) || change <= demands_.negligible) return;
+    last = change;
+    Jet next = jet;
+    if (!apply(dx_, 1.0, next).is_finite()) return;
+    jet = std::move(next);
   }
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "extension/jet_search.h"
@@ -15,9 +16,10 @@ class LeastChangeSearch {
  public:
   // By columns.
   struct Demands {
-    std::vector<double> W;        // weights of the squares of changes, in units of the search
-    std::vector<char> are_drawn;  // to the guess; the others only move with W from where they are, and end anywhere
-    std::vector<char> are_held;   // do not change
+    std::vector<double> W;         // weights of the squares of changes, in units of the search
+    std::vector<char> are_drawn;   // to the guess; the others only move with W from where they are, and end anywhere
+    std::vector<char> are_held;    // do not change
+    double negligible = HUGE_VAL;  // of the sum of a step's changes: the last one may be that large
   };
   LeastChangeSearch(MinimalExtension& extension, Demands demands, const SearchUnits& units);
 
@@ -33,6 +35,8 @@ class LeastChangeSearch {
   void approach(const Jet& guess, Jet& jet);
 
  private:
+  // Whole steps on from where steps are small already, as long as they become smaller.
+  void settle(const Jet& guess, Jet& jet);
   // The change from the jet on, toward the guess or, without one, least.
   bool compute(const Jet& jet, const Jet* guess);
   JetChange apply(const std::vector<double>& dx, double part, Jet& jet) const;

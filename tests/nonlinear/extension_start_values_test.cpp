@@ -79,6 +79,40 @@ TEST(ExtensionStartValues, AreNearestAsThoseOfTheArray) {
   }
 }
 
+// Pendula given beside their circle, with speeds along their rods: both constraints are bent on the way to the nearest point.
+TEST(ExtensionStartValues, AreNearestFromAfar) {
+  sfdae::NonlinearProblem pendulum(5, 5);
+  pendulum.equations = [](const sfdae::Expression&, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + x[0] * x[4];
+    F[3] = xdot[3] + x[1] * x[4] + 1.0;
+    F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
+  };
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const double angle = random.real(-3.0, 3.0), tolerance = seed % 2 == 0 ? 1e-4 : 1e-9;
+    Vector given{std::cos(angle), std::sin(angle), random.real(-1.0, 1.0), random.real(-1.0, 1.0), 0.0};
+    for (std::size_t j = 0; j < 2; ++j) given[j] += random.real(-0.2, 0.2);
+    const Start found = start(pendulum, given, SFDAE_STRUCTURE_REQUIRED, tolerance);
+    ASSERT_EQ(found.status, SFDAE_VALUES_CHANGED);
+    const Vector& x = found.x;
+    // Half the gradient of the sum of squares, along both directions that the constraints leave.
+    double gradient[4], scale = 0.0;
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double size = 1.0 + std::fabs(given[j]);
+      gradient[j] = (x[j] - given[j]) / (size * size);
+      scale = std::fmax(scale, std::fabs(gradient[j]));
+    }
+    const double turn = x[0] * x[3] - x[1] * x[2];
+    EXPECT_LE(std::fabs(x[0] * gradient[3] - x[1] * gradient[2]), 0.2 * tolerance + 1e-12);
+    EXPECT_LE(std::fabs(x[0] * gradient[1] - x[1] * gradient[0] - turn * (x[0] * gradient[2] + x[1] * gradient[3])),
+              0.2 * tolerance + 1e-12);
+    EXPECT_GT(scale, 1e-4);
+  }
+}
+
 // A heavy pendulum of a millimetre in SI units: the force for each length is 1e10, and its guess 0.
 TEST(ExtensionStartValues, AreMovedByNoLargeForce) {
   const double length = 1e-3, mass = 1e3;
