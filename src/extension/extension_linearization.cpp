@@ -322,7 +322,8 @@ std::vector<double> ExtensionLinearization::noise_of_jet() const {
   return noise;
 }
 
-// Roundings of the terms of each row, with random signs.
+// Roundings of the terms of each row, with random signs. Sizes are random, too: those of equations whose terms cancel, as forces across a
+// rod do in its multiplier, would do the same.
 std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);
   std::vector<double> noise(extension_.columns().size(), 0.0);
@@ -338,7 +339,8 @@ std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
     double sum = 0.0;
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
       sum += std::fabs(values_[index(e)]) * noise[index(columns[e])];
-    work_[index(row)] = symmetric_random(generator) < 0.0 ? -sum : sum;
+    const double random = symmetric_random(generator);
+    work_[index(row)] = (random < 0.0 ? random - 0.5 : random + 0.5) * sum;
   }
   held_.solve(work_.data());
   for (int column = 0; column < extension_.num_columns(); ++column) {
