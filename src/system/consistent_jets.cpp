@@ -3,6 +3,7 @@
 #include "system/consistent_jets.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "problem/failure.h"
 #include "system/jet_solver.h"
@@ -86,7 +87,9 @@ void ConsistentJets::solve(Point& point, int level) {
   if (&point == &points_.front()) solver.set_fixed(fixed_);
   solver.keep_differentiated(sizes_);
   while (point.level < level) {
-    solver.solve(point.jet, point.level + 1);
+    Jet next = point.jet;  // where there is none of the next level, that of this one stays
+    solver.solve(next, point.level + 1);
+    point.jet = std::move(next);
     ++point.level;
   }
 }

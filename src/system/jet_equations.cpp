@@ -147,6 +147,20 @@ bool JetEquations::staged_change(bool keep, Vector& change) {
   return all_finite(change.data(), change.size());
 }
 
+bool JetEquations::is_negligible(const Jet& jet, const Vector& change) const {
+  // Of a size that counts as one, and of x: chosen, not measured.
+  constexpr double little = 1e-3, rounding = 1e-9;
+  if (!keeps_differentiated()) return true;
+  Vector buffer(index(jet.n));
+  const double* const x = units_.inward(jet.x.data(), buffer.data());
+  for (int i = 0; i < jet.n; ++i) {
+    const double size = std::fabs(change[index(i)]);
+    if (size <= std::max(little * sizes_[index(i)] / units_[i], rounding * std::fabs(x[i]))) continue;
+    if (!(size <= rounding * size_in_constraints({form_.xp(), form_.T2()}, i, x))) return false;
+  }
+  return true;
+}
+
 void JetEquations::recover_derivatives(Vector& change) {
   Vector transformed(index(data_.m) * index(level_ + 1) + 1);
   stored_.transform(data_.f(0), transformed.data(), arena_);

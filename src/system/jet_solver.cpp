@@ -168,7 +168,8 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
       if (!equations_.is_converged(jet, is_x_given ? consistent_residual : rounding)) return false;
       double size = 0.0;
       for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / equations_.units()[i]);
-      return equations_.staged_change(true, change) && max_abs(change.data(), jet.n) <= negligible * size;
+      return equations_.staged_change(true, change) && max_abs(change.data(), jet.n) <= negligible * size &&
+             (is_x_given || equations_.is_negligible(jet, change));
     }
     jet = trial.jet;
     equations_.linearize(jet, level, equations_.time_scale());

@@ -195,6 +195,17 @@ Vector least_change(const ConsistentSet& set, const LeadingKernel& kernel, const
   return dx;
 }
 
+double size_in_constraints(const ConsistentSet& set, int i, const double* x) {
+  const ConstView& T2 = set.directions;
+  double sum = 0.0;
+  for (int j = 0; j < T2.rows; ++j) {
+    double entry = j == i ? 1.0 : 0.0;
+    for (int k = 0; k < T2.cols; ++k) entry -= T2(i, k) * T2(j, k);
+    sum += std::fabs(entry * x[j]);
+  }
+  return sum;
+}
+
 // dx - K (K^T D^-2 K)^-1 K^T D^-2 dx; for unit vectors that is dx without their components, exactly.
 Vector differentiated_part(const LeadingKernel& kernel, const Vector& sizes, const Vector& dx) {
   const int n = kernel.basis.rows(), k = kernel.basis.cols();

@@ -47,6 +47,9 @@ double least_cosine(int n, double kept);
 std::vector<double> least_change(const ConsistentSet& set, const LeadingKernel& kernel, const ChangeMeasure& measure,
                                  const double* x);
 
+// What is added up of x in the constraints of x_i: row i of |I - T2 T2^T| |x|, T2 the directions of the set.
+double size_in_constraints(const ConsistentSet& set, int i, const double* x);
+
 // What moves E x: the part of dx that is orthogonal to the kernel in the norm of the sizes.
 std::vector<double> differentiated_part(const LeadingKernel& kernel, const std::vector<double>& sizes,
                                         const std::vector<double>& dx);

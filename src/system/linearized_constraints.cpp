@@ -71,6 +71,11 @@ Vector LinearizedConstraints::violation() const {
   return change;
 }
 
+double LinearizedConstraints::size_beside(int i, const Jet& jet) const {
+  Vector buffer(index(jet.n));
+  return units_[i] * size_in_constraints({form_.xp(), form_.T2()}, i, units_.inward(jet.x.data(), buffer.data()));
+}
+
 double LinearizedConstraints::size_of(const Jet& jet) const { return units_.largest(jet.x.data(), jet.n); }
 
 Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {

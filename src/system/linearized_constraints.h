@@ -47,6 +47,8 @@ class LinearizedConstraints {
 
   // The least change of x that fulfils the linearized constraints.
   std::vector<double> violation() const;
+  // What is added up in the constraints of x_i, in units of x_i.
+  double size_beside(int i, const Jet& jet) const;
   // The largest component in the units of the equations.
   double size_of(const Jet& jet) const;
 

@@ -83,9 +83,9 @@ Jet between(const Jet& from, const Jet& to, double part) {
 // Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones. The first component
 // that would have to change; -1: none.
 int violated_component(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
-  // Of a component, or of what is largest in the units of the equations; consistent jets are better by orders of
-  // magnitude. Chosen: one of 6000 random starts had 0.1.
-  constexpr double consistent = 1e-6, rounding = 1e-8;
+  // Of a component, of what is added up in its constraints, or of what is largest in the units of the equations, to which that may be
+  // nothing; consistent jets are better by orders of magnitude. Chosen: one of 6000 random starts had 0.1.
+  constexpr double consistent = 1e-6, beside = 1e-8, rounding = 1e-14;
   Vector tolerances = request.tolerances;
   tolerances.resize(index(jet.n), 0.0);
   const Vector violation = constraints.violation();
@@ -93,7 +93,8 @@ int violated_component(const LinearizedConstraints& constraints, const Jet& jet,
   for (int i = 0; i < jet.n; ++i) {
     const double allowed = std::max({consistent * std::fabs(jet.x[index(i)]), tolerances[index(i)],
                                      rounding * largest * constraints.point().units[i]});
-    if (!(std::fabs(violation[index(i)]) <= allowed)) return i;
+    const double size = std::fabs(violation[index(i)]);
+    if (!(size <= allowed) && !(size <= beside * constraints.size_beside(i, jet))) return i;
   }
   return -1;
 }
