@@ -295,7 +295,7 @@ PointStatus NonlinearSystem::solve_several_stages(const StageEquations& equation
     const PointStatus status = stages_.solve(equations, linearization_, iteration_);
     if (status != PointStatus::ok) return status;
     jet_ = stages_.last();
-    return rank_check_.review_by_comparison(jet_, linearization_, iteration_);
+    return rank_check_.review_by_comparison(jet_, equations.guess.inverse_weights, linearization_, iteration_);
   };
   PointStatus status = linearization_.renew(stages_.middle(), false);
   if (status == PointStatus::ok) status = iterate();

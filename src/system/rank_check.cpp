@@ -3,14 +3,18 @@
 #include "system/rank_check.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/index_analysis.h"
 #include "reduction/index_search.h"
 #include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
 #include "system/jet_coefficients.h"
+#include "system/relative_orientation.h"
 
 namespace sfdae::core {
 
@@ -123,12 +127,48 @@ PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization,
   return PointStatus::ok;
 }
 
-PointStatus RankCheck::review_by_comparison(const Jet& jet, ArrayLinearization& linearization,
-                                            NonlinearIteration& iteration) {
+PointStatus RankCheck::review_by_comparison(const Jet& jet, const double* inverse_weights,
+                                            ArrayLinearization& linearization, NonlinearIteration& iteration) {
   ++unjudged_;
   const PointStatus status = compare(jet, linearization, iteration);
-  if (status == PointStatus::ok) unjudged_ = 0;
-  return status;
+  if (status != PointStatus::ok) return status;
+  unjudged_ = 0;
+  if (problem_.analysis().v_hat == 0 || iteration.has_contradiction() ||
+      serves_at(jet, inverse_weights, linearization))
+    return status;
+  compared_t_ = std::numeric_limits<double>::quiet_NaN();
+  return PointStatus::not_converged;
+}
+
+// With redundant equations there is a choice of constraints and of differential equations, of which a linearization far off makes a
+// wrong one: rows that nothing violates in place of constraints, or equations that say little of how x moves at the end of
+// the step (docs/decisions/97-redundant-equations.md).
+bool RankCheck::serves_at(const Jet& jet, const double* inverse_weights,
+                          const ArrayLinearization& linearization) const {
+  constexpr double least = 0.5;  // cosine
+  const NullSpaceForm* const now = compared_form(jet.t);
+  const NullSpaceForm& then = linearization.form();
+  if (now == nullptr) return true;
+  // At consistent points the choice is right: what is left is a contradiction of the equations, less than what counts.
+  if (!linearization.origin().is_judged && !fulfils_algebraic_equations(jet, inverse_weights)) return false;
+  if (now->d != then.d || data_.row_scale != linearization.data().row_scale) return true;
+  return cosine_between(then.Z1(), now->Z1(), least, arena_) >= least;
+}
+
+// Those without derivatives, at the jet of data_, as far as changes of x by a tolerance do.
+bool RankCheck::fulfils_algebraic_equations(const Jet& jet, const double* inverse_weights) const {
+  constexpr double rounding = 1e-13;  // of what is added up; chosen, not measured
+  for (int i = 0; i < data_.m; ++i) {
+    bool has_derivative = false;
+    double allowed = 0.0;
+    for (int j = 0; j < data_.n && !has_derivative; ++j) {
+      const double change = 1.0 / inverse_weights[j] + rounding * std::fabs(jet.x[index(j)]);
+      has_derivative = data_.E(0)(i, j) != 0.0;
+      allowed += std::fabs(data_.A(0)(i, j)) * change / problem_.units()[j];
+    }
+    if (!has_derivative && std::fabs(data_.f(0)[i]) > allowed) return false;
+  }
+  return true;
 }
 
 }  // namespace sfdae::core

@@ -29,8 +29,10 @@ class RankCheck {
   PointStatus compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
   // A further point has converged: the linearization is renewed there where it has become slow, and now and then.
   PointStatus review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // A further point has converged: the known ranks are compared with those there, the linearization stays.
-  PointStatus review_by_comparison(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
+  // A further point has converged: the known ranks are compared with those there, the linearization stays. not_converged: it does not
+  // serve there.
+  PointStatus review_by_comparison(const Jet& jet, const double* inverse_weights, ArrayLinearization& linearization,
+                                   NonlinearIteration& iteration);
 
   // For linearizations that are renewed elsewhere. A further point has converged; true where ranks are to be judged.
   bool count_point();
@@ -53,6 +55,9 @@ class RankCheck {
  private:
   PointStatus judge(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
   PointStatus match_known_ranks(const Jet& jet, const ArrayLinearization& linearization);
+  // Whether constraints and differential equations of the linearization are those of the jet that was compared.
+  bool serves_at(const Jet& jet, const double* inverse_weights, const ArrayLinearization& linearization) const;
+  bool fulfils_algebraic_equations(const Jet& jet, const double* inverse_weights) const;
   // What the whole analysis says at a point.
   enum class Finding { known_values, other_values, unclear };
   Finding analyze(const Jet& jet) const;

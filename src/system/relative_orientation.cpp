@@ -31,6 +31,18 @@ int relative_orientation(ConstView then, ConstView now, Arena& arena) {
   return determinant_sign(K, arena);
 }
 
+// |now S - then|_F^2 / 2 as above.
+double cosine_between(ConstView then, ConstView now, double enough, Arena& arena) {
+  double bound = 1.0;
+  for (int j = 0; j < now.cols && bound >= enough; ++j)
+    bound -= 1.0 - std::fabs(small::dot(now.rows, then.column(j), now.column(j)));
+  if (bound >= enough) return bound;
+  const Arena::Frame frame(arena);
+  const View K = arena.matrix(now.cols, now.cols);
+  multiply(1.0, Op::transposed, then, Op::plain, now, 0.0, K);
+  return singular_values(K).back();
+}
+
 void reserve_orientation(int d, Arena& arena) {
   const Arena::Frame frame(arena);
   const View K = arena.matrix(d, d);
