@@ -216,12 +216,14 @@ PointStatus ExtensionSystem::move_to(double t) {
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
-// A linearization of a point that was given up, which may be anywhere, says nothing: rounding errors there may be above all tolerances
-// here, and every change is below them.
-void ExtensionSystem::leave_point_given_up() {
-  if (linearization_.is_usable() && history_.is_beyond(linearization_.origin().t) &&
-      renew(history_.accepted()) != PointStatus::ok)
-    linearization_.forget();
+// A linearization of a point that was given up, which may be anywhere, says nothing where rounding errors there are above the
+// tolerances here: every change is below them.
+void ExtensionSystem::leave_point_given_up(const double* inverse_weights) {
+  if (!linearization_.is_usable() || !history_.is_beyond(linearization_.origin().t)) return;
+  bool is_drowned = false;
+  for (int j = 0; j < unknowns() && !is_drowned; ++j)
+    is_drowned = linearization_.noise()[index(extension_.column_of(j, 0))] * inverse_weights[j] > 1.0;
+  if (is_drowned && renew(history_.accepted()) != PointStatus::ok) linearization_.forget();
 }
 
 // With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
@@ -282,7 +284,7 @@ PointStatus ExtensionSystem::review() {
 }
 
 PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
-  leave_point_given_up();
+  leave_point_given_up(equations.guess.inverse_weights);
   bool holds_derivatives = false;
   const auto guess = [&]() -> const Jet& {
     history_.predict(equations.guess, 0, determined_, {}, jet_);
@@ -329,7 +331,7 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   using Linearized = ExtensionStages::Linearized;
   t_reached = equations.t_end;
   has_end_tangents_ = false;
-  leave_point_given_up();
+  leave_point_given_up(equations.guess.inverse_weights);
   stages_.predict(equations, history_, determined_);
   if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
     const PointStatus status = solve_local_stages(equations);

@@ -112,7 +112,7 @@ class ExtensionSystem final : public DaeSystem {
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
   PointStatus note_renewal(PointStatus status);
-  void leave_point_given_up();
+  void leave_point_given_up(const double* inverse_weights);
   // guess: the jet to start from.
   template <class Start, class Iterate>
   PointStatus iterate_with_renewal(Start guess, Iterate iterate);

@@ -31,6 +31,8 @@ constexpr double smooth_part = 0.02;
 constexpr int fewest = 3;
 // Samples of a step for each of its nodes, in all, and in the time in which inputs are known to change. (Chosen.)
 constexpr double per_node = 5.0, most = 64.0, per_change = 4.0;
+// Of a step in which crests matter, so that the largest sample is at the crest, and not one of few that are all beside it. (Chosen.)
+constexpr double fewest_for_crests = 32.0;
 // Parts of a step that no period is a multiple of: those of the golden ratio, which begin elsewhere in each step.
 constexpr double golden = 0.6180339887498949;
 
@@ -58,8 +60,9 @@ void InputSamples::take(TimeInputs& inputs, std::span<const double> nodes, doubl
   const double t = nodes[0];
   take_nodes(inputs, nodes);
   const double changes = fastest > 0.0 ? per_change * std::fabs(h) / fastest : 0.0;
-  int samples =
-      static_cast<int>(std::fmin(most, std::fmax(per_node * static_cast<double>(nodes.size() - 1), changes)));
+  const double of_nodes = std::fmax(per_node * static_cast<double>(nodes.size() - 1),
+                                    inputs.are_with_steep_functions() ? fewest_for_crests : 0.0);
+  int samples = static_cast<int>(std::fmin(most, std::fmax(of_nodes, changes)));
   const double first = fraction(t / h * golden);
   const auto sample_all = [&](int count) {
     for (int sample = 0; sample < count; ++sample)

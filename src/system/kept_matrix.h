@@ -1,5 +1,5 @@
 // Matrices of steps that are kept while c, of x' = c x + ..., changes little (docs/decisions/38-kept-factorizations.md), and while
-// exponentials do not become much smaller (docs/decisions/100-kept-matrices-and-exponentials.md).
+// exponentials do not become much smaller (docs/decisions/98-kept-matrices-and-exponentials.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

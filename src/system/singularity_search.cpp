@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "linalg/matrix.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
@@ -62,6 +63,7 @@ bool SingularitySearch::reduce(const Jet& jet, const std::vector<double>* rows, 
   const Judge::Settings judging{problem_.settings().rank_tol, false, noise, &linearization_.ranks()};
   Judge judge(data_, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
+  const QuietArithmetic quiet;  // at a singular point pivots of the known ranks may be zero
   const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
   form_.resize(data_.m, data_.n, static_cast<int>(problem_.prescribed().size()), carried.rows);
   const Prescription inputs{&problem_.prescribed(), problem_.input_values().data()};
