@@ -154,6 +154,14 @@ bool ExtensionSystem::is_known_to_be_certified(Certificates certificates) const 
          (certificates == Certificates::not_kept || !certificate_.blocks.empty());
 }
 
+// Whoever asks for a point does not count: later ones are judged, and linearized, when they would be without.
+PointStatus ExtensionSystem::check_ranks() {
+  const int unjudged = unjudged_;
+  const PointStatus status = certify(jet_, linearization_.noise_of_jet());
+  unjudged_ = unjudged;
+  return status;
+}
+
 void ExtensionSystem::forget_what_certifies() {
   judge_.forget_order();
   extension_.leading().forget_values();

@@ -88,7 +88,7 @@ class ExtensionSystem final : public DaeSystem {
   }
   // A block of the system Jacobian that has been found to be singular at a later point.
   void note_singular_block(int block) { about_later_point_ = describe_block(block) + " is singular."; }
-  PointStatus check_ranks() override { return certify(jet_, linearization_.noise_of_jet()); }
+  PointStatus check_ranks() override;
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;

@@ -352,6 +352,23 @@ TEST(Outputs, DoNotChangeSteps) {
   check(andrews, "andrews");
 }
 
+// To the last bit, though the structure is confirmed at each of them.
+TEST(Outputs, DoNotChangeStepsOfTheMinimalExtension) {
+  for (int method : methods)
+    for (int output : kinds)
+      for (double tol : {1e-4, 1e-6}) {
+        sfdae_options options = options_for(method, output, tol);
+        options.structure = SFDAE_STRUCTURE_REQUIRED;
+        RawPendulum pendulum;
+        pendulum.tf = 10.0;
+        Course one(pendulum, options), many(pendulum, options);
+        one.integrate(1, false, [] {});
+        many.integrate(500, false, [] {});
+        EXPECT_EQ(many.statistics().steps, one.statistics().steps) << name_of(method, output) << " " << tol;
+        EXPECT_EQ(many.x, one.x) << name_of(method, output) << " " << tol;
+      }
+}
+
 // Three stages are too few for these tolerances: steps are those of the order at their ends, within them the polynomial
 // is of order 3. It becomes accurate by shorter steps, in proportion to the fourth root of its error at most.
 TEST(Outputs, AreAccurateWhereStepsAreTooLongForThePolynomial) {
