@@ -21,7 +21,7 @@ constexpr double certain_part = 0.01;
 // Of an unknown: what rounding errors leave of it.
 constexpr double least_relative = 1e-12;
 
-// Derivatives are too large by a factor of 7 then. Chosen: with 1 and 4 as many rectifiers end.
+// Derivatives are too large by a factor of 7 then. (Chosen.)
 constexpr double small_fall = 2.0;
 // Exponentials of less count nowhere: 4e-44.
 constexpr double least_argument = -100.0;
@@ -74,11 +74,10 @@ SteepArguments::Part::Part(const TaylorEvaluator& evaluator) : values(evaluator)
     arguments.push_back(instruction.a);
     is_needed[a] = 1;
   }
-  is_of_both_signs.assign(arguments.size(), 0);
+  std::vector<char> is_hyperbolic(index(tape.num_slots), 0);
   for (const Instruction& instruction : of_state)
-    if (const auto found = std::find(arguments.begin(), arguments.end(), instruction.a);
-        instruction.code == Code::sinh_cosh && found != arguments.end())
-      is_of_both_signs[static_cast<std::size_t>(found - arguments.begin())] = 1;
+    if (instruction.code == Code::sinh_cosh) is_hyperbolic[index(instruction.a)] = 1;
+  for (const int argument : arguments) is_of_both_signs.push_back(is_hyperbolic[index(argument)]);
   for (auto instruction = of_state.rbegin(); instruction != of_state.rend(); ++instruction) {
     if (is_needed[index(instruction->v)] == 0) continue;
     instructions.push_back(*instruction);
