@@ -230,15 +230,15 @@ void compare(const Problem& problem, int n) {
   if (!sfdae_bench::ida_is_available()) return;
   const PeerProblem peer_problem = peer(problem);
   const std::vector<double> reference = sfdae_bench::solve_with_ida(peer_problem, 1e-11).x;
-  constexpr int num_tolerances = 8;  // of IDA
+  const std::vector<double> peer_tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
   const std::vector<double> tolerances = {1e-4, 1e-6, 1e-8};
-  std::vector<SolverRun> peer_runs(num_tolerances);
-  std::vector<double> peer_times(num_tolerances, 1e300);
+  std::vector<SolverRun> peer_runs(peer_tolerances.size());
+  std::vector<double> peer_times(peer_tolerances.size(), 1e300);
   std::vector<Run> runs(tolerances.size());
   for (int round = 0; round < (n > 100 ? 1 : n > 20 ? 5 : 25); ++round) {
     for (std::size_t k = 0; k < peer_runs.size(); ++k) {
       const double begin = milliseconds();
-      peer_runs[k] = sfdae_bench::solve_with_ida(peer_problem, std::pow(10.0, -3.0 - static_cast<double>(k)));
+      peer_runs[k] = sfdae_bench::solve_with_ida(peer_problem, peer_tolerances[k]);
       peer_times[k] = std::min(peer_times[k], milliseconds() - begin);
     }
     for (std::size_t k = 0; k < runs.size(); ++k) {
@@ -250,9 +250,8 @@ void compare(const Problem& problem, int n) {
   for (std::size_t k = 0; k < peer_runs.size(); ++k) {
     const SolverRun& run = peer_runs[k];
     if (!run.failure.empty()) continue;
-    std::printf("%-12s %4d %-6s %7.0e %6.2f %9s %9.2f %6ld %6ld %6ld\n", problem.name, n, "IDA",
-                std::pow(10.0, -3.0 - static_cast<double>(k)), digits(run.x, reference), "", peer_times[k], run.steps,
-                run.evaluations, run.factorizations);
+    std::printf("%-12s %4d %-6s %7.0e %6.2f %9s %9.2f %6ld %6ld %6ld\n", problem.name, n, "IDA", peer_tolerances[k],
+                digits(run.x, reference), "", peer_times[k], run.steps, run.evaluations, run.factorizations);
     if (peers.empty() || digits(run.x, reference) > peers.back().digits + 0.2)
       peers.push_back({digits(run.x, reference), peer_times[k]});
   }

@@ -22,12 +22,12 @@ class SteepArguments {
   // inverse_weights: 1 / tolerances of the unknowns. Those of unknowns that arguments depend on are made as large as it takes for
   // these to be known to a hundredth, all of them by one factor, whatever their part in it is. Nothing is allocated.
   void sharpen(double t, const double* x, double* inverse_weights);
-  // Whether an argument is smaller at the second place by so much that the derivative of its exponential at the first one is too large
-  // by an order of magnitude. Nothing is allocated.
   struct Place {
     double t;
     const double* x;
   };
+  // Whether an argument is smaller at the second place by so much that the derivative of its exponential at the first one is too large
+  // by an order of magnitude. Nothing is allocated.
   bool have_fallen(const Place& from, const Place& to);
 
  private:

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "expression/steep_arguments.h"
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
 #include "system/chord_iteration.h"

@@ -23,7 +23,7 @@ constexpr double crest_part = 0.001;
 constexpr int parabolas = 3;
 constexpr double reach_in_next = 0.25;
 // Points of a step between which the largest value of a polynomial is that of a parabola.
-constexpr int polynomial_points = 12;
+constexpr std::size_t polynomial_points = 12;
 // Of its size: changes are rounding errors.
 constexpr double least_range = 1e-10;
 // What follows the polynomial as closely in a few samples is not looked at any more. (Chosen.)
@@ -51,8 +51,7 @@ void set_lagrange_weights(std::span<const double> nodes, double t, double* weigh
 void InputSamples::resize(int inputs) {
   at_nodes_.assign(index(inputs) * most_nodes, 0.0);
   for (std::vector<double>* v : {&now_, &lowest_node_, &highest_node_}) v->assign(index(inputs), 0.0);
-  for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_, &expected_low_, &expected_high_})
-    v->assign(index(inputs), {});
+  for (std::vector<Extreme>* v : {&lowest_, &highest_, &farthest_}) v->assign(index(inputs), {});
 }
 
 void InputSamples::take(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
@@ -103,34 +102,37 @@ void InputSamples::take_sample(TimeInputs& inputs, std::span<const double> nodes
   set_lagrange_weights(nodes, t, weights.data());
   inputs.evaluate(t, now_.data());
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    double expected = 0.0;
-    for (std::size_t k = 0; k < nodes.size(); ++k) expected += weights[k] * at_nodes_[i * most_nodes + k];
-    const double distance = std::fabs(now_[i] - expected);
+    const double distance = std::fabs(now_[i] - expected(i, nodes.size(), weights.data()));
     if (now_[i] < lowest_[i].value) lowest_[i] = {now_[i], distance, t};
     if (now_[i] > highest_[i].value) highest_[i] = {now_[i], distance, t};
     if (distance > farthest_[i].distance) farthest_[i] = {now_[i], distance, t};
   }
 }
 
-// Samples where the polynomials through the nodes are largest and smallest.
+// Samples at those of some points of the step where a polynomial through the nodes is largest or smallest.
 void InputSamples::take_expected_extremes(TimeInputs& inputs, std::span<const double> nodes, double h) {
-  std::array<double, most_nodes> weights{};
-  for (int point = 1; point < polynomial_points; ++point) {
-    const double t = nodes[0] + point * h / polynomial_points;
-    set_lagrange_weights(nodes, t, weights.data());
-    for (std::size_t i = 0; i < now_.size(); ++i) {
-      double expected = 0.0;
-      for (std::size_t k = 0; k < nodes.size(); ++k) expected += weights[k] * at_nodes_[i * most_nodes + k];
-      if (point == 1 || expected < expected_low_[i].value) expected_low_[i] = {expected, 0.0, t};
-      if (point == 1 || expected > expected_high_[i].value) expected_high_[i] = {expected, 0.0, t};
-    }
-  }
+  const auto time = [&](std::size_t point) { return nodes[0] + static_cast<double>(point) * h / polynomial_points; };
+  std::array<std::array<double, most_nodes>, polynomial_points> weights{};
+  for (std::size_t point = 1; point < polynomial_points; ++point)
+    set_lagrange_weights(nodes, time(point), weights[point].data());
+  std::array<bool, polynomial_points> is_extreme{};
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    inputs.evaluate(expected_low_[i].t, now_.data());
-    if (now_[i] < lowest_[i].value) lowest_[i] = {now_[i], 0.0, expected_low_[i].t};
-    inputs.evaluate(expected_high_[i].t, now_.data());
-    if (now_[i] > highest_[i].value) highest_[i] = {now_[i], 0.0, expected_high_[i].t};
+    std::array<double, polynomial_points> values{};
+    for (std::size_t point = 1; point < polynomial_points; ++point)
+      values[point] = expected(i, nodes.size(), weights[point].data());
+    const auto [low, high] = std::minmax_element(values.begin() + 1, values.end());
+    is_extreme[static_cast<std::size_t>(low - values.begin())] = true;
+    is_extreme[static_cast<std::size_t>(high - values.begin())] = true;
   }
+  for (std::size_t point = 1; point < polynomial_points; ++point)
+    if (is_extreme[point]) take_sample(inputs, nodes, time(point));
+}
+
+// Of input i: the value of the polynomial through those at the nodes.
+double InputSamples::expected(std::size_t i, std::size_t nodes, const double* weights) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < nodes; ++k) sum += weights[k] * at_nodes_[i * most_nodes + k];
+  return sum;
 }
 
 // 0: but for rounding errors it is constant.

@@ -50,6 +50,7 @@ class InputSamples {
   void take_nodes(TimeInputs& inputs, std::span<const double> nodes);
   void take_sample(TimeInputs& inputs, std::span<const double> nodes, double t);
   void take_expected_extremes(TimeInputs& inputs, std::span<const double> nodes, double h);
+  double expected(std::size_t i, std::size_t nodes, const double* weights) const;
   double range_of(std::size_t i) const;
   bool are_smooth() const;
   void find_unseen();
@@ -61,7 +62,6 @@ class InputSamples {
   // Of each input, at the nodes and in between, with the distance from the polynomial there; and where that is largest.
   std::vector<double> lowest_node_, highest_node_;
   std::vector<Extreme> lowest_, highest_, farthest_;
-  std::vector<Extreme> expected_low_, expected_high_;  // of their polynomials
   Places unseen_, crests_;
 };
 

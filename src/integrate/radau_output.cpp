@@ -122,11 +122,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
   const RadauMethod& method = radau_method(history.last_stages());
   const std::size_t n = history.newest().x.size();
   const bool needs_guess = !system.is_linear();
-  Guess judged;
-  if (needs_guess) {
-    weights.update(history.newest().x.data());
-    weights.judge_iterations(history.newest().t, history.newest().x.data(), judged);
-  }
+  if (needs_guess) weights.update(history.newest().x.data());
   RadauNode &from = from_, &end = within_.end;
   RadauStages& stages = within_.stages;
   from = history.node(1);
@@ -139,8 +135,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
       workspace.table.set_collocation(history);
       const RadauPredictor predictor{history, &workspace.table};
       prediction = workspace.guess.predict(predictor, method.stages, from.t, end.t, system.taylor_order());
-      prediction.inverse_weights = judged.inverse_weights;
-      prediction.steep_arguments = judged.steep_arguments;
+      weights.judge_iterations(history.newest().t, history.newest().x.data(), prediction);
       prediction.taylor_at_start = workspace.guess.at_start(predictor, system.taylor_order());
     }
     PointStatus status = system.solve_stages({method.stages, from.t, end.t, from.w.data(), from.x.data(), prediction},

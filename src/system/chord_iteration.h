@@ -28,11 +28,9 @@ class ChordIteration {
   void begin() { is_slow_ = false; }
   // After the change of the given norm; before: that of the last one, which counts from the second iteration on.
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before);
-  // The same, after that, with a matrix whose entries may be larger by orders of magnitude than those at the point: changes are small
-  // beside the error then, and the first one solves what is linear. At least three are made unless one is negligible, and only the last
-  // two say how they become smaller.
-  bool has_certainly_converged(const ChordTarget& target, int iteration, double norm) const;
-  // One of the two: is_out_of_date(), which is asked for where it matters, says whether the matrix is such a one.
+  // The same where the matrix may have entries that are larger by orders of magnitude than those at the point, which
+  // is_out_of_date() says; it is asked where it matters. Changes are small beside the error then, and the first one solves what
+  // is linear: at least three are made unless one is negligible, and only the last two say how they become smaller.
   template <class IsOutOfDate>
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before,
                      IsOutOfDate is_out_of_date) {
@@ -59,6 +57,8 @@ class ChordIteration {
   void archive_rate(Archive& archive) { archive.real(rate_); }
 
  private:
+  bool has_certainly_converged(const ChordTarget& target, int iteration, double norm) const;
+
   double rate_ = 1.0;
   bool is_slow_ = false, is_in_doubt_ = false;
 };

@@ -11,10 +11,11 @@
 
 #include <limits>
 
-#include "expression/steep_arguments.h"
 #include "system/stage_method.h"
 
 namespace sfdae::core {
+
+class SteepArguments;
 
 enum class PointStatus {
   ok,

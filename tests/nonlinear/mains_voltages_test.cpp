@@ -56,10 +56,12 @@ struct MainsOutcome {
   double voltage = 0.0, largest_violation = 0.0;  // the latter of the diode's equation, over the largest current
 };
 
-MainsOutcome integrate_mains(const MainsRectifier& rectifier, sfdae::Options options) {
+// periods, charge: where it starts, and the voltage of the capacitor there; v and i are guessed as 0.
+MainsOutcome integrate_mains(const MainsRectifier& rectifier, sfdae::Options options, double periods = 0.0,
+                             double charge = 0.0) {
   sfdae::Solver solver(rectifier.problem(), options);
-  sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
-  const double end = 10.0 * rectifier.period;
+  sfdae::Point point{periods * rectifier.period, {0.0, 0.0, charge}, {}};
+  const double end = point.t + 10.0 * rectifier.period;
   MainsOutcome outcome;
   solver.start(point, end);
   for (bool is_there = false; !is_there;) {
@@ -112,6 +114,23 @@ TEST_P(MainsVoltages, AreNoHighVoltagesForDiodes) {
   EXPECT_EQ(wrong, 0) << "of " << all;
   EXPECT_EQ(violated, 0) << "of " << all;
   EXPECT_EQ(ended, 0) << "of " << all;
+}
+
+// With a charged capacitor, while the source is on its way down or below zero.
+TEST_P(MainsVoltages, MayBeMetInTheMiddleOfAPeriod) {
+  constexpr double tolerance = 1e-4;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const MainsRectifier rectifier = random_mains_rectifier(seed);
+    const double periods = 3.52 + 0.07 * static_cast<double>(seed), charge = 0.5 * rectifier.amplitude;
+    sfdae::Options options = solver_options(1e-9, SFDAE_METHOD_RADAU);
+    options.max_step = 0.02 * rectifier.period;
+    const double exact = integrate_mains(rectifier, options, periods, charge).voltage;
+    options = solver_options(tolerance, GetParam().method);
+    options.structure = GetParam().structure;
+    const MainsOutcome outcome = integrate_mains(rectifier, options, periods, charge);
+    EXPECT_NEAR(outcome.voltage, exact, 100.0 * tolerance * (1.0 + std::fabs(exact))) << seed;
+    EXPECT_LE(outcome.largest_violation, 1e-2) << seed;
+  }
 }
 
 }  // namespace sfdae_test
