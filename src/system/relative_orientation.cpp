@@ -14,33 +14,40 @@ namespace {
 // Of |now S - then|_F^2, far enough below 2 for columns that are orthonormal to rounding only.
 constexpr double near = 1.5;
 
-}  // namespace
-
-int relative_orientation(ConstView then, ConstView now, Arena& arena) {
+// |now S - then|_F^2, or more than `most`, with the signs S of columns that make it least; sign: of det S.
+double least_distance(ConstView then, ConstView now, double most, int& sign) {
   double distance = 0.0;
-  int sign = 1;
-  for (int j = 0; j < now.cols && distance < near; ++j) {
+  sign = 1;
+  for (int j = 0; j < now.cols && distance <= most; ++j) {
     const double product = small::dot(now.rows, then.column(j), now.column(j));
     distance += 2.0 - 2.0 * std::fabs(product);
     if (product < 0.0) sign = -sign;
   }
-  if (distance < near) return sign;
-  const Arena::Frame frame(arena);
-  const View K = arena.matrix(now.cols, now.cols);
-  multiply(1.0, Op::transposed, then, Op::plain, now, 0.0, K);
-  return determinant_sign(K, arena);
+  return distance;
 }
 
-// |now S - then|_F^2 / 2 as above.
-double cosine_between(ConstView then, ConstView now, double enough, Arena& arena) {
-  double bound = 1.0;
-  for (int j = 0; j < now.cols && bound >= enough; ++j)
-    bound -= 1.0 - std::fabs(small::dot(now.rows, then.column(j), now.column(j)));
-  if (bound >= enough) return bound;
-  const Arena::Frame frame(arena);
+View transposed_product(ConstView then, ConstView now, Arena& arena) {
   const View K = arena.matrix(now.cols, now.cols);
   multiply(1.0, Op::transposed, then, Op::plain, now, 0.0, K);
-  return singular_values(K).back();
+  return K;
+}
+
+}  // namespace
+
+int relative_orientation(ConstView then, ConstView now, Arena& arena) {
+  int sign;
+  if (least_distance(then, now, near, sign) < near) return sign;
+  const Arena::Frame frame(arena);
+  return determinant_sign(transposed_product(then, now, arena), arena);
+}
+
+// That is the smallest singular value of then^T now, which is no less than the least x^T then^T now S x.
+double cosine_between(ConstView then, ConstView now, double enough, Arena& arena) {
+  int sign;
+  const double bound = 1.0 - 0.5 * least_distance(then, now, 2.0 - 2.0 * enough, sign);
+  if (bound >= enough) return bound;
+  const Arena::Frame frame(arena);
+  return singular_values(transposed_product(then, now, arena)).back();
 }
 
 void reserve_orientation(int d, Arena& arena) {
