@@ -68,12 +68,11 @@ void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::
 
 void TaylorData::resize(int rows, int cols, Orders held) {
   const std::size_t size = index(rows) * index(cols);
-  E_.resize(std::max(E_.size(), size * index(held.E + 1)));
-  A_.resize(std::max(A_.size(), size * index(held.A + 1)));
-  f_.resize(std::max(f_.size(), index(rows) * index(held.f + 1) + 1));
+  first_A_ = size * index(held.E + 1);
+  first_f_ = first_A_ + size * index(held.A + 1);
+  entries_.resize(std::max(entries_.size(), first_f_ + index(rows) * index(held.f + 2) + 1));
   row_scale.resize(index(rows));
   row_norm.resize(index(rows));
-  row_factor_.resize(index(rows));
   for (std::vector<double>& errors : errors_) errors.clear();
   m = rows;
   n = cols;
@@ -84,10 +83,10 @@ void TaylorData::resize(int rows, int cols, Orders held) {
 void TaylorData::scale_rows_and_measure(double tau) {
   const kernels::ArrayLoops& loops = kernels::loops().arrays;
   const auto scale_rows = [&](double* values, int columns, double factor) {
-    for (int i = 0; i < m; ++i) row_factor_[index(i)] = row_scale[index(i)] * factor;
+    for (int i = 0; i < m; ++i) row_factor()[i] = row_scale[index(i)] * factor;
     double norm = 0.0;
     for (int j = 0; j < columns; ++j)
-      norm = std::max(norm, loops.scale_entries(values + static_cast<std::ptrdiff_t>(j) * m, row_factor_.data(), m));
+      norm = std::max(norm, loops.scale_entries(values + static_cast<std::ptrdiff_t>(j) * m, row_factor(), m));
     return norm;
   };
   double factor = 1.0;
@@ -178,10 +177,7 @@ void TaylorData::balance_rows() {
 }
 
 void TaylorData::multiply_all(double factor) {
-  const std::size_t size = index(m) * index(n);
-  multiply_entries(E_.data(), size * index(orders.E + 1), factor);
-  multiply_entries(A_.data(), size * index(orders.A + 1), factor);
-  multiply_entries(f_.data(), index(m) * index(orders.f + 1), factor);
+  multiply_entries(entries_.data(), first_f_ + index(m) * index(orders.f + 1), factor);
   multiply_entries(row_scale.data(), index(m), factor);
   multiply_entries(norms_.E.data(), index(orders.E + 1), factor);
   multiply_entries(norms_.A.data(), index(orders.A + 1), factor);

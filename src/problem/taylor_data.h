@@ -18,6 +18,7 @@
 #include "linalg/index.h"
 #include "linalg/kept_factorizations.h"
 #include "linalg/matrix.h"
+#include "linalg/room.h"
 #include "linalg/units.h"
 
 namespace sfdae::core {
@@ -49,18 +50,18 @@ inline constexpr double moderate_row_ratio = 4096.0;
 
 class TaylorData {
  public:
-  // Room for all orders up to `orders`.
+  // Room for all orders up to `orders`; what was held is lost.
   void resize(int m, int n, Orders orders);
 
   // The coefficients of order k; before scale(), plain derivatives.
-  View E(int k) { return {E_.data() + first(k), m, n, m}; }
-  View A(int k) { return {A_.data() + first(k), m, n, m}; }
-  double* f(int k) { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
-  ConstView E(int k) const { return {E_.data() + first(k), m, n, m}; }
-  ConstView A(int k) const { return {A_.data() + first(k), m, n, m}; }
-  const double* f(int k) const { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
+  View E(int k) { return {entries_.data() + first(k), m, n, m}; }
+  View A(int k) { return {entries_.data() + first_A_ + first(k), m, n, m}; }
+  double* f(int k) { return entries_.data() + first_f_ + static_cast<std::ptrdiff_t>(k) * m; }
+  ConstView E(int k) const { return {entries_.data() + first(k), m, n, m}; }
+  ConstView A(int k) const { return {entries_.data() + first_A_ + first(k), m, n, m}; }
+  const double* f(int k) const { return entries_.data() + first_f_ + static_cast<std::ptrdiff_t>(k) * m; }
   // f(0), ..., f(order) one below the other.
-  ConstView f_stack(int order) const { return {f_.data(), m * (order + 1), 1, m * (order + 1)}; }
+  ConstView f_stack(int order) const { return {f(0), m * (order + 1), 1, m * (order + 1)}; }
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
@@ -158,7 +159,9 @@ class TaylorData {
   void multiply_all(double factor);
 
   KeptFactorizations* kept_ = nullptr;
-  std::vector<double> E_, A_, f_, row_factor_;
+  Room entries_;                              // all E(k), A(k), f(k), and m numbers for scaling
+  std::size_t first_A_ = 0, first_f_ = 0;     // where those of A and f begin
+  double* row_factor() { return entries_.data() + entries_.size() - index(m); }
   std::array<std::vector<double>, 3> errors_;  // of E, A, f, laid out as they are; empty: none
   Norms norms_;
 };

@@ -9,6 +9,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
+#include "linalg/room.h"
 #include "reduction/elimination.h"
 #include "reduction/judge.h"
 
@@ -41,7 +42,7 @@ class ConstraintFactors {
 
  private:
   int n_ = 0, rows_ = 0, rank_ = 0;
-  std::vector<double> factors_, tau_;  // n x rows
+  Room factors_, tau_;  // n x rows
   std::vector<int> pivots_;
 };
 

@@ -70,7 +70,7 @@ void DifferentialFactors::solve(const double* q, double* z, Arena& arena) const 
 }
 
 double DifferentialFactors::smallest_kept() const {
-  double smallest = std::fabs(R_[0]);
+  double smallest = d_ > 0 ? std::fabs(R_[0]) : 0.0;
   for (int i = 1; i < d_; ++i) smallest = std::min(smallest, std::fabs(R_[index(i) * index(d_ + 1)]));
   return smallest;
 }

@@ -7,6 +7,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
+#include "linalg/room.h"
 
 namespace sfdae::core {
 
@@ -36,9 +37,9 @@ class DifferentialFactors {
 
   int d_ = 0, u_ = 0;
   bool has_reflections_ = false;   // of Q3, below the diagonal of R
-  std::vector<double> R_;          // u = 0: R3; u > 0: R of R3^T = Q R
-  std::vector<double> row_space_;  // u > 0: orthonormal basis of that of G
-  std::vector<double> kernel_;
+  Room R_;          // u = 0: R3; u > 0: R of R3^T = Q R
+  Room row_space_;  // u > 0: orthonormal basis of that of G
+  Room kernel_;
   std::vector<int> pivots_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
+#include "linalg/room.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -28,7 +29,7 @@ class LeadingProjector {
 
  private:
   int n_ = 0, count_ = 0;
-  std::vector<double> K_;
+  Room K_;
 };
 
 }  // namespace sfdae::core

@@ -19,6 +19,7 @@
 #include "linalg/archive.h"
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
+#include "linalg/room.h"
 #include "problem/taylor_data.h"
 #include "reduction/constraint_factors.h"
 #include "reduction/differential_factors.h"
@@ -130,8 +131,8 @@ class NullSpaceForm {
   PrescribedDirections prescribed_;
   DifferentialFactors differential_;
   LeadingProjector projector_;
-  std::vector<double> T2_;  // [T2 | xp]
-  std::vector<double> Z1_, G_, B_, g0_;
+  Room T2_;  // [T2 | xp]
+  Room Z1_, G_, B_, g0_;
   double inconsistency_ = 0.0;
   int orientation_ = 0;
 };

@@ -53,14 +53,16 @@ UsualUnits usual_units(CoefficientSource& source, double t) {
   const std::size_t n = index(source.n());
   UsualUnits result;
   result.data = data_in_units(source, t, {});
-  const TaylorData plain = result.data;
-  std::vector<double> scale(n, 1.0);
+  TaylorData scaled;
+  std::vector<double> scale(n, 1.0), size(n);
   bool needed = false;
   // Scaling of rows and columns depends on each other: two sweeps.
   for (int sweep = 0; sweep < 2; ++sweep) {
-    if (sweep > 0) change_units(scale, result.data);
-    const TaylorData& data = result.data;
-    std::vector<double> size(n);
+    if (sweep > 0) {
+      scaled = result.data;
+      change_units(scale, scaled);
+    }
+    const TaylorData& data = sweep > 0 ? scaled : result.data;
     double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < n; ++j) {
       const int column = static_cast<int>(j);
@@ -72,7 +74,6 @@ UsualUnits usual_units(CoefficientSource& source, double t) {
     for (std::size_t j = 0; j < n; ++j)
       if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
   }
-  result.data = plain;
   if (!needed) return result;
   result.units = Units(scale);
   change_units(result.units, result.data);
