@@ -36,9 +36,9 @@ typedef int (*sfdae_event_function)(double t, const double* x, const double* xdo
  *    it is silent.
  *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it
  *    bends toward zero in between. A zero without change of sign is found only if g_i is exactly zero at one of
- *    these points. Jumps of g_i count as zeros. Movements smaller than the tolerances mean nothing. Without
- *    differential equations (d = 0) steps go to tout at once: at least 33 points are examined, each with one
- *    reduction. Where algebraic components vary much faster than the others, steps are searched at more points, with
+ *    these points. Jumps of g_i count as zeros. Movements smaller than the tolerances mean nothing. Linear
+ *    problems without differential equations (d = 0) go to tout at once: at least 33 points are examined, each with
+ *    one reduction. Where algebraic components vary much faster than the others, steps are searched at more points, with
  *    one reduction each; where a step hides that at the points looked at, events are missed: limit max_step.
  *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly;
  *    failures there do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).

@@ -121,8 +121,8 @@ SFDAE_API int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, doubl
  * sfdae_start) t and x are those before it and the integration has ended, as it has where memory is missing; after others
  * sfdae_advance_hybrid goes on.
  *
- * Events are found as sfdae_set_events says. In a mode without differential equations (d = 0) steps are as long as tout
- * allows: limit max_step of its solver.
+ * Events are found as sfdae_set_events says. In a linear mode without differential equations (d = 0) steps are as long as
+ * tout allows, in others as what happens at their ends does: limit max_step of its solver.
  *
  * SFDAE_ZENO: transitions accumulate at a time that cannot be passed, as the bounces of a ball do: the times between seven
  * passages of a transition shrink by the same factor, and a millionth of the time since the start is left, or the function

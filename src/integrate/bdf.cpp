@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "integrate/algebraic_course.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -84,12 +85,19 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   forget_interpolation();
 }
 
+// Of the polynomial that predicts x: without differential equations no error says which order is best, and a checkpoint has so many
+// points.
+int Bdf::degree_of_guess(const StrangenessFreeSystem& system) const {
+  if (system.differential() > 0) return std::min(tried_.order, history_.points() - 1);
+  return std::min({history_.points(), max_order_ + 3, max_course_points}) - 1;
+}
+
 // By the polynomial that predicts the step.
 Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   if (system.is_linear()) return {};
   // Iterations are judged by the tolerances at the last point, whatever was tried since.
   weights.update(history_.x().data());
-  const auto polynomial = history_.polynomial_x(std::min(tried_.order, history_.points() - 1));
+  const auto polynomial = history_.polynomial_x(degree_of_guess(system));
   guess_.forget_ends();
   polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
   polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
@@ -109,7 +117,9 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   if (history_.is_at_start()) history_.place_fictitious_point(tried_.h);
   control_.limit_order(history_.points());
   tried_.order = control_.order();
-  history_.compute_differences(std::min(history_.points(), tried_.order + 3), needs_x_);
+  const bool follows_course = !is_linear_ && system.differential() == 0;
+  const int differences = std::max(tried_.order + 3, follows_course ? degree_of_guess(system) + 1 : 0);
+  history_.compute_differences(std::min(history_.points(), differences), needs_x_);
   tried_.set_formula(history_, system.is_constant(), system.undetermined() > 0);
   const Guess start = guess(system, weights);
   const PointStatus solved =
@@ -119,9 +129,23 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
 
   system.leading(tried_.x.data(), tried_.w.data());
   weights.update(tried_.x.data());
+  const double deviation = follows_course ? course_of_tried(start.taylor, degree_of_guess(system) + 1, weights) : 0.0;
+  if (deviation > 1.0 && control_.failures_in_a_row() < most_course_refusals) {
+    next_step_ = control_.failed(tried_.h);
+    return StepOutcome::error_too_large;
+  }
   judged_.may_rise = control_.may_raise_order();
   judged_.error = estimate_.estimate(system, history_, {tried_, judged_.may_rise}, weights, judged_.terms);
-  return judge(judged_.terms, judged_.error);
+  const StepOutcome outcome = judge(judged_.terms, judged_.error);
+  if (follows_course && outcome == StepOutcome::accepted)
+    next_step_ = course_growth(deviation, degree_of_guess(system)) * tried_.h;
+  return outcome;
+}
+
+double Bdf::course_of_tried(const double* predicted, int points, const ErrorWeights& weights) const {
+  TriedCourse course{{}, points, predicted, tried_.x};
+  for (int i = 0; i < course.count; ++i) course.past[index(i)] = &history_.x_at(i);
+  return course_deviation(course, weights);
 }
 
 StepOutcome Bdf::test_beside(const LocalTerms& terms, double error) {

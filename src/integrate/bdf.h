@@ -66,6 +66,8 @@ class Bdf final : public Stepper {
   }
   Guess guess(const StrangenessFreeSystem& system, ErrorWeights& weights);
   StepOutcome judge(const LocalTerms& terms, double error);
+  int degree_of_guess(const StrangenessFreeSystem& system) const;
+  double course_of_tried(const double* predicted, int points, const ErrorWeights& weights) const;
 
   int max_order_;
   BdfHistory history_;

@@ -23,6 +23,7 @@ class BdfHistory {
   int points() const { return points_; }
   double time(int i) const { return times_[index(i)]; }
   const std::vector<double>& x() const { return x_at(0); }
+  const std::vector<double>& x_at(int i) const { return is_same_[index(i)] ? w_[index(i)] : x_[index(i)]; }
   std::size_t size_x() const { return n_; }
   std::size_t size_w() const { return w_[0].size(); }
 
@@ -55,7 +56,6 @@ class BdfHistory {
   void resize(std::size_t n, std::size_t size_w);
   void reserve_x();
   void set_x(int i, const double* x);
-  const std::vector<double>& x_at(int i) const { return is_same_[index(i)] ? w_[index(i)] : x_[index(i)]; }
   const Table& table_x() const { return shares_ ? dw_ : dx_; }
 
   std::array<double, capacity> times_{};

@@ -28,6 +28,19 @@ void HermiteTable::set_nodes(const ChosenNodes& chosen, Interpolated which, int 
   hermite_differences(times_, entries, size_, [this](int i) { return entries_[index(i)].data(); });
 }
 
+void HermiteTable::set_values(const ChosenNodes& chosen, double origin, double unit) {
+  size_ = chosen.nodes[0]->x.size();
+  degree_ = chosen.count - 1;
+  origin_ = origin;
+  unit_ = unit;
+  for (int i = 0; i <= degree_; ++i) {
+    const RadauNode& node = *chosen.nodes[index(i)];
+    times_[index(i)] = scaled(node.t);
+    std::copy_n(node.x.data(), size_, entries_[index(i)].data());
+  }
+  divided_differences(times_, degree_ + 1, size_, [this](int i) { return entries_[index(i)].data(); });
+}
+
 void HermiteTable::set_collocation(const RadauHistory& history) {
   set_collocation(radau_method(history.last_stages()).stages, {history.newest().t, history.last().h},
                   history.newest().x.size(), [&history](int i) { return history.polynomial().x_at(i); });

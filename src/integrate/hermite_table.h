@@ -21,6 +21,8 @@ class HermiteTable {
 
   // Over `entries` of the values and slopes at each node in turn.
   void set_nodes(const ChosenNodes& chosen, Interpolated which, int entries, double origin, double unit);
+  // Through the values of x at the nodes alone.
+  void set_values(const ChosenNodes& chosen, double origin, double unit);
   // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the
   // step.
   void set_collocation(const RadauHistory& history);

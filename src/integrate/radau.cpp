@@ -93,11 +93,18 @@ int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
 
 // The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times
 // with 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the
-// polynomial through nodes whose degree fits the method, or the tangent while there is one node only.
+// polynomial through nodes whose degree fits the method, or the tangent while there is one node only. Without differential
+// equations slopes are those of steps of one stage, which are less accurate than values.
 RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
   HermiteTable& table = workspace_.table;
   const RadauNode& newest = history_.newest();
   const LastStep& last = history_.last();
+  if (system.differential() == 0) {
+    const int points = course_points();
+    if (points < 2) return {history_, nullptr};
+    table.set_values(history_.newest_nodes(points), newest.t, last.h);
+    return {history_, &table};
+  }
   if (system.guesses_values() && history_.count() >= 2 && last.order >= least_collocation_order &&
       std::fabs(newest.t - history_.node(1).t - last.h) <= same_step * std::fabs(last.h)) {
     table.set_collocation(history_);
@@ -122,7 +129,8 @@ Guess Radau::guess(const StrangenessFreeSystem& system, double t, ErrorWeights& 
 
 StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
   control_before_ = control_;
-  if (control_.is_rough()) history_.forget_past();
+  const bool follows_course = !system.is_linear() && system.differential() == 0;
+  if (control_.is_rough() && !follows_course) history_.forget_past();
   const RadauMethod& method = radau_method(wanted_stages(system));
   const RadauNode& start = history_.newest();
   tried_.method = &method;
@@ -136,8 +144,22 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   stages.take_end(method, start, tried_.end);
   system.correct_slopes(tried_.end.wdot.data(), tried_.end.xdot.data());
   workspace_.scales.update(weights, start, tried_.end);
+  const double deviation = follows_course ? course_of_tried(equations.guess.taylor, weights) : 0.0;
+  if (deviation > 1.0 && control_.failures_in_a_row() < most_course_refusals) {
+    next_step_ = control_.failed(tried_.h);
+    return StepOutcome::error_too_large;
+  }
   terms_ = test_error(system, weights);
-  return judge(system, terms_);
+  const StepOutcome outcome = judge(system, terms_);
+  if (follows_course && outcome == StepOutcome::accepted)
+    next_step_ = course_growth(deviation, course_points() - 1) * tried_.h;
+  return outcome;
+}
+
+double Radau::course_of_tried(const double* predicted, const ErrorWeights& weights) const {
+  TriedCourse course{{}, course_points(), predicted, tried_.end.x};
+  for (int i = 0; i < course.count; ++i) course.past[index(i)] = &history_.node(i).x;
+  return course_deviation(course, weights);
 }
 
 StepOutcome Radau::judge(const StrangenessFreeSystem& system, const ErrorTerms& terms) {
