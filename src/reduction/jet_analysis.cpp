@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "problem/failure.h"
+#include "reduction/balanced_units.h"
+#include "reduction/certificate.h"
 #include "reduction/fast_units.h"
 #include "reduction/unclear_ranks.h"
 #include "reduction/usual_units.h"
@@ -15,6 +17,25 @@
 namespace sfdae::core {
 
 namespace {
+
+// What norms may decide alone where equations are redundant (docs/decisions/32-certificates.md).
+constexpr double decisive_gap = 1e9, decisive_kept = 1e-4;
+// Rows of the array: six copies of more would take longer than all the rest. (Chosen.)
+constexpr int most_rows = 300;
+
+// Whether nothing is redundant though an analysis says so, by one matrix without a chain of decisions: the rows of the array of its
+// level, in balanced units. The source keeps these.
+bool is_redundancy_refuted(CoefficientSource& source, Place place, const IndexAnalysis& analysis) {
+  if (analysis.v_hat == 0 || (analysis.values.mu + 1) * source.m() > most_rows) return false;
+  const UsualUnits usual = usual_units(source, place.t);
+  const BalancedUnits balanced = balanced_units(data_in_units(source, place.t, usual.units), usual.units);
+  source.set_units(balanced.unknowns);
+  TaylorData data;
+  const int level = analysis.values.mu;
+  const CallbackError error = source.evaluate(place.t, {level, level, -1}, balanced.time, data, RowScaling::timed);
+  if (error.status != SFDAE_OK) error.raise();
+  return has_independent_rows(data, level, balanced);
+}
 
 // Analyzes the source in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
 // for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
@@ -50,7 +71,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
     const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),
                                       [](const RankDecision& d) { return d.verdict == Verdict::clear; });
     const double gap = smallest_gap(found.decisions);
-    if (!is_clear || gap < supporting) continue;
+    if (!is_clear || gap < supporting || is_redundancy_refuted(source, place, found.analysis)) continue;
     if (best && !(best->analysis.values == found.analysis.values)) return std::nullopt;
     ++agreeing;
     if (gap >= clear_by_far) ++clear;
@@ -73,18 +94,27 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
   AnalysisSettings anew = settings;
   anew.precedent = {};
   const SearchTask task{source, anew, arena, &decisions};
+  std::string what;
   try {
-    return analyze_at_two_points(task, place).analysis;
+    const IndexAnalysis found = analyze_at_two_points(task, place).analysis;
+    const bool is_decided = settings.rank_tol > 0.0 || settings.time_scale > 0.0 ||
+                            (smallest_gap(decisions) >= decisive_gap && smallest_kept(decisions) >= decisive_kept);
+    const bool is_refuted = !is_decided && is_redundancy_refuted(source, place, found);
+    source.set_units(usual);
+    if (!is_refuted) return found;
+    what = format("at t = %.15g the decisions in the units given say that equations are redundant, ", place.t) +
+           describe(found.values) + ", which all rows of the array together refute.";
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
-    if (std::optional<UnitsResult> found = analyze_in_other_units(source, place, settings, arena)) {
-      source.set_units(found->units);
-      decisions = std::move(found->decisions);
-      return found->analysis;
-    }
-    source.set_units(usual);
-    throw Failure(SFDAE_RANK_UNCLEAR, std::string(failure.what()) + neighbouring_ranks(task));
+    what = failure.what();
   }
+  if (std::optional<UnitsResult> found = analyze_in_other_units(source, place, settings, arena)) {
+    source.set_units(found->units);
+    decisions = std::move(found->decisions);
+    return found->analysis;
+  }
+  source.set_units(usual);
+  throw Failure(SFDAE_RANK_UNCLEAR, what + neighbouring_ranks(task));
 }
 
 }  // namespace sfdae::core
