@@ -159,8 +159,8 @@ class TaylorData {
   void multiply_all(double factor);
 
   KeptFactorizations* kept_ = nullptr;
-  Room entries_;                              // all E(k), A(k), f(k), and m numbers for scaling
-  std::size_t first_A_ = 0, first_f_ = 0;     // where those of A and f begin
+  Room entries_;                           // all E(k), A(k), f(k), and m numbers for scaling
+  std::size_t first_A_ = 0, first_f_ = 0;  // where those of A and f begin
   double* row_factor() { return entries_.data() + entries_.size() - index(m); }
   std::array<std::vector<double>, 3> errors_;  // of E, A, f, laid out as they are; empty: none
   Norms norms_;

@@ -92,6 +92,16 @@ PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearizat
   return status;
 }
 
+PointStatus NonlinearIteration::improve(ArrayLinearization& linearization, Jet& jet, Improvement& made) {
+  const IterationTask task;
+  const PointStatus status = evaluate(task, linearization, jet);
+  if (status != PointStatus::ok) return status;
+  made.residual = max_abs(array_f_.data(), problem_.array_rows());
+  solve_linearized(task, linearization, jet);
+  made.change = apply_change(task, linearization, residuals(), dx_.data(), jet);
+  return std::isfinite(made.change) ? PointStatus::ok : PointStatus::not_converged;
+}
+
 PointStatus NonlinearIteration::evaluate(const IterationTask& task, ArrayLinearization& linearization,
                                          const Jet& jet) {
   const PointStatus status = linearization.evaluate_array(jet, residuals());

@@ -41,6 +41,12 @@ class NonlinearIteration {
   PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
   // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
   PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet, const ResidualMap* map = nullptr);
+  // Of one change without a step: relative, and the largest residual before it.
+  struct Improvement {
+    double change = 0.0, residual = 0.0;
+  };
+  // One such change of the jet.
+  PointStatus improve(ArrayLinearization& linearization, Jet& jet, Improvement& made);
   // Redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
   // linearization leave out equations that are not redundant: they contradict the others then.
   PointStatus check_redundant(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);

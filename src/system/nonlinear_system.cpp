@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -320,37 +321,98 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
   }
   if (status == PointStatus::callback_error) callback_error_.raise();
   // Between the ends of a long step the linearization may be too far off.
-  if (status != PointStatus::ok) restore_anew();
+  if (status != PointStatus::ok) restore_anew(guess.inverse_weights);
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
 
-// From start_. With a linearization there, whose derivatives may be those of another solution; and with one at the jet
-// that a search finds, which is consistent, but has moved x where nothing asks for it, too. What polynomials say of x is
-// accurate: the result nearer to it is taken.
-void NonlinearSystem::restore_anew() {
+// From start_. With a linearization there, whose derivatives may be those of another solution, and with what a search finds: what
+// polynomials say of x is accurate, and the result nearer to it is taken. Else step by step. inverse_weights: of tolerances, or null.
+void NonlinearSystem::restore_anew(const double* inverse_weights) {
   Jet first = start_;
   const bool has_first = restore_with_linearization_at(start_) == PointStatus::ok;
   if (has_first) std::swap(first, jet_);
-  if (problem_.prescribed().empty()) {
-    jet_ = start_;
-    try {
-      JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
-    } catch (const Failure& failure) {
-      if (!has_first || failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
-      jet_ = first;
-      return;
-    }
-    const Jet found = jet_, start = start_;
-    start_ = found;
-    std::copy_n(start.x.data(), problem_.n(), start_.x.data());
-    if (restore_with_linearization_at(found) != PointStatus::ok) jet_ = found;
-    start_ = start;
-  } else if (!has_first) {
-    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+  Failure failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", start_.t));
+  Jet begin = start_;
+  const bool has_found = problem_.prescribed().empty() && search_anew(inverse_weights, begin, failure);
+  if (has_found && !(has_first && distance_from_start(first) < distance_from_start(jet_))) return;
+  if (has_first) jet_ = first;
+  else if (!problem_.prescribed().empty() || restore_step_by_step(begin) != PointStatus::ok) throw failure;
+}
+
+// A search from start_ finds a jet that is consistent, but it has moved x where nothing asks for it, and w maybe: with the linearization
+// there another one that keeps w may be found. False: none is, and what is differentiated would move beyond the tolerances, begin has
+// the derivatives that were found; or why the search has failed.
+bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Failure& failure) {
+  jet_ = start_;
+  try {
+    JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
+  } catch (const Failure& reason) {
+    const bool is_final = reason.status() != SFDAE_NO_CONSISTENT_VALUES && reason.status() != SFDAE_NOT_FINITE &&
+                          reason.status() != SFDAE_CALLBACK_FAILED;
+    if (is_final) throw;
+    failure = reason;
+    return false;
   }
-  if (has_first && (!problem_.prescribed().empty() || distance_from_start(first) < distance_from_start(jet_)))
-    std::swap(first, jet_);
+  const Jet found = jet_;
+  begin = found;
+  std::copy_n(start_.x.data(), problem_.n(), begin.x.data());
+  std::swap(start_, begin);
+  const bool keeps_w = restore_with_linearization_at(found) == PointStatus::ok;
+  std::swap(start_, begin);
+  if (keeps_w) return true;
+  jet_ = found;
+  return !moves_differentiated(found, inverse_weights);
+}
+
+// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step takes one power of e, and the first jet may be hundreds
+// of them away. Steps to where the equations cannot be evaluated are halved.
+PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
+  // Steps, those that gain nothing, as the first one to where exponentials are large, and halvings; what a gain is, and a step after
+  // which the linearization may serve for the rest. Chosen, not measured.
+  constexpr int most = 1000, most_in_vain = 8, most_halvings = 40;
+  constexpr double gain = 0.9, near = 0.1;
+  if (problem_.mu() > 0 || linearization_.ranks().count == 0) return PointStatus::not_converged;
+  ArrayLinearization linearization(problem_, counts_, arena_);
+  linearization.resize();
+  jet_ = begin;
+  Jet before = begin, end = begin;
+  double residual = std::numeric_limits<double>::infinity(), change = residual;
+  int in_vain = 0, halvings = 0;
+  for (int step = 0; step < most && in_vain < most_in_vain; ++step) {
+    PointStatus status =
+        linearization.restore({jet_, linearization_.origin().rows, false, 0}, linearization_.ranks());
+    NonlinearIteration::Improvement made;
+    if (status == PointStatus::ok) status = iteration_.improve(linearization, end = jet_, made);
+    if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+    if (status != PointStatus::ok) {
+      if (step == 0 || ++halvings > most_halvings) return status;
+      for (std::size_t i = 0; i < jet_.x.size(); ++i) jet_.x[i] = 0.5 * (before.x[i] + jet_.x[i]);
+      continue;
+    }
+    if (!(made.residual <= gain * residual || made.change <= gain * change)) ++in_vain;
+    const bool is_near = made.change <= near * change;
+    residual = made.residual;
+    change = made.change;
+    before = jet_;
+    jet_ = end;
+    if (is_near && iteration_.solve_to_rounding(linearization, end) == PointStatus::ok) {
+      jet_ = end;
+      return PointStatus::ok;
+    }
+  }
+  return PointStatus::not_converged;
+}
+
+// What is differentiated, from start_ to the jet, beyond the tolerances. Hidden constraints move it.
+bool NonlinearSystem::moves_differentiated(const Jet& jet, const double* inverse_weights) const {
+  if (problem_.mu() > 0 || inverse_weights == nullptr || !linearization_.is_usable()) return false;
+  std::vector<double> change(index(problem_.n())), tolerances(change.size());
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    change[i] = jet.x[i] - start_.x[i];
+    tolerances[i] = 1.0 / inverse_weights[i];
+  }
+  return change_of_differentiated(change.data(), tolerances.data()).size > 1.0;
 }
 
 double NonlinearSystem::distance_from_start(const Jet& jet) const {

@@ -15,6 +15,7 @@
 
 #include "linalg/archive.h"
 #include "linalg/arena.h"
+#include "problem/failure.h"
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/dae_system.h"
@@ -109,7 +110,10 @@ class NonlinearSystem final : public DaeSystem {
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
-  void restore_anew();
+  void restore_anew(const double* inverse_weights);
+  bool search_anew(const double* inverse_weights, Jet& begin, Failure& failure);
+  PointStatus restore_step_by_step(const Jet& begin);
+  bool moves_differentiated(const Jet& jet, const double* inverse_weights) const;
   double distance_from_start(const Jet& jet) const;
   PointStatus restore_with_linearization_at(const Jet& place);
   bool correct_by_linearization(const double* x, double* xdot);
