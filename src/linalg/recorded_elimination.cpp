@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "linalg/condition.h"
@@ -25,6 +26,8 @@ constexpr double largest_number = std::numeric_limits<double>::max();
 constexpr int largest_exponent = 400;
 // Among rows with fewest entries, as Zlatev has it [DER86, 7.2].
 constexpr std::size_t rows_searched = 4;
+// Entries that rows and columns have room for beside their own.
+constexpr int usual_fill = 3;
 // KLU is faster with more. Chosen: matrices of mechanisms and circuits have 2 to 11 (docs/decisions/69-listed-step-matrices.md).
 constexpr std::size_t most_updates_for_a_row = 20, few_updates = 1000;
 // Relative times; see docs/decisions/69-listed-step-matrices.md.
@@ -38,10 +41,20 @@ const RecordedElimination::PivotBounds RecordedElimination::pivot_bounds{vanishi
 // The matrix while pivots are being chosen. Entries have slots, which stay where they are.
 class RecordedElimination::Search {
  public:
-  Search(int size, std::size_t entries)
-      : rows(index(size)), columns(index(size)), n_(size), place_(index(size) * index(size), -1) {
-    value.reserve(4 * entries);
-    for (int i = 0; i < size; ++i) left_.push_back(i);
+  explicit Search(const SparsePattern& pattern)
+      : rows(index(pattern.size)),
+        columns(index(pattern.size)),
+        n_(pattern.size),
+        place_(index(n_) * index(n_), -1),
+        left_(index(n_)) {
+    value.reserve(4 * pattern.row.size());
+    std::iota(left_.begin(), left_.end(), 0);
+    std::vector<int> entries(index(n_), 0);
+    for (int i : pattern.row) ++entries[index(i)];
+    for (int k = 0; k < n_; ++k) {
+      rows[index(k)].reserve(index(entries[index(k)] + usual_fill));
+      columns[index(k)].reserve(index(pattern.first[index(k) + 1] - pattern.first[index(k)] + usual_fill));
+    }
   }
 
   int slot(int row, int column) const { return place_[index(row) * index(n_) + index(column)]; }
@@ -125,10 +138,13 @@ RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pat
 RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pattern, const double* values,
                                                         Pivots pivots) {
   const int n = pattern.size;
-  Search search(n, pattern.row.size());
+  Search search(pattern);
   list_.slot_of_entry.clear();
+  list_.slot_of_entry.reserve(pattern.row.size());
   column_of_entry_.clear();
+  column_of_entry_.reserve(pattern.row.size());
   list_.scale.clear();
+  list_.scale.reserve(pattern.row.size());
   for (int j = 0; j < n; ++j)
     for (int k = pattern.first[index(j)]; k < pattern.first[index(j) + 1]; ++k) {
       const int i = pattern.row[index(k)];
@@ -138,11 +154,11 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
     }
   const Choice choice = eliminate(search, pivots);
   if (choice != Choice::made) return choice;
-  list_.row_scale.clear();
-  list_.column_scale.clear();
-  for (int k = 0; k < n; ++k) {
-    list_.row_scale.push_back(times_power_of_two(1.0, row_exponent_[index(list_.row[index(k)])]));
-    list_.column_scale.push_back(times_power_of_two(1.0, column_exponent_[index(list_.column[index(k)])]));
+  list_.row_scale.resize(index(n));
+  list_.column_scale.resize(index(n));
+  for (std::size_t k = 0; k < index(n); ++k) {
+    list_.row_scale[k] = times_power_of_two(1.0, row_exponent_[index(list_.row[k])]);
+    list_.column_scale[k] = times_power_of_two(1.0, column_exponent_[index(list_.column[k])]);
   }
   std::vector<int> column_of_row(index(n));
   for (int k = 0; k < n; ++k) column_of_row[index(list_.row[index(k)])] = list_.column[index(k)];
@@ -159,9 +175,17 @@ RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivot
   list_.row.resize(n);
   list_.column.resize(n);
   list_.pivot.clear();
-  for (auto* list : {&list_.lower, &list_.upper}) list->clear();
-  for (auto* first : {&list_.first_lower, &list_.first_upper, &list_.first_update}) first->assign(1, 0);
+  list_.pivot.reserve(n);
+  for (auto* list : {&list_.lower, &list_.upper}) {
+    list->clear();
+    list->reserve(search.value.size());
+  }
+  for (auto* first : {&list_.first_lower, &list_.first_upper, &list_.first_update}) {
+    first->reserve(n + 1);
+    first->assign(1, 0);
+  }
   list_.updates.clear();
+  list_.updates.reserve(2 * search.value.size());
   std::vector<int> place_of_row(n), place_of_column(n);
   for (std::size_t k = 0; k < n; ++k) {
     if (pivots == Pivots::wanted) {
