@@ -128,6 +128,7 @@ PointStatus ExtensionSystem::set_point(const Jet& jet, Certificates certificates
   PointStatus status = certify(jet_, {}, certificates);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
+  take_rounding_errors();
   std::vector<double> noise = linearization_.noise_of_jet();
   add_distance(noise);
   status = certify(jet_, noise, certificates);
@@ -207,13 +208,19 @@ PointStatus ExtensionSystem::renew(const Jet& jet) {
 PointStatus ExtensionSystem::note_renewal(PointStatus status) {
   iteration_.chord().forget_rate();
   if (status == PointStatus::singular && about_change_.empty()) about_change_ = "no unknowns determine all others.";
-  if (status != PointStatus::ok) return status;
-  std::fill(rounding_errors_.begin(), rounding_errors_.end(), 0.0);
-  for (int column = 0; column < extension_.num_columns(); ++column) {
-    const auto [unknown, order] = extension_.columns()[index(column)];
-    if (order == 0) rounding_errors_[index(unknown)] = linearization_.noise()[index(column)];
-  }
-  return PointStatus::ok;
+  return status;
+}
+
+PointStatus ExtensionSystem::renew_at_accepted() {
+  const PointStatus status = renew(history_.accepted());
+  if (status == PointStatus::ok) take_rounding_errors();
+  return status;
+}
+
+// What no step can reduce: those of the linearization, at a point that is a solution.
+void ExtensionSystem::take_rounding_errors() {
+  for (int j = 0; j < unknowns(); ++j)
+    rounding_errors_[index(j)] = linearization_.noise()[index(extension_.column_of(j, 0))];
 }
 
 PointStatus ExtensionSystem::move_to(double t) {
@@ -224,19 +231,33 @@ PointStatus ExtensionSystem::move_to(double t) {
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
-// A linearization of a point that was given up, which may be anywhere, says nothing where rounding errors there are above the
-// tolerances here: every change is below them.
-void ExtensionSystem::leave_point_given_up(const double* inverse_weights) {
-  if (!linearization_.is_usable() || !history_.is_beyond(linearization_.origin().t)) return;
-  bool is_drowned = false;
-  for (int j = 0; j < unknowns() && !is_drowned; ++j)
-    is_drowned = linearization_.noise()[index(extension_.column_of(j, 0))] * inverse_weights[j] > 1.0;
-  if (is_drowned && renew(history_.accepted()) != PointStatus::ok) linearization_.forget();
+// Whether rounding errors where the equations were linearized are far above the tolerances and what solutions are known to have: of a guess
+// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged.
+bool ExtensionSystem::is_drowned(const double* inverse_weights) const {
+  constexpr double far_above = 10.0;
+  for (int j = 0; j < unknowns(); ++j)
+    if (linearization_.noise()[index(extension_.column_of(j, 0))] * inverse_weights[j] > far_above) return true;
+  return false;
+}
+
+void ExtensionSystem::leave_drowned_point(const double* inverse_weights) {
+  if (!linearization_.is_usable() || !is_drowned(inverse_weights)) return;
+  const Jet &origin = linearization_.origin(), &accepted = history_.accepted();
+  const bool is_accepted = origin.t == accepted.t && origin.x == accepted.x;
+  if (!is_accepted && renew_at_accepted() != PointStatus::ok) linearization_.forget();
+}
+
+// After a step has converged.
+PointStatus ExtensionSystem::judge_rounding_errors(const double* inverse_weights) {
+  if (!linearization_.is_usable()) return PointStatus::ok;
+  if (is_drowned(inverse_weights)) return PointStatus::not_converged;
+  take_rounding_errors();
+  return PointStatus::ok;
 }
 
 // With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
 template <class Start, class Iterate>
-PointStatus ExtensionSystem::iterate_with_renewal(Start guess, Iterate iterate) {
+PointStatus ExtensionSystem::iterate_with_renewal(const double* inverse_weights, Start guess, Iterate iterate) {
   const Jet& accepted = history_.accepted();
   PointStatus status = PointStatus::not_converged;
   if (linearization_.is_usable()) {
@@ -245,11 +266,12 @@ PointStatus ExtensionSystem::iterate_with_renewal(Start guess, Iterate iterate) 
   }
   if (!linearization_.is_usable() || linearization_.origin().t != accepted.t ||
       linearization_.origin().x != accepted.x) {
-    status = renew(accepted);
+    status = renew_at_accepted();
     if (status == PointStatus::ok) status = iterate();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
   status = renew(guess());
+  if (status == PointStatus::ok && is_drowned(inverse_weights)) status = PointStatus::not_converged;
   const DoubtedMatrix doubt(iteration_.chord());
   if (status == PointStatus::ok) status = iterate();
   if (status != PointStatus::ok) linearization_.forget();
@@ -292,7 +314,7 @@ PointStatus ExtensionSystem::review() {
 }
 
 PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
-  leave_point_given_up(equations.guess.inverse_weights);
+  leave_drowned_point(equations.guess.inverse_weights);
   bool holds_derivatives = false;
   const auto guess = [&]() -> const Jet& {
     history_.predict(equations.guess, 0, determined_, {}, jet_);
@@ -302,7 +324,7 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
   const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, equations.guess.steep_arguments,
                       step_tolerance};
   const auto iterate = [&] {
-    return iterate_with_renewal(guess, [&] {
+    return iterate_with_renewal(equations.guess.inverse_weights, guess, [&] {
       guess();
       return iteration_.solve_step(task, linearization_, jet_);
     });
@@ -313,6 +335,7 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
     status = iterate();
   }
   if (status == PointStatus::ok) status = review();
+  if (status == PointStatus::ok) status = judge_rounding_errors(equations.guess.inverse_weights);
   std::copy_n(jet_.x.data(), unknowns(), x);
   return status;
 }
@@ -331,7 +354,7 @@ PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations)
   status = stages_.solve(equations, is_better ? Linearized::at_each_stage : Linearized::at_each_stage_as_is,
                          linearization_, iteration_);
   // What was predicted was no good: nothing that follows is to be judged by its rounding errors.
-  if (status != PointStatus::ok && !is_hopeless(status)) renew(history_.accepted());
+  if (status != PointStatus::ok && !is_hopeless(status)) renew_at_accepted();
   return status;
 }
 
@@ -339,7 +362,7 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   using Linearized = ExtensionStages::Linearized;
   t_reached = equations.t_end;
   has_end_tangents_ = false;
-  leave_point_given_up(equations.guess.inverse_weights);
+  leave_drowned_point(equations.guess.inverse_weights);
   stages_.predict(equations, history_, determined_);
   if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
     const PointStatus status = solve_local_stages(equations);
@@ -347,14 +370,15 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
       failures_in_row_ = 0;
       are_stages_local_ = true;
       take_stages(x, w);
-      return review_local();
+      const PointStatus reviewed = review_local();
+      return reviewed == PointStatus::ok ? judge_rounding_errors(equations.guess.inverse_weights) : reviewed;
     }
     if (is_hopeless(status)) return status;
     if (status == PointStatus::not_converged && ++failures_in_row_ < failures_of_local_stages) return status;
   }
   const auto iterate = [&] {
     return iterate_with_renewal(
-        [this]() -> const Jet& { return stages_.middle(); },
+        equations.guess.inverse_weights, [this]() -> const Jet& { return stages_.middle(); },
         [&] { return stages_.solve(equations, Linearized::once, linearization_, iteration_); });
   };
   PointStatus status = iterate();
@@ -366,7 +390,8 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
   failures_in_row_ = 0;
   are_stages_local_ = false;
   take_stages(x, w);
-  return review();
+  status = review();
+  return status == PointStatus::ok ? judge_rounding_errors(equations.guess.inverse_weights) : status;
 }
 
 ExtensionLinearization* ExtensionSystem::factors_of_stages(const StageMethod& method, double h) {
@@ -396,7 +421,7 @@ void ExtensionSystem::correct_slopes(double* wdot, double* xdot) {
 void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   const int n = unknowns();
   // As the next step would, after one without a solution.
-  if (!linearization_.is_usable()) renew(history_.accepted());
+  if (!linearization_.is_usable()) renew_at_accepted();
   const StateChoice& choice = linearization_.choice();
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
     if (dx != dw) std::copy_n(dw, n, dx);
@@ -520,6 +545,7 @@ void ExtensionSystem::archive(Archive& archive) {
   iteration_.archive(archive);
   linearization_.archive_choice(archive);
   archive.reals(scales_, index(unknowns()));
+  archive.reals(rounding_errors_, index(unknowns()));
   history_.archive(archive);
   Jet origin = linearization_.origin();
   if (archive.is_reading()) origin = history_.accepted();

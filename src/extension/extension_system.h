@@ -111,11 +111,15 @@ class ExtensionSystem final : public DaeSystem {
                       Certificates certificates = Certificates::not_kept);
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
+  PointStatus renew_at_accepted();
   PointStatus note_renewal(PointStatus status);
-  void leave_point_given_up(const double* inverse_weights);
+  void take_rounding_errors();
+  bool is_drowned(const double* inverse_weights) const;
+  void leave_drowned_point(const double* inverse_weights);
+  PointStatus judge_rounding_errors(const double* inverse_weights);
   // guess: the jet to start from.
   template <class Start, class Iterate>
-  PointStatus iterate_with_renewal(Start guess, Iterate iterate);
+  PointStatus iterate_with_renewal(const double* inverse_weights, Start guess, Iterate iterate);
   void take_stages(double* x, double* w);
   void add_tangents(ConstView T, const double* dw, double* dx) const;
   PointStatus review();

@@ -48,6 +48,7 @@ void NonlinearSystem::resize() {
   iteration_.resize();
   map_.resize(problem_);
   index_zero_.resize();
+  rounding_errors_.assign(index(problem_.n()), 0.0);
   history_.resize(problem_.n(), problem_.jet_order());
   jet_.n = problem_.n();
   jet_.set_order(problem_.jet_order());
@@ -85,9 +86,10 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   history_.restart(jet_);
   iteration_.chord().forget_rate();
   index_zero_.forget();
-  const PointStatus status = problem_.evaluate_inputs(jet_.t);
-  if (status != PointStatus::ok) return status;
-  return rank_check_.renew(jet_, linearization_, iteration_);
+  PointStatus status = problem_.evaluate_inputs(jet_.t);
+  if (status == PointStatus::ok) status = rank_check_.renew(jet_, linearization_, iteration_);
+  if (status == PointStatus::ok) take_rounding_errors();
+  return status;
 }
 
 PointStatus NonlinearSystem::set_points(const Jet& before, const Jet& last) {
@@ -118,8 +120,40 @@ PointStatus NonlinearSystem::complete_linearization() {
 
 PointStatus NonlinearSystem::renew_at_accepted() {
   iteration_.chord().forget_rate();
-  const PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
-  return status == PointStatus::ok ? rank_check_.renew(history_.accepted(), linearization_, iteration_) : status;
+  PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
+  if (status == PointStatus::ok) status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
+  if (status == PointStatus::ok) take_rounding_errors();
+  return status;
+}
+
+void NonlinearSystem::take_rounding_errors() {
+  std::copy(linearization_.rounding_errors().begin(), linearization_.rounding_errors().end(), rounding_errors_.begin());
+}
+
+// Whether rounding errors where the equations were linearized are far above the tolerances and what solutions are known to have: of a guess
+// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged.
+bool NonlinearSystem::is_drowned(const double* inverse_weights) const {
+  constexpr double far_above = 10.0;
+  const std::vector<double>& there = linearization_.rounding_errors();
+  for (std::size_t j = 0; j < there.size(); ++j)
+    if (there[j] * inverse_weights[j] > far_above) return true;
+  return false;
+}
+
+// Before a step.
+PointStatus NonlinearSystem::leave_drowned_point(const double* inverse_weights) {
+  if (!linearization_.is_usable() || !is_drowned(inverse_weights)) return PointStatus::ok;
+  const Jet &origin = linearization_.origin().jet, &accepted = history_.accepted();
+  if (origin.t == accepted.t && origin.x == accepted.x) return PointStatus::ok;
+  return renew_at_accepted();
+}
+
+// After a step has converged.
+PointStatus NonlinearSystem::judge_rounding_errors(const double* inverse_weights) {
+  if (!linearization_.is_usable()) return PointStatus::ok;
+  if (is_drowned(inverse_weights)) return PointStatus::not_converged;
+  take_rounding_errors();
+  return PointStatus::ok;
 }
 
 PointStatus NonlinearSystem::move_to(double t) {
@@ -153,7 +187,7 @@ PointStatus NonlinearSystem::check_ranks() { return rank_check_.compare(jet_, li
 // exponential is larger there by orders of magnitude, changes with that linearization are as much too small, and in a
 // shorter step look as if they had converged at once.
 template <class Iterate>
-PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iterate) {
+PointStatus NonlinearSystem::iterate_with_renewal(const double* inverse_weights, const Jet& start, Iterate iterate) {
   const Jet& accepted = history_.accepted();
   const bool is_usable = linearization_.is_usable();
   PointStatus status = is_usable ? iterate() : PointStatus::not_converged;
@@ -161,11 +195,13 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
   if (!is_usable || linearization_.origin().jet.t != accepted.t) {
     iteration_.chord().forget_rate();
     status = rank_check_.renew(accepted, linearization_, iteration_);
+    if (status == PointStatus::ok) take_rounding_errors();
     if (status == PointStatus::ok) status = iterate();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
   iteration_.chord().forget_rate();
   status = linearization_.renew(start, false);
+  if (status == PointStatus::ok && is_drowned(inverse_weights)) status = PointStatus::not_converged;
   const DoubtedMatrix doubt(iteration_.chord());
   if (status == PointStatus::ok) status = iterate();
   if (status != PointStatus::ok) linearization_.forget();
@@ -175,7 +211,7 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
 PointStatus NonlinearSystem::iterate_from_guess(const IterationTask& task) {
   start_ = jet_;
   const auto iterate = [&] {
-    return iterate_with_renewal(start_, [&] {
+    return iterate_with_renewal(task.inverse_weights, start_, [&] {
       jet_ = start_;
       return iteration_.solve(task, linearization_, jet_);
     });
@@ -201,7 +237,8 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
                            equations.guess.inverse_weights,
                            equations.guess.steep_arguments,
                            newton_tolerance};
-  PointStatus status;
+  PointStatus status = leave_drowned_point(task.inverse_weights);
+  if (status != PointStatus::ok) return status;
   if (index_zero_.is_possible() && linearization_.is_usable()) {
     status = solve_index_zero(task);
     if (status == PointStatus::ok) status = review_index_zero();
@@ -209,6 +246,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
     status = iterate_from_guess(task);
     if (status == PointStatus::ok) status = rank_check_.review(jet_, linearization_, iteration_);
   }
+  if (status == PointStatus::ok) status = judge_rounding_errors(task.inverse_weights);
   std::copy_n(jet_.x.data(), problem_.n(), x);
   return status;
 }
@@ -243,6 +281,7 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
 // Judges the ranks and measures the noise, too.
 PointStatus NonlinearSystem::linearize_accepted() {
   const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
+  if (status == PointStatus::ok) take_rounding_errors();
   if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
   return status;
 }
@@ -269,15 +308,17 @@ PointStatus NonlinearSystem::review_index_zero() {
 
 PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
   t_reached = equations.t_end;
-  if (const PointStatus completed = complete_linearization(); completed != PointStatus::ok) return completed;
+  PointStatus status = complete_linearization();
+  if (status == PointStatus::ok) status = leave_drowned_point(equations.guess.inverse_weights);
+  if (status != PointStatus::ok) return status;
   stages_.predict(equations, history_, linearization_.determined());
   const bool has_one = equations.method.s == 1;
   const auto iterate = [&] {
-    return has_one ? iterate_with_renewal(stages_.middle(),
+    return has_one ? iterate_with_renewal(equations.guess.inverse_weights, stages_.middle(),
                                           [&] { return stages_.solve(equations, linearization_, iteration_); })
                    : solve_several_stages(equations);
   };
-  PointStatus status = iterate();
+  status = iterate();
   if (may_hold_derivatives(status)) {
     stages_.hold_derivatives(history_);
     status = iterate();
@@ -286,7 +327,8 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   jet_ = stages_.last();
   stages_.copy_to(x);
   stages_.copy_to(w);
-  return has_one ? rank_check_.review(jet_, linearization_, iteration_) : PointStatus::ok;
+  if (has_one) status = rank_check_.review(jet_, linearization_, iteration_);
+  return status == PointStatus::ok ? judge_rounding_errors(equations.guess.inverse_weights) : status;
 }
 
 // The middle of the step is where one linearization serves all stages best. Ranks are known there only if what they
@@ -299,6 +341,7 @@ PointStatus NonlinearSystem::solve_several_stages(const StageEquations& equation
     return rank_check_.review_by_comparison(jet_, equations.guess.inverse_weights, linearization_, iteration_);
   };
   PointStatus status = linearization_.renew(stages_.middle(), false);
+  if (status == PointStatus::ok && is_drowned(equations.guess.inverse_weights)) status = PointStatus::not_converged;
   if (status == PointStatus::ok) status = iterate();
   const bool is_final = status == PointStatus::callback_error && !callback_error_.is_recoverable();
   if (status == PointStatus::ok || is_final) return status;
@@ -498,6 +541,7 @@ void NonlinearSystem::archive(Archive& archive) {
   }
   if (has_units) archive.reals(problem_.units().values(), index(n));
   history_.archive(archive);
+  archive.reals(rounding_errors_, index(n));
   archive.real(origin.jet.t);
   archive.reals(origin.jet.x, index(n) * index(problem_.jet_order() + 1));
   archive.reals(origin.rows, index(m));

@@ -96,7 +96,7 @@ class NonlinearSystem final : public DaeSystem {
     if (!linearization_.is_usable()) return {};
     return differentiated_change(linearization_.data(), units(), dx, tolerances);
   }
-  const double* rounding_errors() const override { return linearization_.rounding_errors().data(); }
+  const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
@@ -107,6 +107,10 @@ class NonlinearSystem final : public DaeSystem {
  private:
   PointStatus complete_linearization();
   PointStatus renew_at_accepted();
+  void take_rounding_errors();
+  bool is_drowned(const double* inverse_weights) const;
+  PointStatus leave_drowned_point(const double* inverse_weights);
+  PointStatus judge_rounding_errors(const double* inverse_weights);
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
@@ -123,13 +127,14 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus linearize_accepted();
   PointStatus review_index_zero();
   template <class Iterate>
-  PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
+  PointStatus iterate_with_renewal(const double* inverse_weights, const Jet& start, Iterate iterate);
   PointStatus solve_several_stages(const StageEquations& equations);
 
   AnalyzedEquations problem_;
   Arena arena_;
   Jet jet_;    // the current one
   Jet start_;  // of the iteration
+  std::vector<double> rounding_errors_;  // of x, at solutions: no step can reduce them
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
   NonlinearIteration iteration_{problem_, arena_};
