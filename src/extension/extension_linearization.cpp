@@ -13,6 +13,7 @@
 #include "linalg/column_basis.h"
 #include "linalg/equilibration.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 #include "linalg/random.h"
 #include "linalg/rank.h"
 
@@ -49,6 +50,8 @@ PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& err
 PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error, States states) {
   const PointStatus status = linearize(jet, error);
   if (status != PointStatus::ok) return status;
+  // Of a guess numbers may overflow.
+  const QuietArithmetic quiet;
   note_sizes();
   const bool stay = states == States::may_stay && choices_ > 0 && factor_held() && is_harmless(sensitivity_);
   if (!stay) {

@@ -36,9 +36,9 @@ class DifferentialFactors {
   double* tau() { return R_.data() + index(d_) * index(d_); }
 
   int d_ = 0, u_ = 0;
-  bool has_reflections_ = false;   // of Q3, below the diagonal of R
-  Room R_;          // u = 0: R3; u > 0: R of R3^T = Q R
-  Room row_space_;  // u > 0: orthonormal basis of that of G
+  bool has_reflections_ = false;  // of Q3, below the diagonal of R
+  Room R_;                        // u = 0: R3; u > 0: R of R3^T = Q R
+  Room row_space_;                // u > 0: orthonormal basis of that of G
   Room kernel_;
   std::vector<int> pivots_;
 };

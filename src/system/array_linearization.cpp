@@ -9,6 +9,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
@@ -180,6 +181,8 @@ PointStatus ArrayLinearization::restore(Origin origin, const RankSequence& ranks
 
 // Rounding errors go the way of residuals. One sample shows their size to some factor.
 void ArrayLinearization::measure_noise(const Jet& jet) {
+  // Of a guess numbers may overflow.
+  const QuietArithmetic quiet;
   // Errors of other signs are rarely larger than the sample by more (docs/decisions/19-rounding-errors-of-f.md).
   // Chosen, not measured.
   constexpr double samples = 8.0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 #include "reduction/contradiction.h"
 #include "reduction/index_analysis.h"
@@ -127,25 +128,27 @@ PointStatus NonlinearSystem::renew_at_accepted() {
 }
 
 void NonlinearSystem::take_rounding_errors() {
-  std::copy(linearization_.rounding_errors().begin(), linearization_.rounding_errors().end(), rounding_errors_.begin());
+  std::copy(linearization_.rounding_errors().begin(), linearization_.rounding_errors().end(),
+            rounding_errors_.begin());
 }
 
 // Whether rounding errors where the equations were linearized are far above the tolerances and what solutions are known to have: of a guess
-// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged.
+// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged. Those
+// at the point accepted last are true ones.
 bool NonlinearSystem::is_drowned(const double* inverse_weights) const {
   constexpr double far_above = 10.0;
+  const Jet &origin = linearization_.origin().jet, &accepted = history_.accepted();
+  if (origin.t == accepted.t && origin.x == accepted.x) return false;
+  const QuietArithmetic quiet;
   const std::vector<double>& there = linearization_.rounding_errors();
   for (std::size_t j = 0; j < there.size(); ++j)
-    if (there[j] * inverse_weights[j] > far_above) return true;
+    if (!(there[j] * inverse_weights[j] <= far_above)) return true;
   return false;
 }
 
 // Before a step.
 PointStatus NonlinearSystem::leave_drowned_point(const double* inverse_weights) {
-  if (!linearization_.is_usable() || !is_drowned(inverse_weights)) return PointStatus::ok;
-  const Jet &origin = linearization_.origin().jet, &accepted = history_.accepted();
-  if (origin.t == accepted.t && origin.x == accepted.x) return PointStatus::ok;
-  return renew_at_accepted();
+  return linearization_.is_usable() && is_drowned(inverse_weights) ? renew_at_accepted() : PointStatus::ok;
 }
 
 // After a step has converged.

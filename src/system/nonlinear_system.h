@@ -132,8 +132,8 @@ class NonlinearSystem final : public DaeSystem {
 
   AnalyzedEquations problem_;
   Arena arena_;
-  Jet jet_;    // the current one
-  Jet start_;  // of the iteration
+  Jet jet_;                              // the current one
+  Jet start_;                            // of the iteration
   std::vector<double> rounding_errors_;  // of x, at solutions: no step can reduce them
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
