@@ -362,7 +362,7 @@ LevelResult IndexSearch::judge_level(int level) {
   latest_.clear();
   Judge judge(data_, level, judging_, &latest_);
   const Arena::Frame frame(task_.arena);
-  const ConstView no_rhs{nullptr, (level + 1) * task_.problem.m(), 0, (level + 1) * task_.problem.m()};
+  const Matrix no_rhs((level + 1) * task_.problem.m(), 0);
   const Carried carried = task_.settings.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, task_.arena)
                                                 : eliminate(data_, level, no_rhs, 1, judge, task_.arena);
   form_.resize_for_ranks(task_.problem.m(), task_.problem.n(), carried.rows);
