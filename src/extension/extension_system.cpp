@@ -9,11 +9,11 @@
 #include "extension/archived_structure.h"
 #include "extension/strangeness_index.h"
 #include "linalg/index.h"
-#include "linalg/quiet_arithmetic.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
 #include "structure/block_determinants.h"
 #include "structure/replacement.h"
+#include "system/rounding_of_guesses.h"
 
 namespace sfdae::core {
 
@@ -232,17 +232,9 @@ PointStatus ExtensionSystem::move_to(double t) {
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
-// Whether rounding errors where the equations were linearized are far above the tolerances and what solutions are known to have: of a guess
-// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged. Those
-// at the point accepted last are true ones.
 bool ExtensionSystem::is_drowned(const double* inverse_weights) const {
-  constexpr double far_above = 10.0;
-  const Jet &origin = linearization_.origin(), &accepted = history_.accepted();
-  if (origin.t == accepted.t && origin.x == accepted.x) return false;
-  const QuietArithmetic quiet;
-  for (int j = 0; j < unknowns(); ++j)
-    if (!(linearization_.noise()[index(extension_.column_of(j, 0))] * inverse_weights[j] <= far_above)) return true;
-  return false;
+  const auto error_of = [this](int j) { return linearization_.noise()[index(extension_.column_of(j, 0))]; };
+  return core::is_drowned(linearization_.origin(), history_.accepted(), error_of, inverse_weights);
 }
 
 void ExtensionSystem::leave_drowned_point(const double* inverse_weights) {

@@ -25,8 +25,6 @@ bool is_singular(const CharacteristicValues& values) { return values.u > 0 && va
 
 // Decisions that norms make with such a distance need no certificate (docs/decisions/32-certificates.md).
 constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
-// Equations both too few and too many are what a rank that is too small looks like: more is asked of those.
-constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 // Where there is no certificate: kron with n = 100, mu = 3, w = 4 has a gap of 2e8.
 constexpr double gap_without_certificate = 1e8;
 

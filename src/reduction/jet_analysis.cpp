@@ -18,8 +18,6 @@ namespace sfdae::core {
 
 namespace {
 
-// What norms may decide alone where equations are redundant (docs/decisions/32-certificates.md).
-constexpr double decisive_gap = 1e9, decisive_kept = 1e-4;
 // Rows of the array: six copies of more would take longer than all the rest. (Chosen.)
 constexpr int most_rows = 300;
 
@@ -97,8 +95,9 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
   std::string what;
   try {
     const IndexAnalysis found = analyze_at_two_points(task, place).analysis;
-    const bool is_decided = settings.rank_tol > 0.0 || settings.time_scale > 0.0 ||
-                            (smallest_gap(decisions) >= decisive_gap && smallest_kept(decisions) >= decisive_kept);
+    const bool is_decided =
+        settings.rank_tol > 0.0 || settings.time_scale > 0.0 ||
+        (smallest_gap(decisions) >= gap_of_singular && smallest_kept(decisions) >= kept_of_singular);
     const bool is_refuted = !is_decided && is_redundancy_refuted(source, place, found);
     source.set_units(usual);
     if (!is_refuted) return found;

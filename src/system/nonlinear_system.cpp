@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "linalg/index.h"
-#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 #include "reduction/contradiction.h"
 #include "reduction/index_analysis.h"
@@ -17,6 +16,7 @@
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
 #include "system/jet_theory.h"
+#include "system/rounding_of_guesses.h"
 
 namespace sfdae::core {
 
@@ -85,12 +85,8 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   jet_ = jet;
   jet_.set_order(problem_.jet_order());
   history_.restart(jet_);
-  iteration_.chord().forget_rate();
   index_zero_.forget();
-  PointStatus status = problem_.evaluate_inputs(jet_.t);
-  if (status == PointStatus::ok) status = rank_check_.renew(jet_, linearization_, iteration_);
-  if (status == PointStatus::ok) take_rounding_errors();
-  return status;
+  return renew_at_accepted();
 }
 
 PointStatus NonlinearSystem::set_points(const Jet& before, const Jet& last) {
@@ -121,8 +117,13 @@ PointStatus NonlinearSystem::complete_linearization() {
 
 PointStatus NonlinearSystem::renew_at_accepted() {
   iteration_.chord().forget_rate();
-  PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
-  if (status == PointStatus::ok) status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
+  const PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
+  return status == PointStatus::ok ? linearize_at_accepted() : status;
+}
+
+// With the inputs that were evaluated last. Judges the ranks and measures the noise, too.
+PointStatus NonlinearSystem::linearize_at_accepted() {
+  const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
   if (status == PointStatus::ok) take_rounding_errors();
   return status;
 }
@@ -132,18 +133,9 @@ void NonlinearSystem::take_rounding_errors() {
             rounding_errors_.begin());
 }
 
-// Whether rounding errors where the equations were linearized are far above the tolerances and what solutions are known to have: of a guess
-// where exponentials are larger by orders of magnitude, for example. Every change is below them there, and looks as if it had converged. Those
-// at the point accepted last are true ones.
 bool NonlinearSystem::is_drowned(const double* inverse_weights) const {
-  constexpr double far_above = 10.0;
-  const Jet &origin = linearization_.origin().jet, &accepted = history_.accepted();
-  if (origin.t == accepted.t && origin.x == accepted.x) return false;
-  const QuietArithmetic quiet;
-  const std::vector<double>& there = linearization_.rounding_errors();
-  for (std::size_t j = 0; j < there.size(); ++j)
-    if (!(there[j] * inverse_weights[j] <= far_above)) return true;
-  return false;
+  const auto error_of = [this](int j) { return linearization_.rounding_errors()[index(j)]; };
+  return core::is_drowned(linearization_.origin().jet, history_.accepted(), error_of, inverse_weights);
 }
 
 // Before a step.
@@ -197,8 +189,7 @@ PointStatus NonlinearSystem::iterate_with_renewal(const double* inverse_weights,
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   if (!is_usable || linearization_.origin().jet.t != accepted.t) {
     iteration_.chord().forget_rate();
-    status = rank_check_.renew(accepted, linearization_, iteration_);
-    if (status == PointStatus::ok) take_rounding_errors();
+    status = linearize_at_accepted();
     if (status == PointStatus::ok) status = iterate();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
@@ -267,7 +258,8 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
     if (place == nullptr ? !index_zero_.has_jacobian() : index_zero_.has_jacobian_of(place->t)) continue;
     if (place != nullptr) {
       iteration_.chord().forget_rate();
-      status = place == &start_ ? index_zero_.renew(start_, linearization_.preferred_rows()) : linearize_accepted();
+      status = place == &start_ ? index_zero_.renew(start_, linearization_.preferred_rows())
+                                : renew_jacobian_at_accepted();
       if (status != PointStatus::ok) return status;
     }
     jet_ = start_;
@@ -281,10 +273,8 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
   return status;
 }
 
-// Judges the ranks and measures the noise, too.
-PointStatus NonlinearSystem::linearize_accepted() {
-  const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
-  if (status == PointStatus::ok) take_rounding_errors();
+PointStatus NonlinearSystem::renew_jacobian_at_accepted() {
+  const PointStatus status = linearize_at_accepted();
   if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
   return status;
 }
@@ -411,8 +401,8 @@ bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Fai
   return !moves_differentiated(found, inverse_weights);
 }
 
-// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step takes one power of e, and the first jet may be hundreds
-// of them away. Steps to where the equations cannot be evaluated are halved.
+// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step takes one power of
+// e, and the first jet may be hundreds of them away. Steps to where the equations cannot be evaluated are halved.
 PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
   // Steps, those that gain nothing, as the first one to where exponentials are large, and halvings; what a gain is, and a step after
   // which the linearization may serve for the rest. Chosen, not measured.

@@ -107,6 +107,7 @@ class NonlinearSystem final : public DaeSystem {
  private:
   PointStatus complete_linearization();
   PointStatus renew_at_accepted();
+  PointStatus linearize_at_accepted();
   void take_rounding_errors();
   bool is_drowned(const double* inverse_weights) const;
   PointStatus leave_drowned_point(const double* inverse_weights);
@@ -124,7 +125,7 @@ class NonlinearSystem final : public DaeSystem {
   bool may_hold_derivatives(PointStatus status) const;
   PointStatus iterate_from_guess(const IterationTask& task);
   PointStatus solve_index_zero(const IterationTask& task);
-  PointStatus linearize_accepted();
+  PointStatus renew_jacobian_at_accepted();
   PointStatus review_index_zero();
   template <class Iterate>
   PointStatus iterate_with_renewal(const double* inverse_weights, const Jet& start, Iterate iterate);
