@@ -574,11 +574,15 @@ SFDAE_API int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length);
  * is no integration. */
 SFDAE_API int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t length);
 
-/** Continues from a checkpoint of `length` doubles instead of sfdae_start: sfdae_advance is next. The solver has to
- * be created with the problem and the options that the checkpoint was made with (tolerances, limits and the monitor
- * may differ), and asked for the sensitivities that are in it. No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration
- * under way is replaced. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit; after any failure
- * everything is as before, and an integration under way goes on. */
+/** Continues from a checkpoint of `length` doubles instead of sfdae_start: sfdae_advance is next. The solver has to be
+ * created with the problem that the checkpoint was made with, and asked for the sensitivities that are in it. Method,
+ * structure, max_index, reduction, rank_tol, time_scale, difference_derivatives, difference_step, leading_term and the values
+ * of parameters have to be as they were; other options, such as tolerances and limits, may differ. Recorded equations are
+ * compared operation by operation, patterns entry by entry. Your own functions cannot be compared: give the same ones.
+ * No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration under way is replaced.
+ * SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or is that of another problem or version, or one of these options or
+ * parameters differs, which the message names with both values. After any failure everything is as before, and an
+ * integration under way continues. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length);
 
 /* ---- Inspection ------------------------------------------------------------------------------ */

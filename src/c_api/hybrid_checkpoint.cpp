@@ -11,7 +11,7 @@ using namespace sfdae::core;
 
 namespace {
 
-constexpr double mark = 5.0e7 + 1237.0;  // no number that a checkpoint begins with by chance
+constexpr double mark = 5.0e7 + 1238.0;  // no number that a checkpoint begins with by chance
 
 // All but what solvers know of themselves.
 struct HybridState {
@@ -89,10 +89,54 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
   }
 }
 
+double hash_of_transitions(const sfdae_hybrid& hybrid) {
+  WordHash hash;
+  for (const HybridTransition& transition : hybrid.transitions) {
+    const sfdae_transition& given = transition.given;
+    hash.add_all({given.from, given.to, given.kind, given.direction});
+    hash.add(&given.time, 1);
+  }
+  return hash.value_as_real();
+}
+
+// The equations and options of all modes but the sliding ones, which follow from the others.
+template <class Use>
+void for_each_identity(const sfdae_hybrid& hybrid, Use use) {
+  for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
+    const HybridMode& mode = hybrid.modes[index(k)];
+    if (mode.surface != nullptr) continue;
+    const SolverOptions& options = mode.solver->options;
+    use(k, identity_of(mode.solver->model, options.model, options.integration.method));
+  }
+}
+
+void write_identity(const sfdae_hybrid& hybrid, Archive& archive) {
+  double transitions = hash_of_transitions(hybrid);
+  archive.real(transitions);
+  for_each_identity(hybrid, [&](int, const CheckpointIdentity& identity) { identity.write(archive); });
+}
+
+// Throws Failure where modes or transitions are others.
+void demand_same(const sfdae_hybrid& hybrid, Archive& archive) {
+  double transitions = 0.0;
+  archive.real(transitions);
+  if (transitions != hash_of_transitions(hybrid))
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  "the checkpoint was made with other transitions: add those that it was made with, in their order.");
+  for_each_identity(hybrid, [&](int mode, const CheckpointIdentity& identity) {
+    try {
+      identity.demand_same(archive);
+    } catch (const Failure& failure) {
+      throw Failure(failure.status(), hybrid.name_of(mode) + ": " + failure.what());
+    }
+  });
+}
+
 std::size_t own_size(const sfdae_hybrid& hybrid) {
   HybridState state = state_of(hybrid);
   Archive counter = Archive::counter();
   archive_state(counter, state, index(hybrid.width()));
+  write_identity(hybrid, counter);
   return counter.size();
 }
 
@@ -102,6 +146,7 @@ HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std
   state.run = {};
   Archive archive = Archive::reader(checkpoint, length);
   archive_state(archive, state, index(hybrid.width()));
+  demand_same(hybrid, archive);
   if (state.run.mode < 0 || state.run.mode >= static_cast<int>(hybrid.modes.size())) throw DamagedArchive();
   own = archive.size();
   return state;
@@ -158,6 +203,7 @@ int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_
     HybridState state = state_of(*hybrid);
     Archive archive = Archive::writer(checkpoint, own);
     archive_state(archive, state, index(hybrid->width()));
+    write_identity(*hybrid, archive);
     return {};
   });
 }
@@ -175,6 +221,8 @@ int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoi
           hybrid->sensitivities
               ? "the checkpoint has no sensitivities: call sfdae_set_hybrid_sensitivities with count = 0 first."
               : "the checkpoint has sensitivities: call sfdae_set_hybrid_sensitivities with their parameters first.");
+    } catch (const Failure& failure) {
+      return {failure.status(), failure.what()};
     } catch (const DamagedArchive&) {
       return illegal_argument("the checkpoint is damaged, or one of another hybrid system.");
     }

@@ -211,6 +211,21 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
   });
 }
 
+CheckpointIdentity identity_of_integration(sfdae_solver& solver) {
+  return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
+}
+
+// Where the identity of the checkpoint, which has to be that of this solver, ends. Throws Failure.
+std::size_t end_of_identity(sfdae_solver& solver, const SavedCheckpoint& saved) {
+  Archive archive = Archive::reader(saved.values, saved.length);
+  try {
+    identity_of(solver.model, solver.options.model, solver.options.integration.method).demand_same(archive);
+  } catch (const DamagedArchive&) {
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT, "this is not a checkpoint of this version, or it is damaged.");
+  }
+  return archive.size();
+}
+
 CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, double* x, double* xdot) {
   if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
   if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
@@ -421,7 +436,8 @@ int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
     if (solver->integration->adjoint() != nullptr) return illegal_argument(no_checkpoints);
-    *length = checkpoint_size(*solver->model.system(), *solver->integration);
+    *length =
+        identity_of_integration(*solver).size() + checkpoint_size(*solver->model.system(), *solver->integration);
     return {};
   });
 }
@@ -431,10 +447,13 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
     if (solver->integration->adjoint() != nullptr) return illegal_argument(no_checkpoints);
-    const std::size_t needed = checkpoint_size(*solver->model.system(), *solver->integration);
+    const CheckpointIdentity identity = identity_of_integration(*solver);
+    const std::size_t needed = identity.size() + checkpoint_size(*solver->model.system(), *solver->integration);
     if (length < needed)
       return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
-    save_checkpoint(*solver->model.system(), *solver->integration, checkpoint);
+    save_checkpoint(*solver->model.system(), *solver->integration, checkpoint + identity.size());
+    Archive archive = Archive::writer(checkpoint, identity.size());
+    identity.write(archive);
     return {};
   });
 }
@@ -448,6 +467,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     if (asked) wanted.emplace(WantedSensitivities{asked->parameters, asked->options});
     solver->integration = restore_checkpoint(solver->model, solver->options.model, solver->options.integration,
                                              {checkpoint, length}, wanted ? &*wanted : nullptr);
+    const std::size_t begin = end_of_identity(*solver, {checkpoint, length});
     solver->note_differentiations();
     solver->jumps.forget();
     solver->integration->record(solver->solution);

@@ -19,6 +19,7 @@
 #include "expression/time_breakpoints.h"
 #include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
+#include "integrate/checkpoint_identity.h"
 #include "integrate/events.h"
 #include "integrate/jump_rule.h"
 #include "linalg/kept_decisions.h"

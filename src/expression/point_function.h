@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "linalg/archive.h"
+
 namespace sfdae::core {
 
 class PointFunction {
@@ -37,6 +39,8 @@ class PointFunction {
   }
   // Which order of derivatives jumps there; it is constant in between.
   virtual int jumping_order() const { return 0; }
+  // Adds what is known of the function beyond its name and its number of arguments.
+  virtual void add_data(WordHash&) const {}
 
  private:
   std::string name_;

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,10 @@ class Spline : public PointFunction {
   std::string objection(const double* arguments) const override;
   const std::vector<double>& breakpoints() const override { return breakpoints_; }
   int jumping_order() const override { return data_.degree; }
+  void add_data(WordHash& hash) const override {
+    hash.add(static_cast<std::uint64_t>(data_.degree));
+    for (const std::vector<double>* values : {&data_.x, &data_.y}) hash.add(values->data(), values->size());
+  }
 
  private:
   explicit Spline(const TableData& data);

@@ -64,11 +64,10 @@ void archive_all(DaeSystem& system, Integration& integration, Archive& archive) 
   integration.archive_sensitivities(archive);
 }
 
-// Cut to the 52 bits that a double holds.
 double checksum(const double* values, std::size_t count) {
   WordHash hash;
   hash.add(values, count);
-  return static_cast<double>(hash.value() >> 12);
+  return hash.value_as_real();
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // An integration with its system, saved to and restored from a sequence of doubles.
 //
 // The problem, the settings of the analysis, tolerances and other options are not part of it: they are given anew,
-// the problem, its parameters and the settings as they were. Sensitivities are in it, and which ones they are.
+// the problem, its parameters and the settings as they were (checkpoint_identity.h). Sensitivities are in it, and which ones they are.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -98,7 +98,8 @@ class Integration {
   }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
-  Method method() const { return integrator_.method; }  // at present: bdf or radau
+  Method method() const { return integrator_.method; }     // at present: bdf or radau
+  Method chosen_method() const { return choice_.chosen; }  // at the start
   double direction() const { return integrator_.direction; }
   double size_of_times() const { return std::max(std::fabs(start_), std::fabs(integrator_.stepper->state().t)); }
   double start() const { return start_; }  // of a checkpoint that is short: 0

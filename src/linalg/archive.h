@@ -25,7 +25,14 @@ class WordHash {
   void add(const double* values, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) add(std::bit_cast<std::uint64_t>(values[i]));
   }
+  // The integers and how many there are.
+  void add_all(const std::vector<int>& values) {
+    add(values.size());
+    for (const int value : values) add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
+  }
   std::uint64_t value() const { return value_; }
+  // Cut to the 52 bits that a double holds.
+  double value_as_real() const { return static_cast<double>(value_ >> 12); }
 
  private:
   std::uint64_t value_ = 14695981039346656037u;

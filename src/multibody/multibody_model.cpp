@@ -43,6 +43,18 @@ void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& giv
   if (given.request.kind == InitialValues::accept) found.x = given.x;
 }
 
+void MultibodyModel::add_equations(WordHash& hash) {
+  const MultibodySizes& sizes = problem_->sizes();
+  hash.add_all(
+      {sizes.positions, sizes.velocities, sizes.holonomic, sizes.nonholonomic, static_cast<int>(coordinates_)});
+  if (recorded_ == nullptr) return;
+  if (!equations_) {
+    equations_.emplace();
+    core::add_equations(recorded_->first_order_problem()->evaluator().record(), *equations_);
+  }
+  hash.add(equations_->value());
+}
+
 void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();

@@ -55,6 +55,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   }
   TaylorEvaluator* evaluator() override { return problem_->evaluator(); }
   std::vector<const TaylorEvaluator*> evaluators_of_inputs() override { return problem_->evaluators_of_inputs(); }
+  void add_equations(WordHash& hash) override;
   void parameters_changed() override {
     problem_->parameters_changed();
     first_order_.reset();
@@ -110,6 +111,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   std::unique_ptr<MultibodyProblem> problem_;
   Coordinates coordinates_;
   std::unique_ptr<RecordedProblem> first_order_;  // once it has been asked for
+  std::optional<WordHash> equations_;             // once they have been hashed
 };
 
 }  // namespace sfdae::core

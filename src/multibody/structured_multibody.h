@@ -36,6 +36,7 @@ class StructuredMultibody final : public Model {
   TaylorEvaluator* evaluator() override { return local_->evaluator(); }
   std::vector<const TaylorEvaluator*> evaluators_of_inputs() override { return local_->evaluators_of_inputs(); }
   void parameters_changed() override;
+  void add_equations(WordHash& hash) override { local_->add_equations(hash); }
 
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;

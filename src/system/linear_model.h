@@ -32,6 +32,10 @@ class LinearModel final : public ModelOf<LinearSystem> {
   EvaluationCounts evaluations() const override;
   TaylorEvaluator* evaluator() override { return recorded_ ? &recorded_->evaluator() : nullptr; }
   void parameters_changed() override;
+  void add_equations(WordHash& hash) override {
+    Model::add_equations(hash);
+    hash.add_all(problem_.prescribed());
+  }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "expression/fingerprint.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/archive.h"
 #include "problem/differences.h"
@@ -109,6 +110,12 @@ class Model {
   virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
     const TaylorEvaluator* const only = evaluator();
     return only != nullptr ? std::vector<const TaylorEvaluator*>{only} : std::vector<const TaylorEvaluator*>{};
+  }
+
+  // Adds what is known of the equations and tells them apart: recorded ones, patterns, what is prescribed; not the values of
+  // parameters.
+  virtual void add_equations(WordHash& hash) {
+    if (const TaylorEvaluator* known = structure_evaluator()) core::add_equations(known->record(), hash);
   }
 
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.

@@ -36,6 +36,11 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
     return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
   }
   TaylorEvaluator* evaluator() override { return recorded_ != nullptr ? &recorded_->evaluator() : nullptr; }
+  void add_equations(WordHash& hash) override {
+    Model::add_equations(hash);
+    hash.add_all(problem_->prescribed());
+    if (problem_->counts_are_given()) hash.add_all(problem_->differentiations());
+  }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
