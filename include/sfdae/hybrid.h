@@ -59,7 +59,8 @@ typedef int (*sfdae_jump_function)(double t, int from, int to, const double* bef
  *
  * A condition counts where function exceeds what it changes by if x moves by its tolerances, or t by some roundings: what
  * is not known that well is no reason to leave a mode. It is looked at where the mode begins, too: a mode may be left at
- * once. An event is one of sfdae_set_events of its mode: a zero where the mode begins is none. Where several transitions are due, the one added first counts. */
+ * once. If it does not hold there, it counts as soon as the function has risen by that much above the value it had there, if
+ * this was positive; so a condition that is zero where its mode begins counts if it rises. An event is one of sfdae_set_events of its mode: a zero where the mode begins is none. Where several transitions are due, the one added first counts. */
 typedef struct sfdae_transition {
   size_t size;                   /**< set by sfdae_transition_init */
   int from, to;                  /**< modes */

@@ -19,6 +19,9 @@ constexpr double equal_factors = 0.1;  // of one minus the factor by which these
 // does, in tolerances.
 constexpr double time_left = 1e-6, tolerances_left = 1e3;
 constexpr double short_visit = 10.0;  // tolerances that x moves by
+// Relative changes of t and x' that say nothing: more than those of EventValues::rounding, so that a function that is
+// larger than what it changes by has a sign for a search of events.
+constexpr double some_roundings = 256.0 * std::numeric_limits<double>::epsilon();
 
 // x moved by its tolerances, or part of them, in directions at random.
 std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolerances, std::minstd_rand& random) {
@@ -94,18 +97,28 @@ double toward_from(const HybridRun& run) {
 CallResult find_margin(const sfdae_hybrid& hybrid, const sfdae_transition& given, double& margin) {
   const HybridRun& run = hybrid.run;
   const Tolerances& tolerances = hybrid.modes[index(given.from)].solver->options.model.tolerances;
-  const double beside = 256.0 * std::numeric_limits<double>::epsilon() *
-                        std::max(std::fabs(run.t), std::fabs(run.toward)) * run.direction();
+  const double beside = some_roundings * std::max(std::fabs(run.t), std::fabs(run.toward)) * run.direction();
   std::minstd_rand random(11);
   double here = 0.0;
   int returned = given.function(run.t, run.x.data(), run.xdot.data(), &here, given.user);
-  margin = 0.0;
-  for (int k = 0; k < 5 && returned == 0; ++k) {
+  // Not 0: the sign that a function has where it is constant has to be known, too.
+  margin = std::numeric_limits<double>::min();
+  const auto look_at = [&](double t, const std::vector<double>& x, const std::vector<double>& xdot) {
     double there = 0.0;
-    const std::vector<double> x = k == 0 ? run.x : moved(run.x, tolerances, random);
-    returned = given.function(k == 0 ? run.t + beside : run.t, x.data(), run.xdot.data(), &there, given.user);
-    if (std::isfinite(there)) margin = std::max(margin, std::fabs(there - here));
+    if (returned == 0) returned = given.function(t, x.data(), xdot.data(), &there, given.user);
+    if (returned == 0 && std::isfinite(there)) margin = std::max(margin, std::fabs(there - here));
+  };
+  look_at(run.t + beside, run.x, run.xdot);
+  for (int k = 0; k < 4; ++k) {
+    // To both sides: a function may have a kink here.
+    std::vector<double> x = moved(run.x, tolerances, random);
+    look_at(run.t, x, run.xdot);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = 2.0 * run.x[i] - x[i];
+    look_at(run.t, x, run.xdot);
   }
+  std::vector<double> xdot(run.xdot);
+  for (double& value : xdot) value *= 1.0 + some_roundings * symmetric_random(random);
+  look_at(run.t, run.x, xdot);
   return returned != 0 ? of_callback(name_of_function(given), run, returned) : CallResult{};
 }
 

@@ -185,8 +185,10 @@ CallResult ask_guard(const HybridRun& run, const sfdae_transition& given, bool& 
   return returned != 0 ? of_callback("guard", run, returned) : CallResult{};
 }
 
-// The first condition that holds where the mode begins; -1: none.
-CallResult find_condition(const sfdae_hybrid& hybrid, int& number) {
+// The first condition that holds where the mode begins; -1: none. Those that do not hold count from now on where they have
+// risen clearly above the value that they have here: so their sign is known where the mode begins, and one that is zero here
+// counts if it rises.
+CallResult find_condition(sfdae_hybrid& hybrid, int& number) {
   const HybridRun& run = hybrid.run;
   const HybridMode& mode = hybrid.mode();
   number = -1;
@@ -196,11 +198,14 @@ CallResult find_condition(const sfdae_hybrid& hybrid, int& number) {
     double value = 0.0;
     const int returned = given.function(run.t, run.x.data(), run.xdot.data(), &value, given.user);
     if (returned != 0) return of_callback(name_of_function(given), run, returned);
-    bool is_open = false;
-    if (value > hybrid.transitions[index(k)].margin) {
-      CallResult asked = ask_guard(run, given, is_open);
-      if (asked.status != SFDAE_OK) return asked;
+    double& margin = hybrid.transitions[index(k)].margin;
+    if (!(value > margin)) {
+      if (value > 0.0) margin += value;
+      continue;
     }
+    bool is_open = false;
+    CallResult asked = ask_guard(run, given, is_open);
+    if (asked.status != SFDAE_OK) return asked;
     if (!is_open) continue;
     number = k;
     return {};
@@ -316,6 +321,12 @@ CallResult set_events_of(sfdae_hybrid& hybrid, int k) {
     if (hybrid.transitions[index(number)].surface != nullptr) directions.push_back(1);
   const int status =
       sfdae_set_events(mode.solver, static_cast<int>(directions.size()), evaluate_watched, directions.data(), &mode);
+  if (mode.solver->events) {
+    EventSearch& search = mode.solver->events->search;
+    for (std::size_t i = 0; i < mode.watched.size(); ++i)
+      if (hybrid.transitions[index(mode.watched[i])].given.kind == SFDAE_TRANSITION_CONDITION)
+        search.set_clear_at_start(i);
+  }
   // With sensitivities no function may depend on x'.
   if (mode.solver->events) mode.solver->events->tries_without_slopes = hybrid.sensitivities.has_value();
   return status < 0 ? of_mode(hybrid, k, status) : CallResult{};

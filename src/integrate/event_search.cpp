@@ -65,9 +65,9 @@ bool EventSearch::search(EventValues& user_values, double end, int depth) {
 bool EventSearch::locate(DeterminedValues& values, const EventSample& to) {
   location_.find(values, signs_, {t_, g_, intervals_.from().t, to.t, to.g});
   const bool is_at_start = std::fabs(location_.t() - start_) <= start_rounding_;
-  signs_.disarm(location_.watched(), {g_, to.g, location_.g()}, !is_at_start);
+  const bool has_fired = signs_.disarm(location_.watched(), {g_, to.g, location_.g()}, is_at_start);
   move_on(values.source(), location_.t(), location_.g());
-  return !is_at_start;
+  return has_fired;
 }
 
 void EventSearch::archive(Archive& archive) {

@@ -18,6 +18,7 @@ class EventSearch {
   // directions[i]: 0, or +1 / -1 if only rising / falling zeros count, in the direction of integration.
   explicit EventSearch(std::vector<int> directions);
   int count() const { return signs_.count(); }
+  void set_clear_at_start(std::size_t i) { signs_.set_clear_at_start(i); }
 
   // Begins at t. Zeros within `rounding` of it belong to the start. Functions that fired at t have to be armed anew.
   void start(EventValues& values, double t, double rounding);

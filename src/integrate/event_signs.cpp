@@ -31,6 +31,7 @@ EventSigns::EventSigns(std::vector<int> directions) : directions_(std::move(dire
   const std::size_t size = directions_.size();
   for (Vector* v : {&threshold_, &size_, &noise_}) v->assign(size, 0.0);
   for (std::vector<int>* v : {&signs_, &fired_, &vain_}) v->assign(size, 0);
+  is_clear_at_start_.assign(size, 0);
 }
 
 void EventSigns::forget_event() { std::fill(fired_.begin(), fired_.end(), 0); }
@@ -83,14 +84,19 @@ void EventSigns::watch(std::vector<int>& watched) const {
   for (std::size_t i = 0; i < watched.size(); ++i) watched[i] = counts(i) ? signs_[i] : 0;
 }
 
-void EventSigns::disarm(const std::vector<int>& watched, const Surroundings& g, bool fires) {
+bool EventSigns::disarm(const std::vector<int>& watched, const Surroundings& g, bool is_at_start) {
+  bool has_fired = false;
   for (std::size_t i = 0; i < watched.size(); ++i) {
     if (!ZeroBracket::is_lost(watched[i], g.at[i])) continue;
-    if (fires) fired_[i] = -signs_[i];
+    if (!is_at_start || is_clear_at_start_[i] != 0) {
+      fired_[i] = -signs_[i];
+      has_fired = true;
+    }
     signs_[i] = vain_[i] = 0;
     size_[i] = std::max(std::fabs(g.before[i]), std::fabs(g.after[i]));
     threshold_[i] = threshold_after_event(i, g.at[i]);
   }
+  return has_fired;
 }
 
 // Where g jumped over zero, or was changed at the event, it may be armed at once.

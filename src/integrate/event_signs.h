@@ -18,6 +18,8 @@ class EventSigns {
   // directions[i]: 0, or +1 / -1 if only rising / falling zeros count, in the direction of integration.
   explicit EventSigns(std::vector<int> directions);
   int count() const { return static_cast<int>(directions_.size()); }
+  // Zeros of function i fire even if they belong to the start: it is clearly not zero there.
+  void set_clear_at_start(std::size_t i) { is_clear_at_start_[i] = 1; }
 
   // At a start with values g: those that fired have to leave zero before they are armed.
   void start(const std::vector<double>& g);
@@ -43,8 +45,9 @@ class EventSigns {
     const std::vector<double>& after;
     const std::vector<double>& at;
   };
-  // Disarms the functions watched that have lost their signs; they fire unless the zero belongs to the start.
-  void disarm(const std::vector<int>& watched, const Surroundings& g, bool fires);
+  // Disarms the functions watched that have lost their signs; they fire unless the zero belongs to the start. Whether any
+  // fires.
+  bool disarm(const std::vector<int>& watched, const Surroundings& g, bool is_at_start);
 
   // +1 rising, -1 falling, for the event found last; 0 else.
   const std::vector<int>& fired() const { return fired_; }
@@ -56,6 +59,7 @@ class EventSigns {
   double threshold_after_event(std::size_t i, double g) const;
 
   std::vector<int> directions_;
+  std::vector<char> is_clear_at_start_;
   std::vector<int> signs_, fired_;        // signs_: 0 for functions not armed, which are armed above threshold_
   std::vector<int> vain_;                 // attempts in vain to arm a function, since the start or its event
   std::vector<double> threshold_, size_;  // size_: of g around its event
