@@ -261,7 +261,6 @@ contains
     !> Copied. Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
     type(sfdae_options) :: c_options
-    integer(c_int) :: check_status
 
     status = sfdae_illegal_argument
     self%complaint = "the solver exists already: destroy it first"
@@ -276,8 +275,7 @@ contains
     status = sfdae_illegal_argument
     if (len(self%complaint) == 0) then
       status = self%holder%problem%create(self%handle, c_options)
-      if (status < 0) &
-        call say_what_is_wrong(self%holder%problem, c_options, self%complaint, check_status)
+      if (status < 0) self%complaint = text_at(c_message(c_null_ptr))
     end if
     if (status < 0) deallocate (self%holder)
   end subroutine solver_create
@@ -350,7 +348,7 @@ contains
 
     text = ""
     if (allocated(self%complaint)) text = self%complaint
-    if (len(text) == 0) text = text_at(c_message(self%handle))
+    if (len(text) == 0 .and. c_associated(self%handle)) text = text_at(c_message(self%handle))
   end function solver_message
 
   !> Stops the call that is running, or else the next one, with sfdae_stopped. May be called from

@@ -102,7 +102,7 @@ typedef struct sfdae_descriptor_matrices {
 SFDAE_API int sfdae_descriptor_matrices_init(sfdae_descriptor_matrices* matrices, size_t size);
 
 /** Creates a descriptor system of matrices, which are copied. SFDAE_ILLEGAL_ARGUMENT for sizes out of range, NULL and numbers
- * that are not finite; *descriptor is then NULL. */
+ * that are not finite; *descriptor is then NULL, and sfdae_message(NULL) says in words what is wrong. */
 SFDAE_API int sfdae_create_descriptor(const sfdae_descriptor_matrices* matrices, sfdae_descriptor** descriptor);
 
 /** Destroys it and sets *descriptor to NULL. NULL is fine. */

@@ -116,7 +116,7 @@ SFDAE_API int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, siz
  * defaults) are copied. On failure *solver is NULL.
  * Failures: SFDAE_ILLEGAL_ARGUMENT, also for mistakes in formulas; SFDAE_EMPTY_PROBLEM; SFDAE_CALLBACK_STOPPED or
  * SFDAE_CALLBACK_FAILED if the function that writes formulas returns a negative or a positive value.
- * sfdae_check_multibody says in words what is wrong. */
+ * sfdae_message(NULL) says in words what is wrong. */
 SFDAE_API int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem,
                                      const sfdae_options* options);
 

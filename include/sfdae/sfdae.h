@@ -335,7 +335,7 @@ typedef struct sfdae_solver sfdae_solver;
 
 /** Creates a solver of a linear problem. problem and options (NULL: defaults) are copied. On failure *solver is
  * NULL.
- * Failures: SFDAE_ILLEGAL_ARGUMENT, SFDAE_EMPTY_PROBLEM; sfdae_check_linear says in words what is wrong. */
+ * Failures: SFDAE_ILLEGAL_ARGUMENT, SFDAE_EMPTY_PROBLEM; sfdae_message(NULL) says in words what is wrong. */
 SFDAE_API int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem,
                                   const sfdae_options* options);
 
@@ -356,7 +356,10 @@ SFDAE_API int sfdae_set_options(sfdae_solver* solver, const sfdae_options* optio
 
 /** What the last call on this solver had to say: what, where, with which numbers, what to do next. "" after
  * SFDAE_OK. Functions that only read (a const solver, sfdae_get_...) leave the text alone where it explains the
- * failure of an earlier call, and else say why they fail. It lives until the next call. NULL: "". */
+ * failure of an earlier call, and else say why they fail. It lives until the next call.
+ *
+ * NULL: why the last of the functions sfdae_create_... that this thread called has failed, "" if it has not; it lives until
+ * the thread calls one of them again. So status and message can be printed in the same way after any call. */
 SFDAE_API const char* sfdae_message(const sfdae_solver* solver);
 
 /** Stops the call that is running, or else the next one, at its next callback or step: it returns SFDAE_STOPPED,
@@ -564,7 +567,8 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics*
  * file, or handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if
  * binary, BLAS, processor and the environment variable SFDAE_INSTRUCTIONS (portable or avx2: no faster instructions of
  * the processor are used) are the same. The numbers are plain doubles (infinity may be among them): copy or print them
- * with 17 digits as you like. Problem and options are not in it; sensitivities are, with all that they depend on. */
+ * with 17 digits as you like. The problem and the options are not in it, but it knows which they were; sensitivities are in
+ * it, with all that they depend on. */
 
 /** Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. SFDAE_NOT_STARTED if there
  * is no integration. */

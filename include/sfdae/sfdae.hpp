@@ -54,14 +54,14 @@ class Solver {
   /// Copies a linear problem and its options. Throws Error if something is wrong with them.
   explicit Solver(LinearProblem problem, const Options& options = {})
       : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
-    create(sfdae_create_linear, sfdae_check_linear, std::get<LinearProblem>(state_->problem), options);
+    create(sfdae_create_linear, std::get<LinearProblem>(state_->problem), options);
   }
 
   /// Copies a nonlinear problem and its options, and records the equations, if it has some. Throws Error if
   /// something is wrong with them; exceptions of the function that writes equations are passed on.
   explicit Solver(NonlinearProblem problem, const Options& options = {})
       : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
-    create(sfdae_create_nonlinear, sfdae_check_nonlinear, std::get<NonlinearProblem>(state_->problem), options);
+    create(sfdae_create_nonlinear, std::get<NonlinearProblem>(state_->problem), options);
   }
 
   /// Copies a mechanical system and its options, and records the equations, if it has some; the unknowns are (q, v,
@@ -69,7 +69,7 @@ class Solver {
   /// are passed on.
   explicit Solver(MultibodyProblem problem, const Options& options = {})
       : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
-    create(sfdae_create_multibody, sfdae_check_multibody, std::get<MultibodyProblem>(state_->problem), options);
+    create(sfdae_create_multibody, std::get<MultibodyProblem>(state_->problem), options);
   }
 
   /// What is wrong with a linear problem and its options, in words; "" if nothing is.
@@ -657,13 +657,12 @@ class Solver {
   using Check = int (*)(const CProblem*, const sfdae_options*, char*, std::size_t);
 
   template <class CProblem, class AnyProblem>
-  void create(Create<CProblem> create_in_c, Check<CProblem> check_in_c, const AnyProblem& problem,
-              const Options& options) {
+  void create(Create<CProblem> create_in_c, const AnyProblem& problem, const Options& options) {
     const CProblem c_problem = detail::in_c(problem, state_.get());
     const sfdae_options c_options = detail::in_c(options, num_unknowns(), state_.get());
     const int status = create_in_c(&state_->solver, &c_problem, &c_options);
     state_->rethrow();
-    if (status < 0) throw Error(status, complaint(check_in_c, c_problem, c_options, *state_));
+    if (status < 0) throw Error(status, sfdae_message(nullptr));  // of this creation
   }
 
   template <class CProblem>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "c_api/creation.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -128,9 +129,12 @@ int sfdae_transition_init(sfdae_transition* transition, size_t size) {
 }
 
 int sfdae_create_hybrid(sfdae_hybrid** hybrid) {
-  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  *hybrid = new (std::nothrow) sfdae_hybrid;
-  return *hybrid != nullptr ? SFDAE_OK : SFDAE_OUT_OF_MEMORY;
+  if (hybrid != nullptr) *hybrid = nullptr;
+  return creating([&]() -> CallResult {
+    if (hybrid == nullptr) return illegal_argument("hybrid, where the new one goes, is NULL.");
+    *hybrid = new sfdae_hybrid;
+    return {};
+  });
 }
 
 int sfdae_destroy_hybrid(sfdae_hybrid** hybrid) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "c_api/checks.h"
+#include "c_api/creation.h"
 #include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
@@ -65,20 +66,35 @@ void write(const Matrix& from, double* to) {
   if (to != nullptr) std::copy_n(from.data(), index(from.rows()) * index(from.cols()), to);
 }
 
-int create(const sfdae_descriptor_matrices& given, sfdae_descriptor** to) {
+CallResult create(const sfdae_descriptor_matrices& given, sfdae_descriptor** to) {
   const int m = given.num_equations, n = given.num_unknowns, q = given.num_inputs, p = given.num_outputs;
   if (!is_number_of_lines(m, 1) || !is_number_of_lines(n, 1) || !is_number_of_lines(q, 0) ||
-      !is_number_of_lines(p, 0) || !(given.rank_tol >= 0.0 && given.rank_tol < 1.0))
-    return SFDAE_ILLEGAL_ARGUMENT;
+      !is_number_of_lines(p, 0))
+    return illegal_argument(format(
+        "%d equations, %d unknowns, %d inputs, %d outputs: there must be 1 to %d equations and unknowns and 0 to %d "
+        "inputs and outputs.",
+        m, n, q, p, most_dense_unknowns, most_dense_unknowns));
+  if (!(given.rank_tol >= 0.0 && given.rank_tol < 1.0))
+    return illegal_argument(format("rank_tol = %g; it must be >= 0 and < 1.", given.rank_tol));
   auto descriptor = std::make_unique<sfdae_descriptor>();
   DescriptorSystem& system = descriptor->system;
   system = {Matrix(m, n), Matrix(m, n), Matrix(m, q), Matrix(p, n), Matrix(p, q)};
-  if (!read(given.E, false, system.E) || !read(given.A, false, system.A) || !read(given.B, true, system.B) ||
-      !read(given.C, true, system.C) || !read(given.D, true, system.D))
-    return SFDAE_ILLEGAL_ARGUMENT;
+  const struct {
+    const char* name;
+    const double* values;
+    bool may_be_null;
+    Matrix& to;
+  } matrices[] = {{"E", given.E, false, system.E},
+                  {"A", given.A, false, system.A},
+                  {"B", given.B, true, system.B},
+                  {"C", given.C, true, system.C},
+                  {"D", given.D, true, system.D}};
+  for (const auto& matrix : matrices)
+    if (!read(matrix.values, matrix.may_be_null, matrix.to))
+      return illegal_argument(format("%s is NULL or contains NaN or Inf.", matrix.name));
   descriptor->rank_tol = given.rank_tol;
   *to = descriptor.release();
-  return SFDAE_OK;
+  return {};
 }
 
 struct Places {
@@ -179,14 +195,13 @@ int sfdae_linearize(sfdae_solver* solver, const sfdae_linearization* choice, sfd
 }
 
 int sfdae_create_descriptor(const sfdae_descriptor_matrices* matrices, sfdae_descriptor** descriptor) {
-  if (descriptor == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  *descriptor = nullptr;
-  if (matrices == nullptr || !is_plausible_size(matrices->size)) return SFDAE_ILLEGAL_ARGUMENT;
-  try {
+  if (descriptor != nullptr) *descriptor = nullptr;
+  return creating([&]() -> CallResult {
+    if (descriptor == nullptr) return illegal_argument("descriptor, where the new one goes, is NULL.");
+    if (matrices == nullptr || !is_plausible_size(matrices->size))
+      return illegal_argument("matrices is NULL or its size is not set: call sfdae_descriptor_matrices_init.");
     return create(read_struct(*matrices, default_matrices()), descriptor);
-  } catch (const std::bad_alloc&) {
-    return SFDAE_OUT_OF_MEMORY;
-  }
+  });
 }
 
 int sfdae_destroy_descriptor(sfdae_descriptor** descriptor) {

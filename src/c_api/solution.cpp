@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "c_api/creation.h"
 #include "c_api/solver.h"
 #include "integrate/solution_pieces.h"
 #include "linalg/archive.h"
@@ -23,11 +24,10 @@ constexpr double mark = 5.0e7 + 7353.0;  // no number that a solution begins wit
 constexpr int layout = 2;
 constexpr std::size_t header_size = 4;
 
-// Cut to the 52 bits that a double holds.
 double checksum(const double* values, std::size_t count) {
   WordHash hash;
   hash.add(values, count);
-  return static_cast<double>(hash.value() >> 12);
+  return hash.value_as_real();
 }
 
 std::size_t length_of(SolutionPieces& pieces) {
@@ -65,11 +65,11 @@ Archive checked_content(const double* values, std::size_t length) {
 extern "C" {
 
 int sfdae_create_solution(sfdae_solution** solution) {
-  if (solution == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  *solution = nullptr;
-  return quietly([&] {
+  if (solution != nullptr) *solution = nullptr;
+  return creating([&]() -> CallResult {
+    if (solution == nullptr) return illegal_argument("solution, where the new one goes, is NULL.");
     *solution = new sfdae_solution;
-    return SFDAE_OK;
+    return {};
   });
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "c_api/codes.h"
+#include "c_api/creation.h"
 #include "c_api/structs.h"
 #include "c_api/warnings.h"
 #include "integrate/difference_check.h"
@@ -56,6 +57,11 @@ void demand_derivatives(sfdae_solver& solver, const PointOfInterest& point) {
 }
 
 }  // namespace
+
+CreationMessage& creation_message() {
+  thread_local CreationMessage message = "";
+  return message;
+}
 
 // Nothing is evaluated beyond the stop time or the first breakpoint, and differences stay on this side of the start.
 void set_limits(sfdae_solver& solver, double t, double direction) {
@@ -166,16 +172,6 @@ CallResult read_arguments(const Problem* problem, const sfdae_options* options, 
   return checked.status == SFDAE_OK ? check_options(result.options, unknowns_of(result.problem)) : checked;
 }
 
-// Runs a body without a solver that could keep a message: what there is to say goes to `text`, of that length.
-template <class Body>
-int caught(char* text, size_t length, Body body) noexcept {
-  const auto say = [=](int status, const char* message) {
-    if (length > 0) std::snprintf(text, length, "%s", message);
-    return status;
-  };
-  return status_of(body, say);
-}
-
 void demand_structure(const Model& model, StructureUse wanted) {
   if (wanted != StructureUse::required || model.has_structure()) return;
   throw Failure(
@@ -186,9 +182,9 @@ void demand_structure(const Model& model, StructureUse wanted) {
 
 template <class Problem>
 int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  *solver = nullptr;
-  return caught(nullptr, 0, [&]() -> CallResult {
+  if (solver != nullptr) *solver = nullptr;
+  return creating([&]() -> CallResult {
+    if (solver == nullptr) return illegal_argument("solver, where the new one goes, is NULL.");
     Arguments<Problem> arguments;
     CallResult result = read_arguments(problem, options, defaults, arguments);
     if (result.status != SFDAE_OK) return result;
@@ -202,12 +198,16 @@ int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* o
 template <class Problem>
 int check(const Problem* problem, const sfdae_options* options, const Problem& defaults, char* text, size_t length) {
   if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  return caught(text, length, [&] {
+  const auto body = [&] {
     Arguments<Problem> arguments;
     const CallResult checked = read_arguments(problem, options, defaults, arguments);
     if (checked.status == SFDAE_OK)
       demand_structure(*make_model(arguments.problem).model, structure_use_of(arguments.options.structure));
     return checked;
+  };
+  return status_of(body, [=](int status, const char* message) {
+    if (length > 0) std::snprintf(text, length, "%s", message);
+    return status;
   });
 }
 
@@ -325,7 +325,9 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
   });
 }
 
-const char* sfdae_message(const sfdae_solver* solver) { return solver == nullptr ? "" : solver->message; }
+const char* sfdae_message(const sfdae_solver* solver) {
+  return solver == nullptr ? creation_message() : solver->message;
+}
 
 int sfdae_request_stop(sfdae_solver* solver) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
@@ -465,9 +467,9 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     if (asked && asked->by_adjoint) return illegal_argument(no_checkpoints);
     std::optional<WantedSensitivities> wanted;
     if (asked) wanted.emplace(WantedSensitivities{asked->parameters, asked->options});
-    solver->integration = restore_checkpoint(solver->model, solver->options.model, solver->options.integration,
-                                             {checkpoint, length}, wanted ? &*wanted : nullptr);
     const std::size_t begin = end_of_identity(*solver, {checkpoint, length});
+    solver->integration = restore_checkpoint(solver->model, solver->options.model, solver->options.integration,
+                                             {checkpoint + begin, length - begin}, wanted ? &*wanted : nullptr);
     solver->note_differentiations();
     solver->jumps.forget();
     solver->integration->record(solver->solution);

@@ -1,0 +1,24 @@
+// Functions that create what a handle stands for: exceptions to status, and why the last one of this thread has failed.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdio>
+
+#include "c_api/solver.h"
+
+namespace sfdae::core {
+
+// What sfdae_message(NULL) returns to this thread.
+using CreationMessage = char[sizeof(sfdae_solver::message)];
+CreationMessage& creation_message();
+
+// Runs the body of such a function, which returns a CallResult.
+template <class Body>
+int creating(Body body) noexcept {
+  return status_of(body, [](int status, const char* text) {
+    std::snprintf(creation_message(), sizeof(CreationMessage), "%s", text);
+    return status;
+  });
+}
+
+}  // namespace sfdae::core
