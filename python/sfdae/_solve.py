@@ -35,6 +35,7 @@ def solve(
     breakpoints: Any = None,
     fixed: Any = None,
     parameters: Mapping[str, Any] | None = None,
+    max_steps: int | None = None,
     sensitivities: Sequence[str] | None = None,
     xdot0: Any = None,
     names: Sequence[str] | None = None,
@@ -78,7 +79,10 @@ def solve(
     fixed : sequence of str or int or bool, optional
         Unknowns whose initial values must not change.
     parameters : dict, optional
-        Values of named parameters.
+        Values of named parameters, of the equations and of events.
+    max_steps : int, optional
+        Steps attempted in the whole run at most, restarts after events included. By default 100,000
+        in the whole run, or with t_eval between two outputs.
     sensitivities : sequence of str, optional
         Names of parameters, or of unknowns (by their start values), by which the solution is
         differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.
@@ -117,7 +121,7 @@ def solve(
     InitialValuesWarning
         If initial values that are differentiated had to change, or the solution is not unique.
     IntegrationWarning
-        If the end was not reached.
+        If the end was not reached, with ``Status.MAX_STEPS`` because max_steps was too small, say.
 
     Examples
     --------
@@ -138,7 +142,15 @@ def solve(
     times = None if t_eval is None else output_times(t_eval, t0, t1)
     dense_output = times is None if dense_output is None else bool(dense_output)
     options = with_stop_time(
-        {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
+        {
+            **options,
+            "method": method,
+            "rtol": rtol,
+            "atol": atol,
+            "fixed": fixed,
+            "max_steps": max_steps,
+        },
+        t1,
     )
     solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
     dense = RecordedSolution() if dense_output else None
@@ -155,7 +167,7 @@ def solve(
     run = Run(solver, t1, as_events(events), dense)
     try:
         run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))
-        run.integrate(times)
+        run.integrate(times, max_steps)
         return run.solution()
     finally:
         if bar is not None:

@@ -86,8 +86,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         keep: list[Any] = []
         c_problem = problem._c_problem(keep)
         c_problem.user = self._user
-        c = c_options(problem, self._options, keep)
-        self._set_c_monitor(c)
+        c, alive = self._c_options(self._options)
         status = getattr(lib, f"sfdae_create_{problem.kind}")(self._box, c_problem, c)
         if status >= 0:
             return
@@ -100,10 +99,6 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         if exception is not None:
             raise exception
         raise Error(status, problem.with_names(ffi.string(text).decode(errors="replace")))
-
-    def _set_c_monitor(self, options: Any) -> None:
-        options.monitor = ffi.addressof(lib, "python_record_step")
-        options.monitor_user = self._recorder
 
     def _set_monitor(self, monitor: Callable[[Any], Any] | None) -> None:
         """Has the monitor called after every step; without one Python only notices Ctrl-C."""
@@ -184,11 +179,17 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         necessary.
         """
         merged = {**self._options, **options}
-        keep: list[Any] = []
-        c = c_options(self.problem, merged, keep)
-        self._set_c_monitor(c)
+        c, alive = self._c_options(merged)
         self._call(lib.sfdae_set_options, c)
         self._options = merged
+
+    def _c_options(self, options: Mapping[str, Any]) -> tuple[Any, list[Any]]:
+        """A struct sfdae_options with the monitor of this solver, and what it points to."""
+        keep: list[Any] = []
+        c = c_options(self.problem, options, keep)
+        c.monitor = ffi.addressof(lib, "python_record_step")
+        c.monitor_user = self._recorder
+        return c, keep
 
     @property
     def parameters(self) -> dict[str, Any]:
