@@ -14,6 +14,7 @@ from ._binding import ffi, lib
 from ._expression import Expression, Recording, vector
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
+from ._unknowns import Watch, require_confirmed, require_same_names
 
 
 class CannotEvaluate(Exception):
@@ -205,6 +206,20 @@ callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 # ---- Nonlinear problems --------------------------------------------------------------------------
 
 
+def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -> Any:
+    """Calls the equations with expressions t, x, xdot, and checks that they unpack x under the
+    names that the unknowns have.
+    """
+    if not problem._has_names:
+        return problem.equations(*arguments, values=values)
+    function, (t, x, xdot) = problem.equations.function, arguments
+    watch = Watch(function, x)
+    result = problem.equations(t, watch.over(x), xdot, values=values)
+    require = require_confirmed if problem._must_confirm_names else require_same_names
+    require(function, problem.names, watch.names())
+    return result
+
+
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
@@ -212,7 +227,7 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
     try:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
-        entries = flatten(problem.equations(*arguments, values=state.values), "equations")
+        entries = flatten(_written(problem, arguments, state.values), "equations")
         if len(entries) != problem.num_equations:
             raise CountMismatch(len(entries), problem.num_equations)
         write_formulas(
@@ -280,8 +295,12 @@ def _multibody_equations(
         for name, place in FORMULA_PLACES.items():
             part = problem.functions.get(name)
             if isinstance(part, Formula):
-                arguments = (time, positions, velocities) if name == "forces" else (time, positions)
-                part = part(*arguments, values=state.values)
+                watch = Watch(part.function, [*positions, *velocities])
+                arguments = [time, watch.over(positions)]
+                if name == "forces":
+                    arguments.append(watch.over(velocities))
+                function, part = part.function, part(*arguments, values=state.values)
+                require_same_names(function, problem.names, watch.names())
                 if name != "mass" and name != "kinematics" and name != "nonholonomic_matrix":
                     part = np.array([*flatten(part, name), None], dtype=object)[:-1]
             elif part is None and name == "mass":

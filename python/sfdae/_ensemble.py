@@ -116,7 +116,7 @@ def solve_ensemble(
     xdot : bool
         Whether derivatives are returned, too.
     names : sequence of str, optional
-        Of the unknowns, where the problem is a function.
+        Of the unknowns, in the order of x, where the problem is a function, as for solve.
     progress : bool
         Shows a bar.
     **options

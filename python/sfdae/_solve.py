@@ -17,6 +17,7 @@ from ._run import Run
 from ._solution import Solution
 from ._points import Point
 from ._solver import Solver
+from ._unknowns import names_for
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
 
@@ -56,9 +57,10 @@ def solve(
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name. What is not known at the start (forces, currents) is guessed as
-        0, which is what unknowns not named are: the library finds consistent values and keeps what
-        is differentiated where it can.
+        n values, or values by name: the names are those of the problem, those in ``names``, or
+        those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
+        start (forces, currents) is guessed as 0, which is what unknowns not named are: the library
+        finds consistent values and keeps what is differentiated where it can.
     method : str
         ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or
         ``"automatic"``.
@@ -89,8 +91,8 @@ def solve(
     xdot0 : array_like or dict, optional
         A guess of x', for problems that allow several.
     names, units : sequence of str, optional
-        Of the unknowns, where the problem is a function; by default the keys of x0, if it is a
-        dict.
+        Of the unknowns, in the order of x, where the problem is a function. Needed where x0 is a
+        dict and the function does not unpack x as a whole; the order of the keys does not matter.
     progress : bool
         Shows a bar with time, step size and order.
     monitor : callable, optional
@@ -197,7 +199,7 @@ def analyze(
     x : array_like or dict, optional
         Values near the solution; linear problems need none.
     names, parameters, **options
-        As for solve.
+        As for solve; names are needed for a dict x where they cannot be read from the function.
 
     Returns
     -------
@@ -270,11 +272,16 @@ def as_problem(
         return problem
     if not callable(problem):
         raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
-    if names is None and isinstance(x0, Mapping):
-        names = list(x0)
-    return NonlinearProblem(
-        problem, len(names) if names is not None else np.size(x0), names=names, units=units
-    )
+    count = np.size(x0)
+    is_read = names is None and isinstance(x0, Mapping)
+    if is_read:
+        found = names_for(problem, x0)
+        names, count = (None, found) if isinstance(found, int) else (found, len(found))
+    elif names is not None:
+        count = len(names)
+    result = NonlinearProblem(problem, count, names=names, units=units)
+    result._must_confirm_names = is_read and names is not None
+    return result
 
 
 def span(t_span: Sequence[float]) -> tuple[float, float]:

@@ -153,9 +153,11 @@ def test_names_of_the_solution():
 
 
 def test_names_from_a_dictionary_of_values():
-    sol = sfdae.solve(
-        lambda t, x, xdot: [xdot[0] - x[1], xdot[1] + x[0]], (0, 1), {"place": 1.0, "speed": 0.0}
-    )
+    def equations(t, x, xdot):
+        place, speed = x
+        return [xdot[0] - speed, xdot[1] + place]
+
+    sol = sfdae.solve(equations, (0, 1), {"place": 1.0, "speed": 0.0})
     assert sol.names == ("place", "speed")
 
 
