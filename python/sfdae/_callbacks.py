@@ -10,6 +10,7 @@ from typing import Any, Callable
 
 import numpy as np
 
+from ._arguments import PointFunction
 from ._binding import ffi, lib
 from ._expression import Expression, Recording, vector
 from ._formula import Formula, flatten, write_formulas
@@ -38,8 +39,8 @@ class CallbackState:
     problem : Problem
     monitor : callable or None
         Called with sfdae_progress after every accepted step; a true value stops.
-    events : callable or None
-        Called with (t, x, xdot), returns num_events values.
+    events : PointFunction or None
+        Returns num_events values.
     exception : BaseException or None
         The first one that was raised since the call began.
     """
@@ -51,7 +52,7 @@ class CallbackState:
         self.problem = problem
         self.values = dict(problem.parameters)
         self.monitor: Callable[[Any], Any] | None = None
-        self.events: Callable[..., Any] | None = None
+        self.events: PointFunction | None = None
         self.num_events = 0
         self.exception: BaseException | None = None
         self.functions: dict[Any, Any] = {}  # handles of functions that formulas call
@@ -347,5 +348,7 @@ def _monitor(state: CallbackState, progress: Any) -> int:
 @callback("python_event_function")
 def _events(state: CallbackState, t: float, x: Any, xdot: Any, g: Any) -> None:
     n = state.problem.num_unknowns
-    values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)))
+    values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)), state.values)
+    if state.num_events == 1 and np.size(values) == 1:
+        values = np.reshape(values, (1,))
     _write(g, values, (state.num_events,), "event functions")

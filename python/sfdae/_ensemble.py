@@ -120,7 +120,8 @@ def solve_ensemble(
     progress : bool
         Shows a bar.
     **options
-        As for solve: method, rtol, atol, fixed, max_step, ...
+        As for solve: method, rtol, atol, fixed, max_step, ... max_steps limits the steps that an
+        instance attempts between two outputs, by default 100,000.
 
     Returns
     -------

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -28,12 +28,18 @@ class Run:
     """
 
     def __init__(
-        self, solver: Solver, t1: float, events: Sequence[Event], dense: RecordedSolution | None
+        self,
+        solver: Solver,
+        t1: float,
+        events: Sequence[Event],
+        dense: RecordedSolution | None,
+        parameters: Mapping[str, Any],
     ) -> None:
         self.solver = solver
         self.t1 = t1
         self.events = events
         self.dense = dense
+        self.parameters = parameters  # values, of events as well
         self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.happened: list[EventRecord] = []
         self.status = Status.OK
@@ -52,7 +58,8 @@ class Run:
         """The consistent values at the start; a warning where they are not what was meant."""
         if self.events:
             directions = [event.direction for event in self.events]
-            self.solver.set_events(joined(self.events), len(self.events), directions)
+            function = joined(self.events, self.parameters)
+            self.solver.set_events(function, len(self.events), directions)
         if self.dense is not None:
             self.solver.record(self.dense)
         point = self.solver.start(t0, x0, self.t1, xdot0)
@@ -206,11 +213,10 @@ class Run:
                 )
                 ends = True
             if event.action is not None:
-                changed = event.action(point.t, x.copy(), xdot.copy())
+                changed = event.action(point.t, x.copy(), xdot.copy(), self.parameters)
                 if changed is not None:
-                    x = self.solver.problem.values(
-                        changed, f"x of the action of event {event.name!r}"
-                    )
+                    name = f"x of the action of event {event.name!r}"
+                    x = self.solver.problem.values(changed, name, missing=x)
                     is_restarted = True
         if ends or not is_restarted or point.t == self.t1:
             return not ends

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy as np
 
-from ._events import as_events
+from ._events import Event, as_events
+from ._formula import checked_value
 from ._options import check_names
 from ._problem import NonlinearProblem, Problem
 from ._progress import ProgressBar
@@ -73,8 +75,9 @@ def solve(
         Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
         a few interpolations a step. ``sol.dense`` is a RecordedSolution, which can be saved.
     events : callable, Event, or sequence of these, optional
-        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
-        solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
+        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; further arguments are
+        named parameters; see Event. As in solve_ivp, attributes ``terminal`` and ``direction`` of
+        functions count.
     breakpoints : sequence of float or dict, optional
         Times at which data have kinks, where steps end; or a dict of times and ``"kink"`` or
         ``"jump"``, the latter where x may jump. See Solver.set_breakpoints.
@@ -154,7 +157,13 @@ def solve(
         },
         t1,
     )
-    solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
+    events = as_events(events)
+    given, of_events = _split_parameters(parameters or {}, problem, events)
+    solver = Solver(problem, parameters=given, monitor=monitor, **options)
+    known = ChainMap(solver._state.values, of_events)
+    for event in events:
+        for function in event.functions:
+            function.check(problem, known)
     dense = RecordedSolution() if dense_output else None
     bar = ProgressBar(t0, t1) if progress else None
     if isinstance(breakpoints, Mapping):
@@ -166,7 +175,7 @@ def solve(
         solver._set_monitor(bar.watch(monitor))
     if sensitivities is not None:
         solver.set_sensitivities(sensitivities)
-    run = Run(solver, t1, as_events(events), dense)
+    run = Run(solver, t1, events, dense, known)
     try:
         run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))
         run.integrate(times, max_steps)
@@ -282,6 +291,19 @@ def as_problem(
     result = NonlinearProblem(problem, count, names=names, units=units)
     result._must_confirm_names = is_read and names is not None
     return result
+
+
+def _split_parameters(
+    given: Mapping[str, Any], problem: Problem, events: Sequence[Event]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values of parameters of the equations, and of those that events alone have."""
+    of_events = {
+        name: checked_value(name, value)
+        for name, value in given.items()
+        if name not in problem.parameters
+        and any(name in f.arguments.defaults for event in events for f in event.functions)
+    }
+    return {name: given[name] for name in given if name not in of_events}, of_events
 
 
 def span(t_span: Sequence[float]) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
+from ._arguments import PointFunction
 from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
@@ -340,7 +341,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         Parameters
         ----------
         function : callable or None
-            ``function(t, x, xdot)`` returns num_events numbers. None: no events any more.
+            ``function(t, x)`` or ``function(t, x, xdot)`` returns num_events numbers; arguments are
+            those of Event. None: no events any more.
         num_events : int
         directions : sequence of int, optional
             +1 where only rising zeros count, -1 where only falling ones do, else 0.
@@ -351,6 +353,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             return
         if directions is not None and len(directions) != num_events:
             raise ValueError(f"there are {len(directions)} directions for {num_events} events")
+        events = PointFunction(function, "the event function")
+        events.check(self.problem, self._state.values)
         c_directions = (
             ffi.NULL if directions is None else ffi.new("int[]", [int(d) for d in directions])
         )
@@ -358,7 +362,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             lib.sfdae_set_events, num_events, lib.python_event_function, c_directions, self._user
         )
         self._state.num_events = num_events
-        self._state.events = _single(function) if num_events == 1 else function
+        self._state.events = events
 
     @property
     def events(self) -> np.ndarray:
@@ -383,10 +387,3 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """Continues from a checkpoint instead of start(), with the same problem and options."""
         values = np.array(checkpoint, dtype=float, ndmin=1)
         self._call(lib.sfdae_restore_checkpoint, self._pointer(values), values.size)
-
-
-def _single(function: Callable[..., Any]) -> Callable[..., Any]:
-    def events(t: float, x: np.ndarray, xdot: np.ndarray) -> Any:
-        return np.reshape(function(t, x, xdot), (1,))
-
-    return events

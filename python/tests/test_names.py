@@ -343,6 +343,20 @@ def test_names_of_mechanical_systems():
         sfdae.Solver(problem)
 
 
+def test_events_that_contradict_the_names():
+    def low(t, x):
+        q, p, u, v, s = x
+        return q + 0.9
+
+    with pytest.raises(ValueError, match="names contradict .*low"):
+        sfdae.solve(pendulum, (0, 1), START, events=low)
+    with pytest.raises(ValueError, match="names contradict .*low"):
+        sfdae.solve(pendulum, (0, 1), START, events=sfdae.Event(lambda t, x: x[0], action=low))
+    solver = sfdae.Solver(sfdae.NonlinearProblem(pendulum, names=list("pquvs")))
+    with pytest.raises(ValueError, match="names contradict .*low"):
+        solver.set_events(low)
+
+
 def test_functions_are_called_as_often_as_without_names():
     calls = []
 
@@ -395,6 +409,20 @@ def test_loads_and_stores_that_are_joined_in_one_instruction(monkeypatch):
         pass
 
     assert module.read_names(function) == ("p", "q", "u")
+
+
+def test_actions_may_return_what_changes():
+    """The other unknowns stay."""
+
+    def equations(t, x, xdot):
+        place, speed = x
+        return oscillator(t, x, xdot)
+
+    turn = sfdae.Event(lambda t, x: t - 1, action=lambda t, x: {"speed": -x[1]})
+    sol = sfdae.solve(
+        equations, (0, 2), {"speed": 0, "place": 1}, events=turn, t_eval=[2.0], **EXACT
+    )
+    assert sol["place"][0] == pytest.approx(1, abs=1e-6)  # cos(2 - t) from there on
 
 
 def test_large_vectors_of_unknowns():
