@@ -56,6 +56,7 @@ class Hybrid:
         }
         if not self.solvers:
             raise ValueError("a hybrid system needs modes")
+        self._require_same_unknowns()
         self._names = list(self.solvers)
         self._equations: dict[str, str] = {}  # of sliding modes: the mode that has their parameters
         self._num_sensitivities = 0
@@ -71,6 +72,18 @@ class Hybrid:
             self._add_switch(switch)
         for transition in transitions:
             self._add(transition)
+
+    def _require_same_unknowns(self) -> None:
+        """ValueError for modes that have the same names in other orders."""
+        first, *others = self.solvers
+        names = self.solvers[first].problem.names
+        for mode in others:
+            for i, name in enumerate(self.solvers[mode].problem.names):
+                if name in names and names.index(name) != i:
+                    raise ValueError(
+                        f"{name!r} is the name of x[{names.index(name)}] in mode {first!r} and of "
+                        f"x[{i}] in mode {mode!r}: modes have the same unknowns in the same order"
+                    )
 
     def __del__(self, destroy: Callable[[Any], int] = lib.sfdae_destroy_hybrid) -> None:
         box = getattr(self, "_box", None)
