@@ -69,15 +69,44 @@ static int python_evaluate_solution(const sfdae_solution* solution, const double
   return SFDAE_OK;
 }
 
-/* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each. *done: the number of
+/* Limits the steps that are attempted in several calls together. */
+typedef struct python_limit {
+  sfdae_options* options; /* of the solver, whose max_steps is set before each call; NULL: there is no common limit */
+  long attempts;          /* since the last start, at most */
+  double direction;       /* of the integration: +1 or -1 */
+} python_limit;
+
+/* Calls sfdae_step or sfdae_advance, as far as the limit allows: SFDAE_MAX_STEPS with the end of the last step else. */
+static int python_advance(sfdae_solver* solver, const python_limit* limit, int one_step, double tout, double* t,
+                          double* x, double* xdot) {
+  if (limit->options != NULL) {
+    sfdae_statistics s;
+    long rest;
+    int status;
+    sfdae_statistics_init(&s, sizeof s);
+    status = sfdae_get_statistics(solver, &s);
+    if (status < 0) return status;
+    rest = limit->attempts - (s.steps + s.error_failures + s.other_failures);
+    if (rest <= 0 && (tout - s.t_internal) * limit->direction > 0.0) {
+      status = sfdae_advance(solver, s.t_internal, t, x, xdot);
+      return status == SFDAE_OK || status == SFDAE_INCONSISTENCY_IGNORED ? SFDAE_MAX_STEPS : status;
+    }
+    limit->options->max_steps = rest > 0 ? rest : 1; /* else tout lies within the last step: none is attempted */
+    status = sfdae_set_options(solver, limit->options);
+    if (status < 0) return status;
+  }
+  return one_step ? sfdae_step(solver, tout, t, x, xdot) : sfdae_advance(solver, tout, t, x, xdot);
+}
+
+/* Calls python_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each. *done: the number of
  * times that have been reached; if these are not all, entry *done is the point where the last call ended. Returns the
  * status of the last call, or a warning of one before. */
-static int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done, double* t,
-                                  double* x, double* xdot, size_t n) {
+static int python_advance_through(sfdae_solver* solver, const python_limit* limit, const double* times, long count,
+                                  long* done, double* t, double* x, double* xdot, size_t n) {
   int status = SFDAE_OK, warning = SFDAE_OK;
   for (; *done < count; ++*done) {
     const size_t k = (size_t)*done;
-    status = sfdae_advance(solver, times[k], t + k, x + k * n, xdot + k * n);
+    status = python_advance(solver, limit, 0, times[k], t + k, x + k * n, xdot + k * n);
     if (status != SFDAE_OK && status != SFDAE_INCONSISTENCY_IGNORED) return status;
     if (status != SFDAE_OK) warning = status;
   }

@@ -29,8 +29,15 @@ typedef struct python_recorder {
 } python_recorder;
 int python_record_step(const sfdae_progress* progress, void* recorder);
 void python_free_steps(python_recorder* recorder);
-int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
-                           double* t, double* x, double* xdot, size_t n);
+typedef struct python_limit {
+  sfdae_options* options;
+  long attempts;
+  double direction;
+} python_limit;
+int python_advance(sfdae_solver* solver, const python_limit* limit, int one_step, double tout,
+                   double* t, double* x, double* xdot);
+int python_advance_through(sfdae_solver* solver, const python_limit* limit, const double* times,
+                           long count, long* done, double* t, double* x, double* xdot, size_t n);
 int python_evaluate_solution(const sfdae_solution* solution, const double* times, long count,
                              double* x, double* xdot, size_t n);
 """

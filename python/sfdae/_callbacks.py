@@ -10,10 +10,12 @@ from typing import Any, Callable
 
 import numpy as np
 
+from ._arguments import PointFunction
 from ._binding import ffi, lib
 from ._expression import Expression, Recording, vector
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
+from ._unknowns import Watch, require_confirmed, require_same_names
 
 
 class CannotEvaluate(Exception):
@@ -37,8 +39,8 @@ class CallbackState:
     problem : Problem
     monitor : callable or None
         Called with sfdae_progress after every accepted step; a true value stops.
-    events : callable or None
-        Called with (t, x, xdot), returns num_events values.
+    events : PointFunction or None
+        Returns num_events values.
     exception : BaseException or None
         The first one that was raised since the call began.
     """
@@ -50,7 +52,7 @@ class CallbackState:
         self.problem = problem
         self.values = dict(problem.parameters)
         self.monitor: Callable[[Any], Any] | None = None
-        self.events: Callable[..., Any] | None = None
+        self.events: PointFunction | None = None
         self.num_events = 0
         self.exception: BaseException | None = None
         self.functions: dict[Any, Any] = {}  # handles of functions that formulas call
@@ -205,6 +207,20 @@ callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 # ---- Nonlinear problems --------------------------------------------------------------------------
 
 
+def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -> Any:
+    """Calls the equations with expressions t, x, xdot, and checks that they unpack x under the
+    names that the unknowns have.
+    """
+    if not problem._has_names:
+        return problem.equations(*arguments, values=values)
+    function, (t, x, xdot) = problem.equations.function, arguments
+    watch = Watch(function, x)
+    result = problem.equations(t, watch.over(x), xdot, values=values)
+    require = require_confirmed if problem._must_confirm_names else require_same_names
+    require(function, problem.names, watch.names())
+    return result
+
+
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
@@ -212,7 +228,7 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
     try:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
-        entries = flatten(problem.equations(*arguments, values=state.values), "equations")
+        entries = flatten(_written(problem, arguments, state.values), "equations")
         if len(entries) != problem.num_equations:
             raise CountMismatch(len(entries), problem.num_equations)
         write_formulas(
@@ -280,8 +296,12 @@ def _multibody_equations(
         for name, place in FORMULA_PLACES.items():
             part = problem.functions.get(name)
             if isinstance(part, Formula):
-                arguments = (time, positions, velocities) if name == "forces" else (time, positions)
-                part = part(*arguments, values=state.values)
+                watch = Watch(part.function, [*positions, *velocities])
+                arguments = [time, watch.over(positions)]
+                if name == "forces":
+                    arguments.append(watch.over(velocities))
+                function, part = part.function, part(*arguments, values=state.values)
+                require_same_names(function, problem.names, watch.names())
                 if name != "mass" and name != "kinematics" and name != "nonholonomic_matrix":
                     part = np.array([*flatten(part, name), None], dtype=object)[:-1]
             elif part is None and name == "mass":
@@ -328,5 +348,7 @@ def _monitor(state: CallbackState, progress: Any) -> int:
 @callback("python_event_function")
 def _events(state: CallbackState, t: float, x: Any, xdot: Any, g: Any) -> None:
     n = state.problem.num_unknowns
-    values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)))
+    values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)), state.values)
+    if state.num_events == 1 and np.size(values) == 1:
+        values = np.reshape(values, (1,))
     _write(g, values, (state.num_events,), "event functions")

@@ -116,11 +116,12 @@ def solve_ensemble(
     xdot : bool
         Whether derivatives are returned, too.
     names : sequence of str, optional
-        Of the unknowns, where the problem is a function.
+        Of the unknowns, in the order of x, where the problem is a function, as for solve.
     progress : bool
         Shows a bar.
     **options
-        As for solve: method, rtol, atol, fixed, max_step, ...
+        As for solve: method, rtol, atol, fixed, max_step, ... max_steps limits the steps that an
+        instance attempts between two outputs, by default 100,000.
 
     Returns
     -------

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-import inspect
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
+
+from ._arguments import PointFunction
 
 
 class Event:
@@ -16,14 +17,17 @@ class Event:
     ----------
     function : callable
         ``function(t, x)`` or ``function(t, x, xdot)`` returns a number; x and xdot have n values.
+        xdot is passed by this name. Other arguments are named parameters, as those of equations: a
+        parameter that the equations have, too, has the same value in both.
     direction : float
         > 0: only rising zeros count, < 0: only falling ones, 0: both.
     terminal : bool or int
         True: the integration ends at the first event; a number: at so many of them.
     action : callable, optional
-        ``action(t, x)`` or ``action(t, x, xdot)`` is called at the event and returns the values
-        with which the integration is started anew there, which are made consistent as the options
-        say; None: it goes on as it is.
+        ``action(t, x)`` or ``action(t, x, xdot)``, with arguments as above, is called at the event
+        and returns the values with which the integration is started anew there, which are made
+        consistent as the options say, an array or a dict of those that change; None: it goes on as
+        it is.
     name : str, optional
         For messages; the name of the function if it is not given.
 
@@ -44,15 +48,22 @@ class Event:
     ) -> None:
         if not callable(function):
             raise TypeError(f"an event has to be a function of (t, x), not {function!r}")
-        self.evaluate = _with_derivatives(function)
+        self.name = name or getattr(function, "__name__", "event")
+        self.function = PointFunction(function, f"event {self.name!r}")
         self.direction = int(np.sign(direction))
         self.limit = float("inf") if terminal is False else int(terminal)
         if self.limit < 0:
             raise ValueError(f"terminal has to be a bool or a number >= 0, not {terminal!r}")
         if self.limit == 0:
             self.limit = float("inf")
-        self.action = None if action is None else _with_derivatives(action)
-        self.name = name or getattr(function, "__name__", "event")
+        self.action: PointFunction | None = None
+        if action is not None:
+            self.action = PointFunction(action, f"the action of event {self.name!r}")
+
+    @property
+    def functions(self) -> list[PointFunction]:
+        """The function, and the action if there is one."""
+        return [self.function] if self.action is None else [self.function, self.action]
 
 
 class EventRecord(NamedTuple):
@@ -78,17 +89,6 @@ class EventRecord(NamedTuple):
     direction: int
 
 
-def _with_derivatives(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of (t, x) or (t, x, xdot) as one of (t, x, xdot)."""
-    try:
-        inspect.signature(function).bind(0.0, None, None)
-    except TypeError:
-        return lambda t, x, xdot: function(t, x)
-    except ValueError:  # no signature is known
-        return lambda t, x, xdot: function(t, x)
-    return function
-
-
 def as_events(events: Any) -> list[Event]:
     """None, an event or a sequence of them, each a function or an Event."""
     if events is None:
@@ -109,13 +109,13 @@ def as_events(events: Any) -> list[Event]:
     return result
 
 
-def joined(events: Sequence[Event]) -> Callable[..., list[float]]:
-    """One function that returns the values of all events."""
+def joined(events: Sequence[Event], known: Mapping[str, Any]) -> Callable[..., list[float]]:
+    """One function that returns the values of all events. known: values of parameters."""
 
     def evaluate(t: float, x: np.ndarray, xdot: np.ndarray) -> list[float]:
         values = []
         for event in events:
-            value = event.evaluate(t, x, xdot)
+            value = event.function(t, x, xdot, known)
             if np.size(value) != 1:
                 raise ValueError(f"event {event.name} returned {value!r}, not a number")
             values.append(float(np.reshape(value, ())))

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import inspect
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
+from ._arguments import Arguments
 from ._binding import ffi, lib
 from ._expression import Expression, Recording, as_expression, parameter
 
@@ -23,27 +23,10 @@ class Formula:
     """
 
     def __init__(self, function: Callable[..., Any], positional: Sequence[str], name: str) -> None:
-        if not callable(function):
-            raise TypeError(
-                f"{name} has to be a function of ({', '.join(positional)}), not {function!r}"
-            )
+        self.arguments = Arguments(function, positional, name)
         self.function = function
         self.name = name
-        self.defaults: dict[str, Any] = {}
-        try:
-            signature = inspect.signature(function)
-        except (TypeError, ValueError):  # functions of C have none
-            return
-        places = list(signature.parameters.values())
-        kinds = [place.kind for place in places]
-        count = sum(kind in (kind.POSITIONAL_ONLY, kind.POSITIONAL_OR_KEYWORD) for kind in kinds)
-        if count < len(positional) and inspect.Parameter.VAR_POSITIONAL not in kinds:
-            raise TypeError(
-                f"{name} has to accept ({', '.join(positional)}), but its arguments are {signature}"
-            )
-        for place in places[len(positional) :]:
-            if place.kind in (place.POSITIONAL_OR_KEYWORD, place.KEYWORD_ONLY):
-                self.defaults[place.name] = None if place.default is place.empty else place.default
+        self.defaults = self.arguments.defaults
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any]) -> Any:
         """The formulas; each parameter is recorded where `arguments` are recorded."""

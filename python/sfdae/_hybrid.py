@@ -34,7 +34,8 @@ class Hybrid:
         Each adds a mode, which transitions may name. Transitions are counted from 0 on, the four of
         each switch first.
     **options
-        Of the solvers of modes that are given as problems.
+        Of the solvers of modes that are given as problems. max_steps limits the steps that a call
+        attempts between two transitions.
 
     Raises
     ------
@@ -55,7 +56,9 @@ class Hybrid:
         }
         if not self.solvers:
             raise ValueError("a hybrid system needs modes")
+        self._require_same_unknowns()
         self._names = list(self.solvers)
+        self._equations: dict[str, str] = {}  # of sliding modes: the mode that has their parameters
         self._num_sensitivities = 0
         self._states: list[_State | SurfaceState] = []
         self._handles: list[Any] = []
@@ -69,6 +72,18 @@ class Hybrid:
             self._add_switch(switch)
         for transition in transitions:
             self._add(transition)
+
+    def _require_same_unknowns(self) -> None:
+        """ValueError for modes that have the same names in other orders."""
+        first, *others = self.solvers
+        names = self.solvers[first].problem.names
+        for mode in others:
+            for i, name in enumerate(self.solvers[mode].problem.names):
+                if name in names and names.index(name) != i:
+                    raise ValueError(
+                        f"{name!r} is the name of x[{names.index(name)}] in mode {first!r} and of "
+                        f"x[{i}] in mode {mode!r}: modes have the same unknowns in the same order"
+                    )
 
     def __del__(self, destroy: Callable[[Any], int] = lib.sfdae_destroy_hybrid) -> None:
         box = getattr(self, "_box", None)
@@ -89,7 +104,8 @@ class Hybrid:
 
     def _add_switch(self, switch: Switch) -> None:
         below, above = self._number(switch.below), self._number(switch.above)
-        problem = self.solvers[switch.below].problem if switch.below in self.solvers else self._problem
+        self._equations[switch.name] = self._equations.get(switch.below, switch.below)
+        problem = self.solvers[self._equations[switch.name]].problem
         state = SurfaceState(switch, problem)
         handle = ffi.new_handle(state)
         self._states.append(state)
@@ -100,11 +116,13 @@ class Hybrid:
         self._names.append(switch.name)
 
     def _add(self, transition: Transition) -> None:
-        state = _State(transition, self._problem.num_unknowns)
+        number = self._number(transition.source)
+        solver = self.solvers[self._equations.get(transition.source, transition.source)]
+        state = _State(transition, solver.problem, solver._state.values)
         handle = ffi.new_handle(state)
         c = ffi.new("sfdae_transition*")
         lib.sfdae_transition_init(c, ffi.sizeof(c[0]))
-        setattr(c, "from", self._number(transition.source))
+        setattr(c, "from", number)
         c.to = self._number(transition.target)
         c.kind = transition.kind
         c.direction = transition.direction
@@ -207,7 +225,16 @@ class Hybrid:
         """Asks for derivatives of the solution from the next start() on, over all modes and
         transitions: see Solver.set_sensitivities. The names are those of parameters of some mode,
         or of unknowns: then by their start values. None: no sensitivities any more.
+
+        Raises
+        ------
+        ValueError
+            For a parameter of conditions, guards or jumps, which may depend on parameters through x
+            alone.
         """
+        for state in self._states:
+            if isinstance(state, _State):
+                state.require_independence(names)
         request = _Request(
             self._problem, names, directions, error_test, scales, adjoint, max_kept_steps
         )

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import inspect
 from typing import Any, Mapping
 
 import numpy as np
 
+from ._arguments import Arguments
 from ._binding import ffi
 from ._formula import Formula
 
@@ -73,11 +73,15 @@ def coefficient(name: str, given: Any, dimension: int) -> Any:
                 f"{'vector' if dimension == 1 else 'matrix'}"
             )
         return array
-    try:
-        has_order = "order" in inspect.signature(given).parameters
-    except (TypeError, ValueError):
-        has_order = False
-    return given if has_order else Formula(given, ("t",), name)
+    arguments = Arguments(given, ("t",), name, ("order",))
+    if not arguments.by_name:
+        return Formula(given, ("t",), name)
+    if arguments.required:
+        raise TypeError(
+            f"the argument {arguments.required[0]} of {name} has no value: functions of (t, order) "
+            "have no parameters but those with defaults"
+        )
+    return lambda t, order: given(t, order=order)
 
 
 def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:

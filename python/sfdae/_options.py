@@ -82,8 +82,9 @@ def c_options(problem: Problem, options: Mapping[str, Any], keep: list[Any]) -> 
     for name, value in options.items():
         if value is None:
             continue
-        if name in ("rtol", "atol") and np.ndim(value) > 0:
-            setattr(c, f"{name}_vector", _doubles(problem, value, name, keep))
+        if name in ("rtol", "atol") and (isinstance(value, Mapping) or np.ndim(value) > 0):
+            c_values = _doubles(problem, value, name, keep, getattr(c, name))
+            setattr(c, f"{name}_vector", c_values)
         elif name == "fixed":
             c.fixed = _flags(problem, value, keep)
             if options.get("initial_values") is None:
@@ -107,8 +108,10 @@ def _number(name: str, value: Any) -> Any:
     return int(value)
 
 
-def _doubles(problem: Problem, value: Any, name: str, keep: list[Any]) -> Any:
-    keep.append(ffi.new("double[]", problem.values(value, name).tolist()))
+def _doubles(
+    problem: Problem, value: Any, name: str, keep: list[Any], missing: float = 0.0
+) -> Any:
+    keep.append(ffi.new("double[]", problem.values(value, name, missing).tolist()))
     return keep[-1]
 
 

@@ -73,27 +73,33 @@ class Problem:
         """
         if isinstance(unknown, str):
             if unknown not in self.names:
-                raise KeyError(
-                    f"there is no unknown {unknown!r}; there are {', '.join(self.names)}"
-                )
+                hint = "" if self._has_names else ": give names=[...] to use others"
+                known = ", ".join(self.names)
+                raise KeyError(f"there is no unknown {unknown!r}; there are {known}{hint}")
             return self.names.index(unknown)
         i = int(unknown)
         if not -self.num_unknowns <= i < self.num_unknowns:
             raise IndexError(f"there is no unknown {i}: the problem has {self.num_unknowns}")
         return i % self.num_unknowns
 
-    def values(self, given: Any, name: str = "x0") -> np.ndarray:
+    def values(self, given: Any, name: str = "x0", missing: Any = 0.0) -> np.ndarray:
         """Values of all unknowns as a new array.
 
         Parameters
         ----------
         given : array_like or mapping
-            n numbers, or values by name or index; unknowns that are not named are 0.
+            n numbers, or values by name or index; all others have the value, or values, `missing`.
+        name : str
+            What they are, for messages.
         """
         if isinstance(given, Mapping):
-            result = np.zeros(self.num_unknowns)
-            for unknown, value in given.items():
-                result[self.index(unknown)] = value
+            result = np.zeros(self.num_unknowns) + missing
+            indices = [self.index(unknown) for unknown in given]
+            if len(set(indices)) < len(indices):
+                twice = next(i for i in indices if indices.count(i) > 1)
+                raise ValueError(f"{name} has two values for {self.names[twice]}")
+            for i, value in zip(indices, given.values()):
+                result[i] = value
             return result
         result = np.array(given, dtype=float, ndmin=1)
         if result.shape != (self.num_unknowns,):
@@ -222,6 +228,7 @@ class NonlinearProblem(Matrices, Problem):
         )
         self.total_derivative = total_derivative
         self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
+        self._must_confirm_names = False  # they were read from the equations
         self._set_prescribed(prescribed)
         self.differentiations = (
             None if differentiations is None else [int(count) for count in differentiations]

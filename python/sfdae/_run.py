@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -28,12 +28,18 @@ class Run:
     """
 
     def __init__(
-        self, solver: Solver, t1: float, events: Sequence[Event], dense: RecordedSolution | None
+        self,
+        solver: Solver,
+        t1: float,
+        events: Sequence[Event],
+        dense: RecordedSolution | None,
+        parameters: Mapping[str, Any],
     ) -> None:
         self.solver = solver
         self.t1 = t1
         self.events = events
         self.dense = dense
+        self.parameters = parameters  # values, of events as well
         self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.happened: list[EventRecord] = []
         self.status = Status.OK
@@ -43,6 +49,8 @@ class Run:
         self.last: Point | None = None
         self._counts = [0] * len(events)
         self._S: list[np.ndarray] | None = [] if solver._num_sensitivities > 0 else None
+        self._limit = ffi.new("python_limit*")
+        self._max_steps = 0  # in the whole run; 0: the limit of each call is enough
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -50,7 +58,8 @@ class Run:
         """The consistent values at the start; a warning where they are not what was meant."""
         if self.events:
             directions = [event.direction for event in self.events]
-            self.solver.set_events(joined(self.events), len(self.events), directions)
+            function = joined(self.events, self.parameters)
+            self.solver.set_events(function, len(self.events), directions)
         if self.dense is not None:
             self.solver.record(self.dense)
         point = self.solver.start(t0, x0, self.t1, xdot0)
@@ -58,8 +67,11 @@ class Run:
             self._note(point.message, InitialValuesWarning)
         self._add(point)
 
-    def integrate(self, t_eval: np.ndarray | None) -> None:
-        """To the end, or as far as it goes."""
+    def integrate(self, t_eval: np.ndarray | None, max_steps: int | None) -> None:
+        """To the end, or as far as it goes. max_steps: attempts in the whole run; None: the default
+        of the library, between outputs if there are times of outputs.
+        """
+        self._limit_steps(max_steps, t_eval is None)
         try:
             if t_eval is not None:
                 self._through(t_eval)
@@ -72,6 +84,16 @@ class Run:
             self._end(Status.STOPPED, "interrupted by the user")
         except Error as error:
             self._end(error.status, error.message)
+
+    def _limit_steps(self, max_steps: int | None, has_one_call: bool) -> None:
+        if max_steps is None and not has_one_call:
+            return
+        c, arrays = self.solver._c_options(self.solver._options)
+        self._alive = c, arrays
+        self._max_steps = c.max_steps  # given, or the default
+        limit = self._limit
+        limit.options, limit.attempts = c, c.max_steps
+        limit.direction = 1.0 if self.t1 > self.last.t else -1.0
 
     def _through(self, t_eval: np.ndarray) -> None:
         """Outputs at given times, as many as possible in one call."""
@@ -94,7 +116,7 @@ class Run:
                 # Sensitivities are known within the last step only.
                 limit = count if self._S is None else done[0] + 1
                 status = lib.python_advance_through(
-                    self.solver._box[0], c_times, limit, done, *pointers, n
+                    self.solver._box[0], self._limit, c_times, limit, done, *pointers, n
                 )
                 k = min(done[0], limit - 1)
                 point = Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), "")
@@ -109,23 +131,25 @@ class Run:
 
     def _to_end(self) -> None:
         """From the last output to the end of the interval, which may hold events or failures."""
-        while self._next(*self._call(lib.sfdae_advance, self.t1)) and self.last.t != self.t1:
+        while self._next(*self._call(0)) and self.last.t != self.t1:
             pass
 
     def _step_by_step(self) -> None:
         """Every step on its own: their ends are the outputs."""
         while self.last.t != self.t1:
-            status, point = self._call(lib.sfdae_step, self.t1)
+            status, point = self._call(1)
             goes_on = self._next(status, point)
             self._add_reached(point)
             if not goes_on:
                 return
 
-    def _call(self, function: Callable[..., int], target: float) -> tuple[int, Point]:
+    def _call(self, one_step: int) -> tuple[int, Point]:
+        """To the end, or one step toward it."""
         solver = self.solver
         t = ffi.new("double*", np.nan)
         x, xdot = np.empty((2, solver.problem.num_unknowns))
-        status = function(solver._box[0], target, t, solver._pointer(x), solver._pointer(xdot))
+        pointers = t, solver._pointer(x), solver._pointer(xdot)
+        status = lib.python_advance(solver._box[0], self._limit, one_step, self.t1, *pointers)
         return status, Point(t[0], x, xdot, Status(status), "")
 
     def _add_reached(self, point: Point) -> None:
@@ -155,6 +179,13 @@ class Run:
         if exception is not None:
             raise exception
         message = self.solver.message if status != lib.SFDAE_OK else ""
+        if status == lib.SFDAE_MAX_STEPS and self._max_steps > 0:
+            message = (
+                f"{self._max_steps} steps attempted in the whole run, the limit max_steps, without "
+                f"reaching the end t = {self.t1:.9g}. Raise max_steps, or loosen the tolerances. "
+                "If the steps are very small, look for their reason first, such as an equation "
+                "that jumps."
+            )
         if status == lib.SFDAE_INCONSISTENCY_IGNORED and message not in self.notes:
             self._note(message, IntegrationWarning)
         if status == lib.SFDAE_EVENT:
@@ -182,14 +213,17 @@ class Run:
                 )
                 ends = True
             if event.action is not None:
-                changed = event.action(point.t, x.copy(), xdot.copy())
+                changed = event.action(point.t, x.copy(), xdot.copy(), self.parameters)
                 if changed is not None:
-                    x = self.solver.problem.values(
-                        changed, f"x of the action of event {event.name!r}"
-                    )
+                    name = f"x of the action of event {event.name!r}"
+                    x = self.solver.problem.values(changed, name, missing=x)
                     is_restarted = True
         if ends or not is_restarted or point.t == self.t1:
             return not ends
+        statistics = self.solver.statistics
+        self._limit.attempts -= (
+            statistics.steps + statistics.error_failures + statistics.other_failures
+        )
         restart = self.solver.start(point.t, x, self.t1)
         if restart.status > 0:
             self._note(

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy as np
 
-from ._events import as_events
+from ._events import Event, as_events
+from ._formula import checked_value
 from ._options import check_names
 from ._problem import NonlinearProblem, Problem
 from ._progress import ProgressBar
@@ -17,6 +19,7 @@ from ._run import Run
 from ._solution import Solution
 from ._points import Point
 from ._solver import Solver
+from ._unknowns import names_for
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
 
@@ -35,6 +38,7 @@ def solve(
     breakpoints: Any = None,
     fixed: Any = None,
     parameters: Mapping[str, Any] | None = None,
+    max_steps: int | None = None,
     sensitivities: Sequence[str] | None = None,
     xdot0: Any = None,
     names: Sequence[str] | None = None,
@@ -55,9 +59,10 @@ def solve(
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name. What is not known at the start (forces, currents) is guessed as
-        0, which is what unknowns not named are: the library finds consistent values and keeps what
-        is differentiated where it can.
+        n values, or values by name: the names are those of the problem, those in ``names``, or
+        those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
+        start (forces, currents) is guessed as 0, which is what unknowns not named are: the library
+        finds consistent values and keeps what is differentiated where it can.
     method : str
         ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or
         ``"automatic"``.
@@ -70,23 +75,27 @@ def solve(
         Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
         a few interpolations a step. ``sol.dense`` is a RecordedSolution, which can be saved.
     events : callable, Event, or sequence of these, optional
-        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
-        solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
+        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; further arguments are
+        named parameters; see Event. As in solve_ivp, attributes ``terminal`` and ``direction`` of
+        functions count.
     breakpoints : sequence of float or dict, optional
         Times at which data have kinks, where steps end; or a dict of times and ``"kink"`` or
         ``"jump"``, the latter where x may jump. See Solver.set_breakpoints.
     fixed : sequence of str or int or bool, optional
         Unknowns whose initial values must not change.
     parameters : dict, optional
-        Values of named parameters.
+        Values of named parameters, of the equations and of events.
+    max_steps : int, optional
+        Steps attempted in the whole run at most, restarts after events included. By default 100,000
+        in the whole run, or with t_eval between two outputs.
     sensitivities : sequence of str, optional
         Names of parameters, or of unknowns (by their start values), by which the solution is
         differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.
     xdot0 : array_like or dict, optional
         A guess of x', for problems that allow several.
     names, units : sequence of str, optional
-        Of the unknowns, where the problem is a function; by default the keys of x0, if it is a
-        dict.
+        Of the unknowns, in the order of x, where the problem is a function. Needed where x0 is a
+        dict and the function does not unpack x as a whole; the order of the keys does not matter.
     progress : bool
         Shows a bar with time, step size and order.
     monitor : callable, optional
@@ -117,7 +126,7 @@ def solve(
     InitialValuesWarning
         If initial values that are differentiated had to change, or the solution is not unique.
     IntegrationWarning
-        If the end was not reached.
+        If the end was not reached, with ``Status.MAX_STEPS`` because max_steps was too small, say.
 
     Examples
     --------
@@ -138,9 +147,23 @@ def solve(
     times = None if t_eval is None else output_times(t_eval, t0, t1)
     dense_output = times is None if dense_output is None else bool(dense_output)
     options = with_stop_time(
-        {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
+        {
+            **options,
+            "method": method,
+            "rtol": rtol,
+            "atol": atol,
+            "fixed": fixed,
+            "max_steps": max_steps,
+        },
+        t1,
     )
-    solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
+    events = as_events(events)
+    given, of_events = _split_parameters(parameters or {}, problem, events)
+    solver = Solver(problem, parameters=given, monitor=monitor, **options)
+    known = ChainMap(solver._state.values, of_events)
+    for event in events:
+        for function in event.functions:
+            function.check(problem, known)
     dense = RecordedSolution() if dense_output else None
     bar = ProgressBar(t0, t1) if progress else None
     if isinstance(breakpoints, Mapping):
@@ -152,10 +175,10 @@ def solve(
         solver._set_monitor(bar.watch(monitor))
     if sensitivities is not None:
         solver.set_sensitivities(sensitivities)
-    run = Run(solver, t1, as_events(events), dense)
+    run = Run(solver, t1, events, dense, known)
     try:
         run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))
-        run.integrate(times)
+        run.integrate(times, max_steps)
         return run.solution()
     finally:
         if bar is not None:
@@ -185,7 +208,7 @@ def analyze(
     x : array_like or dict, optional
         Values near the solution; linear problems need none.
     names, parameters, **options
-        As for solve.
+        As for solve; names are needed for a dict x where they cannot be read from the function.
 
     Returns
     -------
@@ -258,11 +281,29 @@ def as_problem(
         return problem
     if not callable(problem):
         raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
-    if names is None and isinstance(x0, Mapping):
-        names = list(x0)
-    return NonlinearProblem(
-        problem, len(names) if names is not None else np.size(x0), names=names, units=units
-    )
+    count = np.size(x0)
+    is_read = names is None and isinstance(x0, Mapping)
+    if is_read:
+        found = names_for(problem, x0)
+        names, count = (None, found) if isinstance(found, int) else (found, len(found))
+    elif names is not None:
+        count = len(names)
+    result = NonlinearProblem(problem, count, names=names, units=units)
+    result._must_confirm_names = is_read and names is not None
+    return result
+
+
+def _split_parameters(
+    given: Mapping[str, Any], problem: Problem, events: Sequence[Event]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values of parameters of the equations, and of those that events alone have."""
+    of_events = {
+        name: checked_value(name, value)
+        for name, value in given.items()
+        if name not in problem.parameters
+        and any(name in f.arguments.defaults for event in events for f in event.functions)
+    }
+    return {name: given[name] for name in given if name not in of_events}, of_events
 
 
 def span(t_span: Sequence[float]) -> tuple[float, float]:

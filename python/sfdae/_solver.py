@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
+from ._arguments import PointFunction
 from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
@@ -86,24 +87,14 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         keep: list[Any] = []
         c_problem = problem._c_problem(keep)
         c_problem.user = self._user
-        c = c_options(problem, self._options, keep)
-        self._set_c_monitor(c)
+        c, alive = self._c_options(self._options)
         status = getattr(lib, f"sfdae_create_{problem.kind}")(self._box, c_problem, c)
         if status >= 0:
             return
         exception = state.take_exception()
         if exception is not None:
             raise exception
-        text = ffi.new("char[]", 4096)
-        getattr(lib, f"sfdae_check_{problem.kind}")(c_problem, c, text, 4096)
-        exception = state.take_exception()
-        if exception is not None:
-            raise exception
-        raise Error(status, problem.with_names(ffi.string(text).decode(errors="replace")))
-
-    def _set_c_monitor(self, options: Any) -> None:
-        options.monitor = ffi.addressof(lib, "python_record_step")
-        options.monitor_user = self._recorder
+        raise Error(status, problem.with_names(ffi.string(lib.sfdae_message(ffi.NULL)).decode(errors="replace")))
 
     def _set_monitor(self, monitor: Callable[[Any], Any] | None) -> None:
         """Has the monitor called after every step; without one Python only notices Ctrl-C."""
@@ -184,11 +175,17 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         necessary.
         """
         merged = {**self._options, **options}
-        keep: list[Any] = []
-        c = c_options(self.problem, merged, keep)
-        self._set_c_monitor(c)
+        c, alive = self._c_options(merged)
         self._call(lib.sfdae_set_options, c)
         self._options = merged
+
+    def _c_options(self, options: Mapping[str, Any]) -> tuple[Any, list[Any]]:
+        """A struct sfdae_options with the monitor of this solver, and what it points to."""
+        keep: list[Any] = []
+        c = c_options(self.problem, options, keep)
+        c.monitor = ffi.addressof(lib, "python_record_step")
+        c.monitor_user = self._recorder
+        return c, keep
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -339,7 +336,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         Parameters
         ----------
         function : callable or None
-            ``function(t, x, xdot)`` returns num_events numbers. None: no events any more.
+            ``function(t, x)`` or ``function(t, x, xdot)`` returns num_events numbers; arguments are
+            those of Event. None: no events any more.
         num_events : int
         directions : sequence of int, optional
             +1 where only rising zeros count, -1 where only falling ones do, else 0.
@@ -350,6 +348,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             return
         if directions is not None and len(directions) != num_events:
             raise ValueError(f"there are {len(directions)} directions for {num_events} events")
+        events = PointFunction(function, "the event function")
+        events.check(self.problem, self._state.values)
         c_directions = (
             ffi.NULL if directions is None else ffi.new("int[]", [int(d) for d in directions])
         )
@@ -357,7 +357,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             lib.sfdae_set_events, num_events, lib.python_event_function, c_directions, self._user
         )
         self._state.num_events = num_events
-        self._state.events = _single(function) if num_events == 1 else function
+        self._state.events = events
 
     @property
     def events(self) -> np.ndarray:
@@ -382,10 +382,3 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """Continues from a checkpoint instead of start(), with the same problem and options."""
         values = np.array(checkpoint, dtype=float, ndmin=1)
         self._call(lib.sfdae_restore_checkpoint, self._pointer(values), values.size)
-
-
-def _single(function: Callable[..., Any]) -> Callable[..., Any]:
-    def events(t: float, x: np.ndarray, xdot: np.ndarray) -> Any:
-        return np.reshape(function(t, x, xdot), (1,))
-
-    return events

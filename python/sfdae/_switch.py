@@ -21,8 +21,8 @@ class Switch:
     below, above : str
         Modes, of recorded equations, that hold where g < 0 and where g > 0.
     surface : callable
-        ``surface(t, x, ...)`` returns the formula g. Its other arguments are named parameters: the
-        modes' values count where these have them, else the defaults.
+        ``surface(t, x, ...)`` returns the formula g. Its other arguments are named parameters: those
+        that the modes have, too, have the same value there, and others their defaults.
     name : str
         Of the sliding mode.
     """
@@ -38,6 +38,7 @@ class SurfaceState:
     """What the callback of a switch gets as `user`."""
 
     def __init__(self, switch: Switch, problem: Problem) -> None:
+        switch.surface.arguments.require_same_defaults(problem.parameters, problem.parameters)
         known = {k: v for k, v in problem.parameters.items() if k in switch.surface.defaults}
         self.values = parameter_values([switch.surface], known)
         self.switch, self.n = switch, problem.num_unknowns

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
+from ._arguments import PointFunction
 from ._binding import lib
 from ._callbacks import _numbers, _write, callback
-from ._events import _with_derivatives
+from ._problem import Problem
 
 
 class Transition:
@@ -21,7 +22,9 @@ class Transition:
         Names of modes.
     condition : callable, optional
         ``condition(t, x)`` or ``condition(t, x, xdot)``: the transition happens as soon as it is
-        > 0, by more than what the tolerances of x leave unknown; also where the mode begins.
+        > 0, by more than what the tolerances of x leave unknown; also where the mode begins. xdot
+        is passed by this name. Other arguments are named parameters: those that the equations of
+        the source have, too, have the same value there, and others their defaults.
     zero : callable, optional
         A function of the same kind: the transition happens where it passes zero.
     direction : int
@@ -31,8 +34,9 @@ class Transition:
     guard : callable, optional
         A function of the same kind: no transition unless it is > 0 then.
     jump : callable, optional
-        ``jump(t, x)`` returns the values after the transition, which are made consistent. None:
-        they follow from impulses of the equations, as by Solver.jump.
+        ``jump(t, x)``, with named parameters as above, returns the values after the transition,
+        which are made consistent. None: they follow from impulses of the equations, as by
+        Solver.jump.
     """
 
     def __init__(
@@ -57,9 +61,11 @@ class Transition:
         elif zero is not None:
             self.kind = lib.SFDAE_TRANSITION_ZERO
         function = condition if condition is not None else zero
-        self.function = None if function is None else _with_derivatives(function)
-        self.guard = None if guard is None else _with_derivatives(guard)
-        self.jump = jump
+        kind = "condition" if condition is not None else "zero"
+        way = f"of the transition from {source!r} to {target!r}"
+        self.function = None if function is None else PointFunction(function, f"{kind} {way}")
+        self.guard = None if guard is None else PointFunction(guard, f"guard {way}")
+        self.jump = None if jump is None else PointFunction(jump, f"jump {way}", has_xdot=False)
 
 
 class Passage(NamedTuple):
@@ -89,16 +95,33 @@ class Passage(NamedTuple):
 
 
 class _State:
-    """What the callbacks of a transition get as `user`."""
+    """The callbacks of a transition get this as `user`. problem, known: the problem of the source,
+    and the values of its parameters.
+    """
 
-    def __init__(self, transition: Transition, num_unknowns: int) -> None:
-        self.transition, self.n = transition, num_unknowns
+    def __init__(self, transition: Transition, problem: Problem, known: Mapping[str, Any]) -> None:
+        self.transition, self.n, self.known = transition, problem.num_unknowns, known
         self.exception: BaseException | None = None
+        given = (transition.function, transition.guard, transition.jump)
+        self.functions = [function for function in given if function is not None]
+        for function in self.functions:
+            function.check(problem, known)
+
+    def require_independence(self, names: Sequence[str]) -> None:
+        """ValueError if a function has one of these parameters: its derivative would be missing."""
+        wanted = {name.split("[")[0] for name in names}
+        for function in self.functions:
+            for name in wanted & self.known.keys() & function.arguments.defaults.keys():
+                raise ValueError(
+                    f"{function.name} has the parameter {name}, so that the derivative by {name} "
+                    f"is not known: make it an unknown with the equation {name}' = 0 and ask for "
+                    "the sensitivity by its start value"
+                )
 
 
-def _evaluate(state: _State, function: Any, t: float, x: Any, xdot: Any, g: Any) -> None:
-    value = function(t, _numbers(x, (state.n,)), _numbers(xdot, (state.n,)))
-    _write(g, np.reshape(value, (1,)), (1,), "a function of a transition")
+def _evaluate(state: _State, function: PointFunction, t: float, x: Any, xdot: Any, g: Any) -> None:
+    value = function(t, _numbers(x, (state.n,)), _numbers(xdot, (state.n,)), state.known)
+    _write(g, np.reshape(value, (1,)), (1,), function.name)
 
 
 @callback("python_transition_function")
@@ -113,5 +136,6 @@ def _guard(state: _State, t: float, x: Any, xdot: Any, g: Any) -> None:
 
 @callback("python_transition_jump")
 def _jump(state: _State, t: float, source: int, target: int, before: Any, after: Any) -> None:
-    value = state.transition.jump(t, _numbers(before, (state.n,)).copy())
-    _write(after, value, (state.n,), "jump of a transition")
+    jump = state.transition.jump
+    value = jump(t, _numbers(before, (state.n,)).copy(), None, state.known)
+    _write(after, value, (state.n,), jump.name)

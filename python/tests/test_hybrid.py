@@ -122,6 +122,16 @@ def test_mistakes_are_named():
         system.start("ajar", 0, [1, 0, 0], 1)
 
 
+def test_modes_with_unknowns_in_other_orders():
+    def problem(*names):
+        return sfdae.NonlinearProblem(lambda t, x, xdot: [xdot[0] - x[1], xdot[1]], names=names)
+
+    text = r"'v' is the name of x\[1\] in mode 'up' and of x\[0\] in mode 'down'"
+    with pytest.raises(ValueError, match=text):
+        sfdae.Hybrid({"up": problem("h", "v"), "down": problem("v", "h")})
+    sfdae.Hybrid({"up": problem("h", "v"), "down": problem("h", "speed")})
+
+
 def test_exceptions_are_passed_on():
     def fail(t, x):
         raise KeyError("no jump")

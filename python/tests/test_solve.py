@@ -153,9 +153,11 @@ def test_names_of_the_solution():
 
 
 def test_names_from_a_dictionary_of_values():
-    sol = sfdae.solve(
-        lambda t, x, xdot: [xdot[0] - x[1], xdot[1] + x[0]], (0, 1), {"place": 1.0, "speed": 0.0}
-    )
+    def equations(t, x, xdot):
+        place, speed = x
+        return [xdot[0] - speed, xdot[1] + place]
+
+    sol = sfdae.solve(equations, (0, 1), {"place": 1.0, "speed": 0.0})
     assert sol.names == ("place", "speed")
 
 
@@ -445,6 +447,107 @@ def test_other_exceptions_of_a_monitor_are_raised():
     with pytest.raises(LookupError, match="lost") as caught:
         sfdae.solve(oscillator, (0, 10), [1, 0], monitor=monitor)
     assert any(entry.name == "monitor" for entry in caught.traceback)
+
+
+# ---- The limit of steps --------------------------------------------------------------------------
+
+
+def attempts(sol):
+    statistics = sol.report.statistics
+    return statistics.steps + statistics.error_failures + statistics.other_failures
+
+
+LIMITED = [dict(), dict(t_eval=[100]), dict(t_eval=np.linspace(0, 100, 1001)), dict(t_eval=[])]
+LIMITED += [dict(sensitivities=["k"]), dict(t_eval=[1, 50, 100], sensitivities=["k"])]
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+@pytest.mark.parametrize("arguments", LIMITED)
+def test_max_steps_limits_the_whole_run(method, arguments):
+    limit = 100 if method == "bdf" else 15
+    text = rf"ended at t = .*: {limit} steps attempted .*, the limit max_steps, .* t = 100\."
+    with pytest.warns(sfdae.IntegrationWarning, match=text):
+        sol = sfdae.solve(
+            oscillator, (0, 100), [1, 0], method=method, max_steps=limit, rtol=1e-8, **arguments
+        )
+    assert sol.status == Status.MAX_STEPS and not sol.success
+    assert attempts(sol) == limit
+    assert 0 < sol.last.t < 100 and sol.last.t == sol.steps.t[-1]
+    assert sol.last.x == pytest.approx(oscillation(sol.last.t), abs=1e-4)
+    assert sol.x == pytest.approx(oscillation(sol.t), abs=1e-4)
+    if "t_eval" in arguments:
+        times = np.array(arguments["t_eval"])
+        assert sol.t.tolist() == times[times <= sol.last.t].tolist()
+    else:
+        assert sol.t[-1] == sol.last.t and sol(sol.last.t / 2) == pytest.approx(
+            oscillation(sol.last.t / 2), abs=1e-4
+        )
+    if "sensitivities" in arguments:
+        assert sol.S.shape == (2, 1, sol.t.size)
+
+
+@pytest.mark.parametrize("t_eval", [None, [0.5, 3.0, 10.0], np.linspace(0, 10, 301)])
+def test_the_same_steps_below_the_limit(t_eval):
+    plain = sfdae.solve(oscillator, (0, 10), [1, 0], t_eval=t_eval)
+    needed = attempts(plain)
+    enough = sfdae.solve(oscillator, (0, 10), [1, 0], t_eval=t_eval, max_steps=needed)
+    assert enough.success and np.array_equal(enough.x, plain.x)
+    assert np.array_equal(enough.steps.t, plain.steps.t)
+    with pytest.warns(sfdae.IntegrationWarning, match=f"{needed - 1} steps"):
+        less = sfdae.solve(oscillator, (0, 10), [1, 0], t_eval=t_eval, max_steps=needed - 1)
+    assert less.status == Status.MAX_STEPS and attempts(less) == needed - 1
+    assert np.array_equal(less.x, plain.x[:, : less.t.size]) and less.t.size < plain.t.size
+
+
+@pytest.mark.parametrize("t_eval", [None, np.linspace(0, 100, 11)])
+def test_max_steps_counts_those_before_restarts(t_eval):
+    """Each zero turns the solution around, and the integration begins anew."""
+    turn = sfdae.Event(lambda t, x: x[0], action=lambda t, x: [1.0, 0.0])
+    with pytest.warns(sfdae.IntegrationWarning, match="500 steps attempted in the whole run"):
+        sol = sfdae.solve(
+            oscillator, (0, 100), [1, 0], events=turn, max_steps=500, t_eval=t_eval
+        )
+    assert sol.status == Status.MAX_STEPS and len(sol.events) > 5
+    # The steps in which an event lies go beyond it, and those are attempted, too.
+    assert 400 < sol.steps.t.size <= 500
+
+
+def friction(t, x, xdot):
+    """A block on a table that is pulled less than friction holds: the sign chatters."""
+    place, speed = x
+    return [xdot[0] - speed, xdot[1] + np.sign(speed) - 0.5 * np.sin(t)]
+
+
+@pytest.mark.parametrize("t_eval", [None, [10.0]])
+def test_equations_that_chatter_end_at_the_limit(t_eval):
+    with pytest.warns(sfdae.IntegrationWarning):
+        sol = sfdae.solve(friction, (0, 10), [0, 1e-3], t_eval=t_eval, max_steps=2000)
+    assert not sol.success and attempts(sol) <= 2000
+
+
+def test_the_limit_without_max_steps(monkeypatch):
+    """Without t_eval there is one, too."""
+    original = sfdae._solver.c_options
+
+    def small(*arguments):
+        c = original(*arguments)
+        if c.max_steps == 100000:
+            c.max_steps = 50
+        return c
+
+    monkeypatch.setattr(sfdae._solver, "c_options", small)
+    with pytest.warns(sfdae.IntegrationWarning, match="50 steps attempted in the whole run"):
+        sol = sfdae.solve(oscillator, (0, 100), [1, 0])
+    assert sol.status == Status.MAX_STEPS and attempts(sol) == 50
+    assert sfdae.solve(oscillator, (0, 10), [1, 0], t_eval=np.linspace(0, 10, 11)).success
+    with pytest.warns(sfdae.IntegrationWarning, match="50 steps attempted without reaching tout"):
+        sfdae.solve(oscillator, (0, 100), [1, 0], t_eval=[100.0])
+
+
+@pytest.mark.parametrize("max_steps", [0, -1, 2.5])
+def test_wrong_limits(max_steps):
+    with pytest.raises((sfdae.Error, TypeError), match="max_steps"):
+        sfdae.solve(oscillator, (0, 1), [1, 0], max_steps=max_steps)
 
 
 # ---- Progress ------------------------------------------------------------------------------------
