@@ -79,7 +79,8 @@ bool Switches::update(Values& values, bool only_first) {
     const Switch& it = system_.switches[at(s)];
     double g = arguments_[s];
     const bool has_passed = passed_at_[at(s)] == values.t;
-    double tolerance = has_passed ? held * sizes_[at(s)] : 0.0;
+    // Arguments that are constant between events have no errors of location.
+    double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
     if (std::isnan(g)) continue;
     if (it.is_by_time) {
       g += std::copysign(same_time * (std::fabs(it.slope * values.t) + std::fabs(arguments_[count + s])), it.slope);
