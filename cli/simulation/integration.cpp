@@ -10,8 +10,8 @@ namespace sfdae::cli {
 
 namespace {
 
-// Times that are one but for rounding, relative.
-constexpr double same_time = 1e-14;
+// Times that are one but for rounding, relative; near 0 relative to this part of the interval.
+constexpr double same_time = 1e-14, part_of_interval = 0.01;
 // Events that follow each other within this part of the interval, so many of them, accumulate.
 constexpr double close_events = 1e-9;
 constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
@@ -51,9 +51,12 @@ Integration::Integration(const Parts& parts)
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
 }
 
+double Integration::rounding_of_time(double t) const {
+  return same_time * std::max(std::fabs(t), part_of_interval * (parts_.settings.stop - parts_.settings.start));
+}
+
 bool Integration::is_same_time(double a, double b) const {
-  const double interval = parts_.settings.stop - parts_.settings.start;
-  return std::fabs(a - b) <= same_time * std::max({std::fabs(a), std::fabs(b), 0.01 * interval});
+  return std::fabs(a - b) <= rounding_of_time(std::max(std::fabs(a), std::fabs(b)));
 }
 
 double Integration::output_time(long number) const {
@@ -215,9 +218,9 @@ bool Integration::set_due_samples(Values& values) {
     const Sample& sample = parts_.system.samples[i];
     const auto time_of = [&](long number) { return sample.start + static_cast<double>(number) * sample.interval; };
     values.samples[i] = 0.0;
-    while (time_of(next_sample_[i]) < values.t && !is_same_time(time_of(next_sample_[i]), values.t))
-      ++next_sample_[i];
-    if (!is_same_time(time_of(next_sample_[i]), values.t)) continue;
+    const double rounding = rounding_of_time(std::max(std::fabs(values.t), std::fabs(sample.start)));
+    while (time_of(next_sample_[i]) < values.t - rounding) ++next_sample_[i];
+    if (time_of(next_sample_[i]) > values.t + rounding) continue;
     values.samples[i] = 1.0;
     ++next_sample_[i];
     has_due = true;
@@ -240,8 +243,10 @@ bool Integration::settle_at_start(Reached& at) {
   const double t0 = at.values.t;
   for (std::size_t i = 0; i < next_sample_.size(); ++i) {
     const Sample& sample = parts_.system.samples[i];
-    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
-                                                               same_time * std::fabs(t0 / sample.interval))));
+    next_sample_[i] =
+        std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
+                                                 rounding_of_time(std::max(std::fabs(t0), std::fabs(sample.start))) /
+                                                     sample.interval)));
   }
   key_ = parts_.modes.equations_key(at.values);
   Values probe = at.values;

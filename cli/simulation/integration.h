@@ -51,6 +51,7 @@ class Integration {
   bool set_due_samples(Values& values);
   std::optional<double> next_time_event(Values& values);
   double output_time(long number) const;
+  double rounding_of_time(double t) const;
   bool is_same_time(double a, double b) const;
   bool roots_jump(Values before, Values after);
   void count_event(const std::string& text, const Values& before, const Values& after);

@@ -92,7 +92,7 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   Modes initial_modes(*system, options_of(*system, settings, all_unknowns), true);
   LibraryCalls calls(*system, settings);
   calls.set_unknowns(all_unknowns);
-  Switches switches(*system);
+  Switches switches(*system, settings.stop - settings.start);
   Discrete discrete(*system);
   EventIteration events(*system, modes, calls, switches, discrete, result.warnings);
   Output output(*system, settings.keeps_aliases, discrete, result);
