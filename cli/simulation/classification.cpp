@@ -75,7 +75,7 @@ class Classification {
     const bool is_left = target(equation.left) == variable;
     const Formula side = is_left ? equation.left : equation.right, other = is_left ? equation.right : equation.left;
     const Operation operation = formulas[side].operation;
-    return {variable, operation == Operation::variable ? other : formulas.apply(operation, other)};
+    return {variable, operation == Operation::variable ? other : formulas.apply(operation, other), equation.at};
   }
 
   void add_continuous(const ImportedEquation& equation) {

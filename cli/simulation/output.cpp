@@ -16,7 +16,15 @@ constexpr double bound_tolerance = 1e-6;
 }  // namespace
 
 Output::Output(const System& system, bool keeps_aliases, Discrete& discrete, Result& result)
-    : system_(system), discrete_(discrete), result_(result), is_outside_(system.checked.size(), 0) {
+    : system_(system),
+      discrete_(discrete),
+      result_(result),
+      bounds_(system.formulas),
+      is_outside_(system.checked.size(), 0) {
+  for (const CheckedVariable& it : system.checked) {
+    bounds_.add(it.min);
+    bounds_.add(it.max);
+  }
   for (int v = 0; v < static_cast<int>(system.model.variables.size()); ++v) {
     const Variable& variable = system.model.variables[at(v)];
     const bool is_parameter =
@@ -43,17 +51,20 @@ void Output::add(Values& values) {
 }
 
 void Output::check_bounds(const Values& values) {
+  bounds_.evaluate(values);
   for (std::size_t i = 0; i < system_.checked.size(); ++i) {
     const CheckedVariable& it = system_.checked[i];
     const double value = values.variable[at(it.variable)];
     const double tolerance = bound_tolerance * (system_.nominal[at(it.variable)] + std::fabs(value));
-    if (is_outside_[i] != 0 || (value >= it.min - tolerance && value <= it.max + tolerance)) continue;
+    const double min = bounds_[2 * static_cast<int>(i)], max = bounds_[2 * static_cast<int>(i) + 1];
+    if (is_outside_[i] != 0 || (value >= min - tolerance && value <= max + tolerance)) continue;
     is_outside_[i] = 1;
     const Variable& variable = system_.model.variables[at(it.variable)];
-    const bool is_low = value < it.min;
-    result_.warnings.push_back(place(system_.model, variable.at) + ": " + variable.name + " is " + to_text(value) +
-                               " at t = " + to_text(values.t) + (is_low ? ", below min = " : ", above max = ") +
-                               to_text(is_low ? it.min : it.max));
+    const bool is_low = value < min;
+    const bool is_parameter = variable.variability == Variability::parameter;
+    result_.warnings.push_back(place(system_.model, variable.at) + (is_parameter ? ": parameter " : ": ") +
+                               variable.name + " is " + to_text(value) + " at t = " + to_text(values.t) +
+                               (is_low ? ", below min = " : ", above max = ") + to_text(is_low ? min : max));
   }
 }
 

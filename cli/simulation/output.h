@@ -23,6 +23,7 @@ class Output {
   const System& system_;
   Discrete& discrete_;
   Result& result_;
+  Tape bounds_;               // min and max of each variable that is checked
   std::vector<int> columns_;  // variables of the model
   std::vector<char> is_outside_;
 };
