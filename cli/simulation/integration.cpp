@@ -289,6 +289,21 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
   if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
 }
 
+// The row before an event. The event is found at the zero or just after it, where an operation of the branch that ends,
+// such as sqrt(x) while x > 0, may be undefined: values a little earlier then replace the limit.
+void Integration::add_row_before(const Reached& at, const Values& before) {
+  Values row = before;
+  double back = rounding_of_time(before.t);
+  for (int k = 0; k < 4 && is_started_ && !parts_.output.is_defined(row); ++k, back *= 100.0) {
+    Values earlier = before;
+    sfdae::Point point;
+    interpolate(at, before.t - back, earlier, point);
+    row = before;
+    parts_.modes.to_values(point, row);
+  }
+  parts_.output.add(row, before.t);
+}
+
 bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
   const Values untouched = at.values;
   recover_lost_changes(at, roots);
@@ -298,12 +313,9 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   const bool has_sample = set_due_samples(at.values);
   parts_.switches.update(at.values);
   const bool is_event = has_sample || !contradiction.empty() || untouched.switches != at.values.switches ||
-                        untouched.switches != before.switches || untouched.variable != before.variable;
+                        untouched.switches != before.switches || !are_same(untouched.variable, before.variable);
   if (!is_event) return true;
-  if (parts_.result.trajectory.t.back() != at.values.t) {
-    Values row = untouched;
-    parts_.output.add(row);
-  }
+  if (parts_.result.trajectory.t.back() != at.values.t) add_row_before(at, untouched);
   std::string text = contradiction.empty() ? describe(roots, before, at.values) : contradiction;
   const EventResult result = parts_.events.run(at.values, at.point, key_);
   for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;

@@ -279,6 +279,10 @@ class Preparation {
 
   void substitute(const Aliases& aliases, const std::vector<ExplicitState>& states,
                   const std::vector<SolvedUnknown>& definitions) {
+    system_.defined_at.assign(model().variables.size(), {});
+    for (const DiscreteAssignment& assignment : system_.discrete)
+      if (at(assignment.variable) < system_.defined_at.size())
+        system_.defined_at[at(assignment.variable)] = assignment.at;
     std::vector<std::vector<int>> members(model().variables.size());
     std::vector<char> is_defined(model().variables.size(), 0);
     for (const ExplicitState& state : states) is_defined[at(state.variable)] = 1;
@@ -305,7 +309,10 @@ class Preparation {
     }
     for (const SolvedUnknown& definition : definitions) {
       const Formula value = substitution_(definition.value);
-      for (int v : members[at(definition.variable)]) replace(v, value_of(aliases.find(v), value), -1);
+      for (int v : members[at(definition.variable)]) {
+        replace(v, value_of(aliases.find(v), value), -1);
+        system_.defined_at[at(v)] = residuals_[at(definition.residual)].at;
+      }
     }
     for (int v = 0; v < num_variables(); ++v)
       if (parameters_.is_derived(v)) system_.values[at(v)] = substitution_(import_(model().variables[at(v)].binding));

@@ -82,10 +82,11 @@ struct System {
 
   const FlatModel& model;
   Formulas formulas;
-  std::vector<int> unknowns;        // variables of the model that the library solves for
-  std::vector<Residual> residuals;  // in unknowns, what is discrete, and free parameters
-  std::vector<Formula> values;      // of every variable, in the same; -1: an unused free parameter of another type
-  std::vector<Alias> aliases;       // of every variable of type Real
+  std::vector<int> unknowns;         // variables of the model that the library solves for
+  std::vector<Residual> residuals;   // in unknowns, what is discrete, and free parameters
+  std::vector<Formula> values;       // of every variable, in the same; -1: an unused free parameter of another type
+  std::vector<Location> defined_at;  // of every variable: the equation that gives it, if that is known
+  std::vector<Alias> aliases;        // of every variable of type Real
   std::vector<int> free_parameters;
 
   std::vector<Switch> switches;

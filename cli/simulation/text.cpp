@@ -2,6 +2,7 @@
 #include "simulation/text.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace sfdae::cli {
@@ -183,6 +184,7 @@ std::string place(const FlatModel& model, Location at) {
 }
 
 std::string to_text(double number) {
+  if (std::isnan(number)) return "nan";  // never -nan
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", number);
   return text.data();

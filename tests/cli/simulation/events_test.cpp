@@ -418,5 +418,20 @@ TEST(Events, SamplesAtTheStartAreNotLostByRounding) {
   }
 }
 
+// Where sqrt(x) ends, the row before the event is just outside of its domain: the limit stands there.
+TEST(Events, BranchesEndWithTheirDomains) {
+  for (const double offset : {0.0, 0.1, 0.3}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0 + offset, .fixed = true}), y = b.real("y");
+    b.equation(der(x), -2.0);
+    b.equation(y, choose(x > 0.0, function(Operation::sqrt, x), 0.0));
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    const auto exact = [&](double t) { return std::sqrt(std::max(0.0, 1.0 + offset - 2.0 * t)); };
+    EXPECT_LE(largest_error(result, "y", exact), 1e-4);
+    ASSERT_EQ(result.events.size(), 1u);
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
