@@ -317,6 +317,27 @@ TEST(Initialization, SmallContradictionsAreNamed) {
   EXPECT_CONTAINS(result.message, "violated by -2e-09");
 }
 
+// A start value given for a variable without fixed = true is a guess: a warning says which value replaced it.
+TEST(Initialization, GuessesThatAreGivenAndNotKeptAreNamed) {
+  for (const double given : {0.3, 2.0}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 1.0, .fixed = true});
+    b.equation(x, 2.0 * y);
+    b.equation(der(y), 0.0 * y);
+    Settings settings = until(1.0);
+    settings.values["x"] = given;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(first(result, "x"), 2.0);
+    const std::string warnings = joined(result.warnings);
+    if (given == 2.0) EXPECT_EQ(warnings, "");
+    else
+      EXPECT_CONTAINS(
+          warnings,
+          "model.mo:1: the value 0.3 given for x is only a guess, its start value is not fixed; x starts at 2");
+  }
+}
+
 // Limits of parameters count, also where free parameters are in them or in the value.
 TEST(Initialization, ParametersOutsideOfTheirLimitsAreNamed) {
   Builder b;
