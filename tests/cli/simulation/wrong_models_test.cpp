@@ -163,6 +163,18 @@ TEST(WrongModels, ValuesThatAreNotFiniteAreNamedWhereTheyArise) {
   EXPECT_CONTAINS(result.message, "u is nan at t = 0.75: sqrt(-0.5) is not finite (model.mo:7)");
 }
 
+TEST(WrongModels, RelationsThatCannotBeEvaluatedAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+             n = b.integer("n");
+  b.equation(der(x), -1.9);
+  b.equation(n, Term::of(Operation::integer, x));
+  b.equation(der(y), choose(function(Operation::log, x) > -3.0, 1.0, n));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "the argument of log(x) > -3 (model.mo) is");
+}
+
 TEST(WrongModels, IntegersThatAreNotWholeAreNamed) {
   Builder b;
   const Term p = b.parameter("p", 1.0), a = b.integer("a"), x = b.real("x", {.start = 0.0, .fixed = true});
