@@ -96,17 +96,32 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
       if (!happens(at, roots, "")) return;
     } else if (status == SFDAE_OK && is_time_event) {
       if (!happens(at, {}, "")) return;
-    } else if (status == SFDAE_OK || parts_.settings.keeps_steps) {
-      parts_.events.check_assertions(values);
-      parts_.output.add(values);
+    } else if (parts_.settings.keeps_steps) {
+      add_row(at);
     }
     if (is_started_) is_first_step_ = false;
-    for (; next_output_ <= parts_.settings.num_outputs &&
-           (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t));
-         ++next_output_)
-      num_steps_ = 0;
+    add_due_output(at);
   }
   finish(at);
+}
+
+void Integration::add_row(Reached& at) {
+  parts_.events.check_assertions(at.values);
+  parts_.output.add(at.values);
+}
+
+// Whatever ended the step there: the target, a step of the method, or an event at which nothing happened.
+void Integration::add_due_output(Reached& at) {
+  std::optional<double> last;
+  for (; next_output_ <= parts_.settings.num_outputs; ++next_output_) {
+    const double output = output_time(next_output_);
+    if (output > at.values.t && !is_same_time(output, at.values.t)) break;
+    last = output;
+    num_steps_ = 0;
+  }
+  if (!last || is_same_time(parts_.result.trajectory.t.back(), at.values.t)) return;
+  if (*last > at.values.t) at.values.t = at.point.t = *last;
+  add_row(at);
 }
 
 void Integration::start(Reached& at) {

@@ -41,6 +41,8 @@ class Integration {
   void run_to_end(Values& values, sfdae::Point& point);
   void start(Reached& at);
   int step(Reached& at, double target);
+  void add_row(Reached& at);
+  void add_due_output(Reached& at);
   void add_row_before(const Reached& at, const Values& before);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
   bool was_elsewhere(const Reached& at, int root);

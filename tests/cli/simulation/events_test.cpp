@@ -418,6 +418,24 @@ TEST(Events, SamplesAtTheStartAreNotLostByRounding) {
   }
 }
 
+// Steps that end at an output but for rounding, and events at which nothing happens, are no reason to leave it out.
+TEST(Events, NoOutputIsLost) {
+  for (const double stop : {1.0, 1.3, 2.0, 2.1, 7.0}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+               far = b.boolean("far");
+    b.equation(der(x), -0.1 * x);
+    b.equation(der(y), 1.0);
+    b.equation(far, either(x<0.1, function(Operation::abs, y - 0.2 * stop)> stop));
+    const Result result = solve(b.model, until(stop));
+    EXPECT_SOLVED(result);
+    ASSERT_EQ(result.trajectory.t.size(), 51u) << stop;
+    for (std::size_t k = 0; k < 51; ++k)
+      EXPECT_NEAR(result.trajectory.t[k], stop * static_cast<double>(k) / 50.0, 1e-14 * stop);
+    EXPECT_LE(largest_error(result, "x", [](double t) { return std::exp(-0.1 * t); }), 1e-6);
+  }
+}
+
 // Where sqrt(x) ends, the row before the event is just outside of its domain: the limit stands there.
 TEST(Events, BranchesEndWithTheirDomains) {
   for (const double offset : {0.0, 0.1, 0.3}) {
