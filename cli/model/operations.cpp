@@ -25,6 +25,11 @@ bool is_relation(Operation operation) {
   return operation >= Operation::less && operation <= Operation::greater_equal;
 }
 
+bool is_rounding(Operation operation) {
+  return (operation >= Operation::floor && operation <= Operation::integer) ||
+         (operation >= Operation::div && operation <= Operation::rem);
+}
+
 namespace {
 
 double truth(bool value) { return value ? 1.0 : 0.0; }

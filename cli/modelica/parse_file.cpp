@@ -339,6 +339,14 @@ void parse_package(TokenStream& tokens, File& result) {
   if (!has_model) tokens.fail(tokens.location(), "the package has no model; add model ... end ...;");
 }
 
+// OpenModelica writes its messages after the model: "Notification: ...", "[file.mo:1:2] Warning: ...".
+bool at_message_of_compiler(const TokenStream& tokens) {
+  if (tokens.at("[")) return true;
+  if (!tokens.at_identifier() || !tokens.at(":", 1)) return false;
+  const std::string& word = tokens.peek().text;
+  return word == "Notification" || word == "Warning" || word == "Error";
+}
+
 }  // namespace
 
 File parse_file(const std::string& text, const std::string& file) {
@@ -365,6 +373,8 @@ File parse_file(const std::string& text, const std::string& file) {
   if (!tokens.accept(";")) tokens.fail_here("';'", "after the last end");
   if (tokens.at("package") || tokens.at("model"))
     tokens.warn(tokens.location(), "another package after the first one is ignored; put each into its own file");
+  else if (tokens.peek().kind != TokenKind::end && !at_message_of_compiler(tokens))
+    tokens.fail_here("the end of the file", "after the last end");
   result.warnings = std::move(tokens.warnings());
   return result;
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <thread>
 
 #include "program/commands.h"
@@ -144,9 +145,23 @@ std::string sweep_json(const FlatModel& model, const Grid& grid, const std::vect
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+// Prints each warning once, with the number of its first instance.
+void print_warnings_of(const std::vector<Instance>& instances) {
+  constexpr std::size_t max_warnings = 10;
+  std::set<std::string> known;
+  for (const Instance& instance : instances)
+    for (const std::string& warning : instance.warnings)
+      if (known.insert(warning).second && known.size() <= max_warnings)
+        std::fprintf(stderr, "warning: instance %zu: %s\n", instance.number + 1, warning.c_str());
+  if (known.size() > max_warnings)
+    std::fprintf(stderr, "warning: ... and %s; --json FILE has all\n",
+                 counted(known.size() - max_warnings, "more", "more").c_str());
+}
+
 // For people: how many are solved, and the reasons of those that are not.
 int report(const std::vector<Instance>& instances, std::size_t expected, bool is_quiet) {
   constexpr std::size_t max_reasons = 10;
+  if (!is_quiet) print_warnings_of(instances);
   std::size_t num_failed = 0;
   for (const Instance& instance : instances) {
     if (instance.outcome == Outcome::solved || instance.outcome == Outcome::stopped) continue;

@@ -2,6 +2,7 @@
 #include "simulation/classification.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "simulation/matching.h"
 #include "simulation/text.h"
@@ -21,7 +22,7 @@ class Classification {
   ClassifiedEquations run() {
     std::vector<std::vector<int>> candidates;
     for (const ImportedEquation& equation : equations_) candidates.push_back(targets(equation));
-    const std::vector<int> equation_of = matched_equations(candidates, static_cast<int>(determined_.size()));
+    const std::vector<int> equation_of = matched(candidates);
     std::vector<int> variable_of(equations_.size(), -1);
     for (std::size_t v = 0; v < equation_of.size(); ++v) {
       if (equation_of[v] >= 0) variable_of[at(equation_of[v])] = static_cast<int>(v);
@@ -45,6 +46,23 @@ class Classification {
     return node.index;
   }
 
+  // Equations of discrete quantities alone come first: der(x) = n does not determine n where another one does.
+  std::vector<int> matched(const std::vector<std::vector<int>>& candidates) const {
+    std::vector<int> order(equations_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_partition(order.begin(), order.end(), [&](int i) {
+      const ImportedEquation& equation = equations_[at(i)];
+      return !system_.formulas.depends(equation.left, on_continuous) &&
+             !system_.formulas.depends(equation.right, on_continuous);
+    });
+    std::vector<std::vector<int>> sorted;
+    for (int i : order) sorted.push_back(candidates[at(i)]);
+    std::vector<int> result = matched_equations(sorted, static_cast<int>(determined_.size()));
+    for (int& equation : result)
+      if (equation >= 0) equation = order[at(equation)];
+    return result;
+  }
+
   std::vector<int> targets(const ImportedEquation& equation) const {
     std::vector<int> result;
     for (Formula side : {equation.left, equation.right})
@@ -57,7 +75,7 @@ class Classification {
     const bool is_left = target(equation.left) == variable;
     const Formula side = is_left ? equation.left : equation.right, other = is_left ? equation.right : equation.left;
     const Operation operation = formulas[side].operation;
-    return {variable, operation == Operation::variable ? other : formulas.apply(operation, other)};
+    return {variable, operation == Operation::variable ? other : formulas.apply(operation, other), equation.at};
   }
 
   void add_continuous(const ImportedEquation& equation) {

@@ -53,6 +53,13 @@ void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condi
   condition.factor = coefficient;
 }
 
+std::string text_of_start(const System& system, int v, Formula start) {
+  const Variable& variable = system.model.variables[at(v)];
+  if (system.formulas.is_number(start)) return variable.name + " = " + to_text(system.formulas[start].value);
+  const Expression& formula = variable.start ? variable.start : variable.binding;
+  return variable.name + " = " + (formula ? to_text(formula, system.model) : "its start value");
+}
+
 }  // namespace
 
 std::vector<Condition> given_conditions(const System& system, const std::vector<int>& unknowns) {
@@ -67,10 +74,10 @@ std::vector<Condition> given_conditions(const System& system, const std::vector<
       continue;
     if (variable.is_input) continue;
     Condition condition;
-    condition.text = variable.name + " = " + to_text(system.own_start[at(v)]) + " (start value)";
+    condition.text = text_of_start(system, v, system.own_start[at(v)]) + " (start value)";
     condition.at = variable.at;
     condition.left = system.values[at(v)];
-    condition.right = system.own_start_formulas[at(v)];
+    condition.right = system.own_start[at(v)];
     simplify(system.formulas, number_of, condition);
     result.push_back(condition);
   }
@@ -97,8 +104,9 @@ std::vector<Condition> possible_conditions(const System& system, const std::vect
   std::vector<Condition> result;
   for (int j : order) {
     const int v = unknowns[at(j)];
-    const std::string& name = system.model.variables[at(v)].name;
-    result.push_back({j, system.start[at(v)], 1.0, -1, -1, name + " = " + to_text(system.start[at(v)]),
+    const Formula start = system.start_formulas[at(v)];
+    const int unknown = system.formulas.is_number(start) ? j : -1;  // else free parameters are in it
+    result.push_back({unknown, system.start[at(v)], 1.0, system.values[at(v)], start, text_of_start(system, v, start),
                       system.model.variables[at(v)].at});
   }
   return result;

@@ -38,14 +38,14 @@ bool Discrete::update(Values& values) {
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     before_ = values.variable;
     assignments_.run(values);
-    const bool changes = before_ != values.variable;
+    const bool changes = !are_same(before_, values.variable);
     has_changed = has_changed || changes;
     if (!changes || !system_.has_discrete_loop) return has_changed;
   }
   std::string names;
   for (const DiscreteAssignment& assignment : system_.discrete)
     if (at(assignment.variable) < system_.model.variables.size() &&
-        before_[at(assignment.variable)] != values.variable[at(assignment.variable)])
+        !are_same(before_[at(assignment.variable)], values.variable[at(assignment.variable)]))
       names += (names.empty() ? "" : ", ") + system_.model.variables[at(assignment.variable)].name;
   throw Failure(
       Outcome::not_finished, SFDAE_OK,
@@ -58,7 +58,7 @@ bool Discrete::set_initial(Values& values) {
   bool has_changed = false;
   for (int i = 0; i < initial_.size(); ++i) {
     const int v = system_.initial_discrete[at(i)].variable;
-    if (values.previous[at(v)] == initial_[i]) continue;
+    if (are_same(values.previous[at(v)], initial_[i])) continue;
     values.previous[at(v)] = initial_[i];
     values.variable[at(v)] = initial_[i];
     has_changed = true;
@@ -68,7 +68,7 @@ bool Discrete::set_initial(Values& values) {
 
 bool Discrete::differs_from_previous(const Values& values) const {
   for (const DiscreteAssignment& assignment : system_.discrete)
-    if (values.variable[at(assignment.variable)] != values.previous[at(assignment.variable)]) return true;
+    if (!are_same(values.variable[at(assignment.variable)], values.previous[at(assignment.variable)])) return true;
   return false;
 }
 

@@ -116,7 +116,8 @@ std::string EventIteration::changing(const Values& before, const Values& values)
       text += (text.empty() ? "" : ", ") + system_.switches[s].text + " (" +
               place(system_.model, system_.switches[s].at) + ")";
   for (std::size_t v = 0; v < system_.model.variables.size(); ++v)
-    if (before.variable[v] != values.variable[v] && !system_.formulas.depends(system_.values[v], on_continuous))
+    if (!are_same(before.variable[v], values.variable[v]) &&
+        !system_.formulas.depends(system_.values[v], on_continuous))
       text += (text.empty() ? "" : ", ") + system_.model.variables[v].name;
   return text;
 }

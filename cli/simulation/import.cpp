@@ -39,18 +39,10 @@ Formula Import::imported(const Node& node, Context context) {
       const Formula yes = operand(1), no = operand(2);
       return formulas.apply(Operation::choose, condition, yes, no);
     }
-    case Operation::floor:
-    case Operation::ceil:
-    case Operation::integer:
-    case Operation::div:
-    case Operation::mod:
-    case Operation::rem: {
-      const Formula a = operand(0), b = node.operands.size() > 1 ? operand(1) : -1;
-      return integer_operation(node, a, b, context);
-    }
     default: break;
   }
   const Formula a = operand(0), b = num_operands(node.operation) == 2 ? operand(1) : -1;
+  if (is_rounding(node.operation)) return rounding(node, a, b, context);
   return is_relation(node.operation) ? relation(node, a, b, context) : formulas.apply(node.operation, a, b);
 }
 
@@ -108,9 +100,10 @@ double Import::size_of(const Node& node) const {
   return size > 0.0 ? size : 1.0;
 }
 
+// Free parameters vary while initial values are found.
 Formula Import::jump(const Node& node, Switch::Kind kind, Formula argument, Context context) {
   Formulas& formulas = system_.formulas;
-  if (context == Context::instant || !formulas.depends(argument, on_continuous))
+  if (context == Context::instant || !formulas.depends(argument, on_continuous | on_free))
     return kind == Switch::Kind::floor ? formulas.apply(Operation::floor, argument)
                                        : formulas.apply(Operation::div, argument, formulas.number(1.0));
   Switch it;
@@ -119,10 +112,10 @@ Formula Import::jump(const Node& node, Switch::Kind kind, Formula argument, Cont
   return frozen(node, it, kind == Switch::Kind::floor ? Operation::floor : Operation::div);
 }
 
-Formula Import::integer_operation(const Node& node, Formula a, Formula b, Context context) {
+Formula Import::rounding(const Node& node, Formula a, Formula b, Context context) {
   Formulas& formulas = system_.formulas;
-  if (!formulas.depends(a, on_continuous) && (b < 0 || !formulas.depends(b, on_continuous)))
-    return formulas.apply(node.operation, a, b);
+  const auto varies = [&](Formula f) { return f >= 0 && formulas.depends(f, on_continuous | on_free); };
+  if (!varies(a) && !varies(b)) return formulas.apply(node.operation, a, b);
   switch (node.operation) {
     case Operation::ceil: return formulas.negate(jump(node, Switch::Kind::floor, formulas.negate(a), context));
     case Operation::div: return jump(node, Switch::Kind::truncate, formulas.apply(Operation::divide, a, b), context);

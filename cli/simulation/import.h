@@ -32,7 +32,7 @@ class Import {
   Formula derivative(const Node& node);
   Formula relation(const Node& node, Formula a, Formula b, Context context);
   Formula jump(const Node& node, Switch::Kind kind, Formula argument, Context context);
-  Formula integer_operation(const Node& node, Formula a, Formula b, Context context);
+  Formula rounding(const Node& node, Formula a, Formula b, Context context);
   Formula sample(const Node& node, Formula start, Formula interval);
   Formula frozen(const Node& node, Switch it, Operation operation);
   double size_of(const Node& node) const;

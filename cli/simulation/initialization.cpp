@@ -11,8 +11,13 @@ namespace sfdae::cli {
 namespace {
 
 constexpr int max_iterations = 50, max_halvings = 12;
-// Changes in units of nominal values: of differences, that end the iteration, and that contradictions may have.
+// Changes in units of scales: the step of finite differences, the change after which the iteration may end, and the
+// largest residual that is no contradiction.
 constexpr double difference = 1e-6, converged = 1e-10, contradiction = 1e-6;
+constexpr double unit_roundoff = 1.1e-16;
+// Rounding errors of T2, times 1e10 since rows are zero below 1e-10 of their level (IndependentRows), times 100 for
+// safety.
+constexpr double level_of_roundoff = 1e12 * unit_roundoff;
 // Guesses at which equations are singular are moved by these, in units of nominal values.
 constexpr double nudges[] = {0.0, 1e-3, 0.1, 0.7};
 
@@ -35,6 +40,11 @@ Initialization::Initialization(const System& system, Modes& modes, LibraryCalls&
 double Initialization::nominal(int unknown) const {
   const int v = modes_.unknowns()[at(unknown)];
   return v >= 0 ? system_.nominal[at(v)] : 1.0;
+}
+
+double Initialization::scale(int unknown) const {
+  const int v = modes_.unknowns()[at(unknown)];
+  return v >= 0 ? system_.scale[at(v)] : 1.0;
 }
 
 bool Initialization::make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed) {
@@ -76,7 +86,7 @@ void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point)
 }
 
 // B: columns of D^-1 T2, orthonormalized.
-sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point) {
+sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point, std::vector<double>& inverse_sizes) {
   sfdae::Matrix T2;
   calls_.run(mode, Phase::initialization, "initial values", [&] {
     const int mu = mode.solver.characteristics().strangeness_index;
@@ -86,7 +96,10 @@ sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point) {
   sfdae::Matrix B(T2.rows(), T2.columns());
   for (int k = 0; k < T2.columns(); ++k) {
     std::vector<double> column(at(T2.rows()));
-    for (int j = 0; j < T2.rows(); ++j) column[at(j)] = T2(j, k) / nominal(j);
+    for (int j = 0; j < T2.rows(); ++j) column[at(j)] = T2(j, k) / scale(j);
+    double original = 0.0;
+    for (double value : column) original += value * value;
+    inverse_sizes.push_back(1.0 / std::sqrt(original));
     for (int pass = 0; pass < 2; ++pass)
       for (int l = 0; l < k; ++l) {
         double factor = 0.0;
@@ -116,7 +129,7 @@ std::vector<double> Initialization::residuals(Values values, const sfdae::Point&
     if (condition.unknown >= 0) {
       left = condition.factor * point.x[at(condition.unknown)];
       right = condition.factor * condition.value;
-      size = std::fabs(condition.factor) * nominal(condition.unknown);
+      size = std::fabs(condition.factor) * scale(condition.unknown);
     } else {
       left = tape[next];
       right = tape[next + 1];
@@ -128,41 +141,109 @@ std::vector<double> Initialization::residuals(Values values, const sfdae::Point&
   return result;
 }
 
+// The row of a condition on an unknown; zeros for an equation.
+std::vector<double> Initialization::row_of(const Condition& condition, const sfdae::Matrix& B) const {
+  std::vector<double> row(at(B.columns()), 0.0);
+  for (int k = 0; k < B.columns() && condition.unknown >= 0; ++k)
+    row[at(k)] = condition.factor * scale(condition.unknown) * B(condition.unknown, k);
+  return row;
+}
+
 Initialization::Linearization Initialization::linearized(Mode& mode, const Values& values,
                                                          const sfdae::Point& point) {
   Linearization result;
-  result.B = basis(mode, point);
+  std::vector<double> inverse_sizes;
+  result.B = basis(mode, point, inverse_sizes);
   result.residuals = residuals(values, point, &result.sizes);
-  const int n = result.B.rows(), d = result.B.columns();
-  bool has_equations = false, has_derivatives = false;
-  for (const Condition& condition : conditions_) {
-    std::vector<double> row(at(d), 0.0);
-    for (int k = 0; k < d && condition.unknown >= 0; ++k)
-      row[at(k)] = condition.factor * nominal(condition.unknown) * result.B(condition.unknown, k);
-    result.rows.push_back(row);
-    if (condition.unknown >= 0) continue;
-    has_equations = true;
-    has_derivatives = has_derivatives || system_.formulas.depends(condition.left, on_derivative) ||
-                      system_.formulas.depends(condition.right, on_derivative);
+  for (double size : inverse_sizes) result.roundoff = std::max(result.roundoff, level_of_roundoff * size);
+  result.levels = result.sizes;
+  for (std::size_t i = 0; i < conditions_.size(); ++i) {
+    const Condition& condition = conditions_[i];
+    result.rows.push_back(row_of(condition, result.B));
+    if (condition.unknown >= 0)
+      result.levels[i] = std::max(result.levels[i], result.roundoff * std::fabs(condition.factor));
   }
-  if (!has_equations) return result;
+  const std::vector<int> others = add_exact_rows(values, point, result);
+  if (!others.empty()) add_difference_rows(mode, values, point, others, result);
+  return result;
+}
+
+// Rows of equations by their gradients, times D B. Returns the conditions that need finite differences instead: they
+// contain der(), whose derivatives are unknown, or their gradient is zero or not finite.
+std::vector<int> Initialization::add_exact_rows(Values values, const sfdae::Point& point, Linearization& result) {
+  Tape tape(system_.formulas);
+  std::vector<int> exact, others;
+  std::vector<Formula> sides;
+  for (int i = 0; i < static_cast<int>(conditions_.size()); ++i) {
+    const Condition& condition = conditions_[at(i)];
+    if (condition.unknown >= 0) continue;
+    const bool has_derivative = system_.formulas.depends(condition.left, on_derivative) ||
+                                system_.formulas.depends(condition.right, on_derivative);
+    (has_derivative ? others : exact).push_back(i);
+    if (has_derivative) continue;
+    for (Formula side : {condition.left, condition.right}) tape.add(side), sides.push_back(side);
+  }
+  if (exact.empty()) return others;
+  modes_.to_values(point, values);
+  tape.evaluate(values);
+  std::vector<double> direction(values.variable.size(), 0.0), squares(exact.size(), 0.0), sums(exact.size(), 0.0);
+  std::vector<char> occurs(values.variable.size(), 0);
+  for (Formula part : system_.formulas.parts(sides))
+    if (system_.formulas[part].operation == Operation::variable) occurs[at(system_.formulas[part].index)] = 1;
+  for (int j = 0; j < result.B.rows(); ++j) {
+    const int v = modes_.unknowns()[at(j)];
+    if (v < 0 || occurs[at(v)] == 0) continue;
+    direction[at(v)] = 1.0;
+    tape.differentiate(direction);
+    direction[at(v)] = 0.0;
+    for (std::size_t e = 0; e < exact.size(); ++e) {
+      const double entry = tape.tangent(2 * static_cast<int>(e)) - tape.tangent(2 * static_cast<int>(e) + 1);
+      if (entry == 0.0) continue;
+      squares[e] += std::pow(entry * scale(j), 2);
+      sums[e] += std::fabs(entry);
+      for (int k = 0; k < result.B.columns(); ++k)
+        result.rows[at(exact[e])][at(k)] += entry * scale(j) * result.B(j, k);
+    }
+  }
+  for (std::size_t e = 0; e < exact.size(); ++e) {
+    if (squares[e] > 0.0 && std::isfinite(squares[e]))
+      result.levels[at(exact[e])] = std::max(std::sqrt(squares[e]), result.roundoff * sums[e]);
+    else others.push_back(exact[e]);
+  }
+  std::sort(others.begin(), others.end());
+  return others;
+}
+
+void Initialization::add_difference_rows(Mode& mode, const Values& values, const sfdae::Point& point,
+                                         const std::vector<int>& conditions, Linearization& result) {
+  const bool has_derivatives = std::any_of(conditions.begin(), conditions.end(), [&](int i) {
+    return system_.formulas.depends(conditions_[at(i)].left, on_derivative) ||
+           system_.formulas.depends(conditions_[at(i)].right, on_derivative);
+  });
   const std::vector<int> none(point.x.size(), 0);
-  for (int k = 0; k < d; ++k) {
+  for (int i : conditions) result.levels[at(i)] = 0.0;
+  for (int k = 0; k < result.B.columns(); ++k) {
+    // The step is the geometric mean of those for the scale and for the nominal value: a small start value may be the
+    // size of the solution, or a bad guess of a large one.
+    double step = 0.0;
+    for (int j = 0; j < result.B.rows(); ++j) step += std::pow(result.B(j, k), 2) * nominal(j) / scale(j);
+    step = difference * std::sqrt(step);
     sfdae::Point moved = point;
-    for (int j = 0; j < n; ++j) moved.x[at(j)] += difference * nominal(j) * result.B(j, k);
+    for (int j = 0; j < result.B.rows(); ++j) moved.x[at(j)] += step * scale(j) * result.B(j, k);
     if (has_derivatives && !make_consistent(mode, moved, none))
       throw Failure(Outcome::not_started, SFDAE_NO_CONSISTENT_VALUES, "initial values: " + calls_.message());
     const std::vector<double> there = residuals(values, moved);
-    for (std::size_t i = 0; i < conditions_.size(); ++i)
-      if (conditions_[i].unknown < 0) result.rows[i][at(k)] = (there[i] - result.residuals[i]) / difference;
+    for (int i : conditions) {
+      result.rows[at(i)][at(k)] = (there[at(i)] - result.residuals[at(i)]) / step;
+      result.levels[at(i)] = std::max(result.levels[at(i)], result.sizes[at(i)] * difference / step);
+    }
   }
-  return result;
 }
 
 Initialization::Selection Initialization::selected(const Linearization& linearization) const {
   Selection result;
   for (int i = 0; i < static_cast<int>(conditions_.size()); ++i) {
-    if (result.rows.add(linearization.rows[at(i)], linearization.sizes[at(i)])) {
+    if (result.rows.add(linearization.rows[at(i)], linearization.levels[at(i)])) {
       result.chosen.push_back(i);
       result.residuals.push_back(linearization.residuals[at(i)]);
     } else {
@@ -174,7 +255,7 @@ Initialization::Selection Initialization::selected(const Linearization& lineariz
 
 bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& point,
                              const Linearization& linearization, const Selection& selection,
-                             const std::vector<double>& z) {
+                             const std::vector<double>& z, int halvings) {
   const auto merit = [&](const std::vector<double>& r) {
     double sum = 0.0;
     for (int i : selection.chosen) {
@@ -186,11 +267,11 @@ bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& poi
   };
   const double before = merit(linearization.residuals);
   double factor = 1.0;
-  for (int halving = 0; halving < max_halvings; ++halving, factor *= 0.5) {
+  for (int halving = 0; halving < halvings; ++halving, factor *= 0.5) {
     sfdae::Point trial = point;
     for (int j = 0; j < linearization.B.rows(); ++j)
       for (int k = 0; k < linearization.B.columns(); ++k)
-        trial.x[at(j)] += factor * nominal(j) * linearization.B(j, k) * z[at(k)];
+        trial.x[at(j)] += factor * scale(j) * linearization.B(j, k) * z[at(k)];
     std::vector<int> fixed(trial.x.size(), 0);
     for (int i : selection.chosen)
       if (factor == 1.0 && conditions_[at(i)].unknown >= 0) {
@@ -201,12 +282,37 @@ bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& poi
         make_consistent(mode, trial, fixed) || make_consistent(mode, trial, std::vector<int>(trial.x.size(), 0));
     if (!is_consistent) continue;
     const double after = merit(residuals(values, trial));
-    if (after < before || after <= converged * converged) {
+    if (after < before) {
       point = std::move(trial);
       return true;
     }
   }
   return false;
+}
+
+// Start values complete conditions that are too few.
+Initialization::Linearization Initialization::completed(Mode& mode, const Values& values, const sfdae::Point& point,
+                                                        const Linearization& linearization) {
+  IndependentRows rows = selected(linearization).rows;
+  const std::size_t num_wanted = conditions_.size();
+  for (const Condition& wish : wishes_)
+    if (wish.unknown < 0) conditions_.push_back(wish);  // an equation
+  const Linearization of_equations =
+      conditions_.size() > num_wanted ? linearized(mode, values, point) : Linearization();
+  std::size_t equation = num_wanted;
+  std::vector<Condition> chosen;
+  for (const Condition& wish : wishes_) {
+    const bool is_equation = wish.unknown < 0;
+    const bool is_independent =
+        is_equation ? rows.add(of_equations.rows[equation], of_equations.levels[equation])
+                    : rows.add(row_of(wish, linearization.B), std::max(scale(wish.unknown), linearization.roundoff));
+    if (is_equation) ++equation;
+    if (is_independent) chosen.push_back(wish);
+  }
+  conditions_.resize(num_wanted);
+  if (chosen.empty()) return linearization;
+  conditions_.insert(conditions_.end(), chosen.begin(), chosen.end());
+  return linearized(mode, values, point);
 }
 
 void Initialization::solve(Values& values, sfdae::Point& point, const std::vector<Condition>& more) {
@@ -217,29 +323,22 @@ void Initialization::solve(Values& values, sfdae::Point& point, const std::vecto
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
   find_start(*mode, values, point);
   Linearization linearization = linearized(*mode, values, point);
+  if (selected(linearization).rows.size() < linearization.B.columns())
+    linearization = completed(*mode, values, point, linearization);
   Selection selection = selected(linearization);
-  if (selection.rows.size() < linearization.B.columns()) {
-    const std::size_t before = conditions_.size();
-    IndependentRows rows = selection.rows;
-    for (const Condition& wish : wishes_) {
-      std::vector<double> row(at(linearization.B.columns()));
-      for (int k = 0; k < linearization.B.columns(); ++k)
-        row[at(k)] = nominal(wish.unknown) * linearization.B(wish.unknown, k);
-      if (rows.add(row, nominal(wish.unknown))) conditions_.push_back(wish);
-    }
-    if (conditions_.size() > before) {
-      linearization = linearized(*mode, values, point);
-      selection = selected(linearization);
-    }
-  }
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     std::vector<double> b;
     for (double residual : selection.residuals) b.push_back(-residual);
     const std::vector<double> z = selection.rows.solve(b);
     double size = 0.0;
     for (double value : z) size = std::max(size, std::fabs(value));
-    if (size <= converged) break;
-    if (iteration + 1 == max_iterations || !improve(*mode, values, point, linearization, selection, z)) {
+    if (size == 0.0) break;
+    const bool is_close = size <= converged;
+    const bool is_last = iteration + 1 == max_iterations;
+    const bool is_better =
+        !is_last && improve(*mode, values, point, linearization, selection, z, is_close ? 1 : max_halvings);
+    if (is_close && !is_better) break;
+    if (!is_better) {
       report(linearization, selection);
       std::string worst;
       for (int i : selection.chosen)

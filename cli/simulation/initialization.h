@@ -11,8 +11,9 @@
 
 namespace sfdae::cli {
 
-// In one mode: damped Newton iterations on the manifold of consistent values. Its tangent space has an orthonormal
-// basis B in units of the nominal values, x = consistent(x + D B z); conditions that are independent there determine z.
+// In one mode: damped Newton iterations on the manifold of consistent values, until they improve nothing any more. Its
+// tangent space has an orthonormal basis B in units of the scales D of the unknowns, x = consistent(x + D B z);
+// conditions that are independent there determine z.
 class Initialization {
  public:
   // modes: with free parameters as unknowns.
@@ -30,6 +31,8 @@ class Initialization {
     sfdae::Matrix B;                        // n x (d + u)
     std::vector<std::vector<double>> rows;  // of each condition
     std::vector<double> residuals, sizes;   // sizes: of the quantities compared
+    double roundoff = 0.0;                  // level below which rows are rounding errors of T2
+    std::vector<double> levels;             // sizes relative to which rows are zero
   };
   struct Selection {
     IndependentRows rows;
@@ -39,14 +42,22 @@ class Initialization {
 
   void find_start(Mode& mode, Values& values, sfdae::Point& point);
   bool make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);
-  sfdae::Matrix basis(Mode& mode, const sfdae::Point& point);
+  // inverse_sizes: 1 / |D^-1 T2| of each column, by which rounding errors of T2 are multiplied.
+  sfdae::Matrix basis(Mode& mode, const sfdae::Point& point, std::vector<double>& inverse_sizes);
   std::vector<double> residuals(Values values, const sfdae::Point& point, std::vector<double>* sizes = nullptr);
+  std::vector<double> row_of(const Condition& condition, const sfdae::Matrix& B) const;
   Linearization linearized(Mode& mode, const Values& values, const sfdae::Point& point);
+  std::vector<int> add_exact_rows(Values values, const sfdae::Point& point, Linearization& result);
+  void add_difference_rows(Mode& mode, const Values& values, const sfdae::Point& point,
+                           const std::vector<int>& conditions, Linearization& result);
+  Linearization completed(Mode& mode, const Values& values, const sfdae::Point& point,
+                          const Linearization& linearization);
   Selection selected(const Linearization& linearization) const;
   bool improve(Mode& mode, const Values& values, sfdae::Point& point, const Linearization& linearization,
-               const Selection& selection, const std::vector<double>& z);
+               const Selection& selection, const std::vector<double>& z, int halvings);
   void report(const Linearization& linearization, const Selection& selection);
   double nominal(int unknown) const;
+  double scale(int unknown) const;
 
   const System& system_;
   Modes& modes_;

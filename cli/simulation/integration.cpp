@@ -10,8 +10,8 @@ namespace sfdae::cli {
 
 namespace {
 
-// Times that are one but for rounding, relative.
-constexpr double same_time = 1e-14;
+// Times that are one but for rounding, relative; near 0 relative to this part of the interval.
+constexpr double same_time = 1e-14, part_of_interval = 0.01;
 // Events that follow each other within this part of the interval, so many of them, accumulate.
 constexpr double close_events = 1e-9;
 constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
@@ -51,9 +51,12 @@ Integration::Integration(const Parts& parts)
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
 }
 
+double Integration::rounding_of_time(double t) const {
+  return same_time * std::max(std::fabs(t), part_of_interval * (parts_.settings.stop - parts_.settings.start));
+}
+
 bool Integration::is_same_time(double a, double b) const {
-  const double interval = parts_.settings.stop - parts_.settings.start;
-  return std::fabs(a - b) <= same_time * std::max({std::fabs(a), std::fabs(b), 0.01 * interval});
+  return std::fabs(a - b) <= rounding_of_time(std::max(std::fabs(a), std::fabs(b)));
 }
 
 double Integration::output_time(long number) const {
@@ -93,17 +96,32 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
       if (!happens(at, roots, "")) return;
     } else if (status == SFDAE_OK && is_time_event) {
       if (!happens(at, {}, "")) return;
-    } else if (status == SFDAE_OK || parts_.settings.keeps_steps) {
-      parts_.events.check_assertions(values);
-      parts_.output.add(values);
+    } else if (parts_.settings.keeps_steps) {
+      add_row(at);
     }
     if (is_started_) is_first_step_ = false;
-    for (; next_output_ <= parts_.settings.num_outputs &&
-           (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t));
-         ++next_output_)
-      num_steps_ = 0;
+    add_due_output(at);
   }
   finish(at);
+}
+
+void Integration::add_row(Reached& at) {
+  parts_.events.check_assertions(at.values);
+  parts_.output.add(at.values);
+}
+
+// Whatever ended the step there: the target, a step of the method, or an event at which nothing happened.
+void Integration::add_due_output(Reached& at) {
+  std::optional<double> last;
+  for (; next_output_ <= parts_.settings.num_outputs; ++next_output_) {
+    const double output = output_time(next_output_);
+    if (output > at.values.t && !is_same_time(output, at.values.t)) break;
+    last = output;
+    num_steps_ = 0;
+  }
+  if (!last || is_same_time(parts_.result.trajectory.t.back(), at.values.t)) return;
+  if (*last > at.values.t) at.values.t = at.point.t = *last;
+  add_row(at);
 }
 
 void Integration::start(Reached& at) {
@@ -215,9 +233,9 @@ bool Integration::set_due_samples(Values& values) {
     const Sample& sample = parts_.system.samples[i];
     const auto time_of = [&](long number) { return sample.start + static_cast<double>(number) * sample.interval; };
     values.samples[i] = 0.0;
-    while (time_of(next_sample_[i]) < values.t && !is_same_time(time_of(next_sample_[i]), values.t))
-      ++next_sample_[i];
-    if (!is_same_time(time_of(next_sample_[i]), values.t)) continue;
+    const double rounding = rounding_of_time(std::max(std::fabs(values.t), std::fabs(sample.start)));
+    while (time_of(next_sample_[i]) < values.t - rounding) ++next_sample_[i];
+    if (time_of(next_sample_[i]) > values.t + rounding) continue;
     values.samples[i] = 1.0;
     ++next_sample_[i];
     has_due = true;
@@ -240,8 +258,10 @@ bool Integration::settle_at_start(Reached& at) {
   const double t0 = at.values.t;
   for (std::size_t i = 0; i < next_sample_.size(); ++i) {
     const Sample& sample = parts_.system.samples[i];
-    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
-                                                               same_time * std::fabs(t0 / sample.interval))));
+    next_sample_[i] =
+        std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
+                                                 rounding_of_time(std::max(std::fabs(t0), std::fabs(sample.start))) /
+                                                     sample.interval)));
   }
   key_ = parts_.modes.equations_key(at.values);
   Values probe = at.values;
@@ -284,6 +304,21 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
   if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
 }
 
+// The row before an event. The event is found at the zero or just after it, where an operation of the branch that ends,
+// such as sqrt(x) while x > 0, may be undefined: values a little earlier then replace the limit.
+void Integration::add_row_before(const Reached& at, const Values& before) {
+  Values row = before;
+  double back = rounding_of_time(before.t);
+  for (int k = 0; k < 4 && is_started_ && !parts_.output.is_defined(row); ++k, back *= 100.0) {
+    Values earlier = before;
+    sfdae::Point point;
+    interpolate(at, before.t - back, earlier, point);
+    row = before;
+    parts_.modes.to_values(point, row);
+  }
+  parts_.output.add(row, before.t);
+}
+
 bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
   const Values untouched = at.values;
   recover_lost_changes(at, roots);
@@ -293,12 +328,9 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   const bool has_sample = set_due_samples(at.values);
   parts_.switches.update(at.values);
   const bool is_event = has_sample || !contradiction.empty() || untouched.switches != at.values.switches ||
-                        untouched.switches != before.switches || untouched.variable != before.variable;
+                        untouched.switches != before.switches || !are_same(untouched.variable, before.variable);
   if (!is_event) return true;
-  if (parts_.result.trajectory.t.back() != at.values.t) {
-    Values row = untouched;
-    parts_.output.add(row);
-  }
+  if (parts_.result.trajectory.t.back() != at.values.t) add_row_before(at, untouched);
   std::string text = contradiction.empty() ? describe(roots, before, at.values) : contradiction;
   const EventResult result = parts_.events.run(at.values, at.point, key_);
   for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;

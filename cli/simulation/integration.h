@@ -41,6 +41,9 @@ class Integration {
   void run_to_end(Values& values, sfdae::Point& point);
   void start(Reached& at);
   int step(Reached& at, double target);
+  void add_row(Reached& at);
+  void add_due_output(Reached& at);
+  void add_row_before(const Reached& at, const Values& before);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
   bool was_elsewhere(const Reached& at, int root);
   void recover_lost_changes(Reached& at, const std::vector<int>& roots);
@@ -51,6 +54,7 @@ class Integration {
   bool set_due_samples(Values& values);
   std::optional<double> next_time_event(Values& values);
   double output_time(long number) const;
+  double rounding_of_time(double t) const;
   bool is_same_time(double a, double b) const;
   bool roots_jump(Values before, Values after);
   void count_event(const std::string& text, const Values& before, const Values& after);

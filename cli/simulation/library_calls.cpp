@@ -61,10 +61,26 @@ int LibraryCalls::run(Mode& mode, Phase phase, const std::string& where, const s
   return status;
 }
 
+// Event functions are those of switches with roots; floor and trunc have two (Switches).
+std::string LibraryCalls::with_relations(const std::string& text) const {
+  static const std::regex event_function("\\bg\\[([0-9]+)\\] of the event function");
+  std::smatch match;
+  if (!std::regex_search(text, match, event_function)) return text;
+  std::size_t number = std::stoul(match[1].str());
+  for (const Switch& it : system_.switches) {
+    const std::size_t count = !it.has_root ? 0 : it.kind == Switch::Kind::relation ? 1 : 2;
+    if (number < count)
+      return match.prefix().str() + "the argument of " + it.text + " (" + place(system_.model, it.at) + ")" +
+             match.suffix().str();
+    number -= count;
+  }
+  return text;
+}
+
 std::string LibraryCalls::translated(const std::string& given) const {
   // Numbers of equations are those of the mode; their names are places in the file.
   static const std::regex number_before_name("\\bequation [0-9]+ \\(");
-  const std::string text = std::regex_replace(given, number_before_name, "equation (");
+  const std::string text = with_relations(std::regex_replace(given, number_before_name, "equation ("));
   static const std::regex number("\\b(?:component |x\\[)([0-9]+)\\b\\]?");
   std::string result;
   auto position = text.cbegin();

@@ -40,6 +40,7 @@ class LibraryCalls {
   void set_unknowns(const std::vector<int>& unknowns) { unknowns_ = unknowns; }
 
  private:
+  std::string with_relations(const std::string& text) const;
   int run_while_polling(Mode& mode, const std::function<int()>& call);
 
   const System& system_;

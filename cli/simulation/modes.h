@@ -14,7 +14,8 @@
 
 namespace sfdae::cli {
 
-// One mode, recorded. Discrete variables of types Real and Integer are parameters of the recording.
+// One mode, recorded. Discrete variables of types Real and Integer, and what is rounded of them, are parameters of the
+// recording.
 struct Mode : std::enable_shared_from_this<Mode> {
   Mode(sfdae::NonlinearProblem problem, const sfdae::Options& options_given)
       : solver(std::move(problem), options_given), options(options_given) {}
@@ -40,24 +41,25 @@ class Modes {
   const std::vector<int>& unknowns() const { return unknowns_; }  // variables of the model; -1 for the dummy
 
   // Two sets of values that agree in this have the same equations.
-  std::vector<double> equations_key(const Values& values) const;
+  std::vector<double> equations_key(const Values& values);
 
   // Between the unknowns of the library and values.
   void to_values(const sfdae::Point& point, Values& values) const;
   void to_point(const Values& values, sfdae::Point& point) const;
 
  private:
-  std::vector<double> read(const std::vector<Formula>& leaves, const Values& values) const;
-  std::shared_ptr<Mode> recorded(const Values& values) const;
-  bool is_parameter(Formula formula, bool is_calculated_with) const;
+  std::shared_ptr<Mode> recorded(const Values& values, const std::vector<double>& leaves) const;
+  bool is_parameter(Formula formula, bool is_calculated_with, bool is_whole) const;
   std::string parameter_name(Formula formula) const;
 
   const System& system_;
   sfdae::Options options_;
   bool has_free_;
   std::vector<int> unknowns_;
-  std::vector<Formula> key_;         // leaves that decide which equations hold
-  std::vector<Formula> parameters_;  // leaves that become parameters
+  // Leaves: what is discrete and not recorded with its operands.
+  std::vector<Formula> key_;         // those that decide which equations hold
+  std::vector<Formula> parameters_;  // those that become parameters
+  Tape leaves_;                      // key_, then parameters_
   std::map<std::vector<double>, std::shared_ptr<Mode>> modes_;
 };
 

@@ -18,11 +18,7 @@ Parameters::Parameters(const FlatModel& model, const std::map<std::string, doubl
   for (int i = 0; i < static_cast<int>(states_.size()); ++i)
     if (states_[index(i)] == State::unvisited) find(i);
   for (int i = 0; i < static_cast<int>(states_.size()); ++i)
-    if (states_[index(i)] == State::free) {
-      const Variable& variable = model_.variables[index(i)];
-      const Expression& guess = variable.start ? variable.start : variable.binding;
-      values_[index(i)] = guess ? value(guess) : 0.0;
-    }
+    if (states_[index(i)] == State::free) guess(i);
   for (int i = 0; i < static_cast<int>(states_.size()); ++i)
     if (states_[index(i)] == State::derived) values_[index(i)] = value(model_.variables[index(i)].binding);
 }
@@ -94,6 +90,18 @@ void Parameters::find(int variable) {
   values_[index(variable)] = value;
 }
 
+// The guess of a free parameter.
+double Parameters::guess(int variable) {
+  double& value = values_[index(variable)];
+  if (!std::isnan(value)) return value;
+  const Variable& it = model_.variables[index(variable)];
+  const Expression& formula = it.start ? it.start : it.binding;
+  value = 0.0;  // also where guesses depend on each other
+  const double found = formula ? evaluate(*formula) : 0.0;
+  if (std::isfinite(found)) value = found;
+  return value;
+}
+
 double Parameters::value(const Expression& expression) {
   at_ = expression->at;
   return evaluate(*expression);
@@ -103,11 +111,14 @@ std::optional<double> Parameters::start(int variable) {
   const auto given = given_starts_.find(variable);
   if (given != given_starts_.end()) return given->second;
   const Variable& it = model_.variables[index(variable)];
+  if (is_free(variable) && (it.start || it.binding)) return guess(variable);
   if (!it.start) return std::nullopt;
   at_ = it.at;
+  depends_on_free_ = false;
   const double value = evaluate(*it.start);
-  if (!std::isfinite(value)) fail(it, "has a start value that is not finite");
-  return value;
+  if (std::isfinite(value)) return value;
+  if (!depends_on_free_) fail(it, "has a start value that is not finite");
+  return 0.0;
 }
 
 double Parameters::evaluate(const Node& node) {
@@ -120,6 +131,7 @@ double Parameters::evaluate(const Node& node) {
     find(node.index);
     const State state = states_[index(node.index)];
     if (state == State::free || state == State::derived) depends_on_free_ = true;
+    if (state == State::free) return guess(node.index);
     return state == State::derived ? evaluate(*model_.variables[index(node.index)].binding)
                                    : values_[index(node.index)];
   }

@@ -30,8 +30,11 @@ class Parameters {
   // Of an expression of constants and parameters; free ones have their guess.
   double value(const Expression& expression);
 
-  // The start value of any variable, if it has one.
+  // The start value of any variable, if it has one; what depends on free parameters is a guess.
   std::optional<double> start(int variable);
+
+  // Start values that are given instead of those of the model.
+  const std::map<int, double>& given_starts() const { return given_starts_; }
 
  private:
   enum class State { other, unvisited, visiting, known, free, derived };
@@ -41,6 +44,7 @@ class Parameters {
   void set_given(const std::string& name, int variable, double value);
   void find(int variable);
   double evaluate(const Node& node);
+  double guess(int variable);
   double evaluate_operation(const Node& node);
   [[noreturn]] void fail(const Variable& variable, const std::string& text) const;
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "simulation/aliases.h"
+#include "simulation/bounds.h"
 #include "simulation/classification.h"
 #include "simulation/discrete_order.h"
 #include "simulation/elimination.h"
@@ -61,6 +61,7 @@ class Preparation {
   void describe_variables() {
     const std::size_t count = model().variables.size();
     system_.nominal.assign(count, 1.0);
+    system_.scale.assign(count, 1.0);
     system_.start.assign(count, 0.0);
     system_.has_start.assign(count, 0);
     system_.is_state.assign(count, 0);
@@ -76,26 +77,31 @@ class Preparation {
       const double nominal = variable.nominal ? std::fabs(parameters_.value(variable.nominal)) : 0.0;
       system_.nominal[at(v)] =
           std::isfinite(nominal) && nominal > 0.0 ? nominal : std::max(1.0, std::fabs(system_.start[at(v)]));
+      system_.scale[at(v)] = std::isfinite(nominal) && nominal > 0.0 ? nominal : scale_of(system_.start[at(v)]);
       if (parameters_.is_free(v) && !is_discrete(variable)) system_.free_parameters.push_back(v);
+      add_bounds(system_, parameters_, import_, v, warnings_);
       if (parameters_.is_known(v) || parameters_.is_free(v) || parameters_.is_derived(v)) continue;
-      add_bounds(v, variable);
       if (variable.is_input) continue;
       determined_[at(v)] = is_discrete(variable) ? Determined::discretely : Determined::continuously;
     }
-    system_.own_start = system_.start;
-    for (double start : system_.own_start) system_.own_start_formulas.push_back(system_.formulas.number(start));
+    for (int v = 0; v < num_variables(); ++v) system_.start_formulas.push_back(start_formula(v));
+    system_.own_start = system_.start_formulas;
     for (const When& when : model().whens)
       for (const WhenBranch& branch : when.branches)
         for (const Action& action : branch.actions)
           if (action.kind == Action::Kind::assign) determined_[at(action.variable)] = Determined::elsewhere;
   }
 
-  void add_bounds(int v, const Variable& variable) {
-    if (variable.type == Type::boolean || variable.type == Type::enumeration || (!variable.min && !variable.max))
-      return;
-    const double inf = std::numeric_limits<double>::infinity();
-    system_.checked.push_back({v, variable.min ? parameters_.value(variable.min) : -inf,
-                               variable.max ? parameters_.value(variable.max) : inf});
+  static double scale_of(double start) { return start != 0.0 ? std::fabs(start) : 1.0; }
+
+  // A number, unless free parameters determine it.
+  Formula start_formula(int v) {
+    const Variable& variable = model().variables[at(v)];
+    const Expression& start = parameters_.is_free(v) && !variable.start ? variable.binding : variable.start;
+    const Formula number = system_.formulas.number(system_.start[at(v)]);
+    if (!start || parameters_.given_starts().count(v) != 0) return number;
+    const Formula formula = import_(start, Context::literal);
+    return system_.formulas.depends(formula, on_free | on_discrete) ? formula : number;
   }
 
   void import_equations() {
@@ -122,9 +128,21 @@ class Preparation {
                     right = import_(equation.right, Context::instant);
       const int of_left = target(left), of_right = target(right);
       const std::string text = to_text(equation.left, model()) + " = " + to_text(equation.right, model());
-      if (of_left >= 0) system_.initial_discrete.push_back({of_left, right});
-      else if (of_right >= 0) system_.initial_discrete.push_back({of_right, left});
+      if (of_left >= 0) system_.initial_discrete.push_back({of_left, right, equation.at});
+      else if (of_right >= 0) system_.initial_discrete.push_back({of_right, left, equation.at});
       else system_.initial_conditions.push_back({left, right, equation.at, text});
+    }
+    add_discrete_starts();
+  }
+
+  // Start values of discrete variables that free parameters determine.
+  void add_discrete_starts() {
+    std::vector<char> has_equation(model().variables.size(), 0);
+    for (const DiscreteAssignment& assignment : system_.initial_discrete) has_equation[at(assignment.variable)] = 1;
+    for (int v = 0; v < num_variables(); ++v) {
+      const bool is_number = system_.formulas.is_number(system_.own_start[at(v)]);
+      if (!is_number && is_discrete(model().variables[at(v)]) && has_equation[at(v)] == 0)
+        system_.initial_discrete.push_back({v, system_.own_start[at(v)], model().variables[at(v)].at});
     }
   }
 
@@ -219,7 +237,7 @@ class Preparation {
       if (system_.is_state[at(v)] != 0) system_.is_state[root] = 1;
       if (is_state_outside_[at(v)] != 0) is_state_outside_[root] = 1;
       if (has_nominal[at(v)] != 0 && has_nominal[root] == 0) {
-        system_.nominal[root] = system_.nominal[at(v)];
+        system_.nominal[root] = system_.scale[root] = system_.nominal[at(v)];
         has_nominal[root] = 1;
       }
       const int own = (model().variables[at(v)].is_fixed ? 2 : 0) + (system_.has_start[at(v)] != 0 ? 1 : 0);
@@ -228,8 +246,15 @@ class Preparation {
       if (own <= present) continue;
       quality[root] = own;
       system_.start[root] = alias.sign * (system_.start[at(v)] - alias.offset);
+      system_.start_formulas[root] =
+          system_.formulas.is_number(system_.own_start[at(v)])
+              ? system_.formulas.number(system_.start[root])
+              : with_sign_of(alias, system_.formulas.subtract(system_.own_start[at(v)],
+                                                              system_.formulas.number(alias.offset)));
       system_.has_start[root] = system_.has_start[at(v)];
-      if (has_nominal[root] == 0) system_.nominal[root] = std::max(1.0, std::fabs(system_.start[root]));
+      if (has_nominal[root] != 0) continue;
+      system_.nominal[root] = std::max(1.0, std::fabs(system_.start[root]));
+      system_.scale[root] = scale_of(system_.start[root]);
     }
   }
 
@@ -254,6 +279,10 @@ class Preparation {
 
   void substitute(const Aliases& aliases, const std::vector<ExplicitState>& states,
                   const std::vector<SolvedUnknown>& definitions) {
+    system_.defined_at.assign(model().variables.size(), {});
+    for (const DiscreteAssignment& assignment : system_.discrete)
+      if (at(assignment.variable) < system_.defined_at.size())
+        system_.defined_at[at(assignment.variable)] = assignment.at;
     std::vector<std::vector<int>> members(model().variables.size());
     std::vector<char> is_defined(model().variables.size(), 0);
     for (const ExplicitState& state : states) is_defined[at(state.variable)] = 1;
@@ -280,7 +309,10 @@ class Preparation {
     }
     for (const SolvedUnknown& definition : definitions) {
       const Formula value = substitution_(definition.value);
-      for (int v : members[at(definition.variable)]) replace(v, value_of(aliases.find(v), value), -1);
+      for (int v : members[at(definition.variable)]) {
+        replace(v, value_of(aliases.find(v), value), -1);
+        system_.defined_at[at(v)] = residuals_[at(definition.residual)].at;
+      }
     }
     for (int v = 0; v < num_variables(); ++v)
       if (parameters_.is_derived(v)) system_.values[at(v)] = substitution_(import_(model().variables[at(v)].binding));

@@ -5,35 +5,28 @@
 #include <array>
 #include <numbers>
 
+#include "simulation/failure.h"
+
 namespace sfdae::cli {
 
 Recording::Recording(const System& system, const Values& values,
-                     const std::unordered_map<Formula, std::string>& names)
-    : system_(system), values_(values), names_(names) {
+                     const std::unordered_map<Formula, DiscreteLeaf>& leaves)
+    : system_(system), values_(values), leaves_(leaves) {
   std::vector<Formula> all;
   for (const Residual& residual : system.residuals) all.push_back(residual.formula);
   find_numbers(system.formulas.parts(all));
 }
 
-double Recording::known_leaf(const FormulaNode& node) const {
-  switch (node.operation) {
-    case Operation::number: return node.value;
-    case Operation::variable: return values_.variable[at(node.index)];
-    case Operation::previous: return values_.previous[at(node.index)];
-    case Operation::sample: return values_.samples[at(node.index)];
-    case Operation::initial: return values_.is_initial ? 1.0 : 0.0;
-    case Operation::terminal: return values_.is_terminal ? 1.0 : 0.0;
-    default: return values_.switches[at(node.index)];  // frozen
-  }
-}
-
 void Recording::find_numbers(const std::vector<Formula>& parts) {
   for (Formula formula : parts) {
     const FormulaNode& node = system_.formulas[formula];
-    if (names_.count(formula) != 0) continue;
+    const auto leaf = leaves_.find(formula);
+    if (leaf != leaves_.end()) {
+      if (leaf->second.name.empty()) numbers_[formula] = leaf->second.value;
+      continue;
+    }
     if (node.operands[0] < 0) {
-      const bool varies = (node.dependence & (on_continuous | on_free)) != 0;
-      if (!varies) numbers_[formula] = known_leaf(node);
+      if (node.operation == Operation::number) numbers_[formula] = node.value;
       continue;
     }
     std::array<double, 3> values{};
@@ -59,7 +52,7 @@ std::vector<Formula> Recording::needed() const {
     const Formula formula = stack.back();
     stack.pop_back();
     result.push_back(formula);
-    if (numbers_.count(formula) != 0) continue;
+    if (numbers_.count(formula) != 0 || leaves_.count(formula) != 0) continue;
     const FormulaNode& node = system_.formulas[formula];
     const auto condition = node.operation == Operation::choose ? numbers_.find(node.operands[0]) : numbers_.end();
     if (condition != numbers_.end()) visit(node.operands[condition->second != 0.0 ? 1 : 2]);
@@ -76,9 +69,9 @@ void Recording::record(const std::vector<int>& unknown_of, const sfdae::Expressi
     const FormulaNode& node = system_.formulas[formula];
     sfdae::Expression& result = recorded_[formula];
     const auto number = numbers_.find(formula);
-    const auto name = names_.find(formula);
+    const auto leaf = leaves_.find(formula);
     if (number != numbers_.end()) result = number->second;
-    else if (name != names_.end()) result = sfdae::parameter(t, name->second, known_leaf(node));
+    else if (leaf != leaves_.end()) result = sfdae::parameter(t, leaf->second.name, leaf->second.value);
     else if (node.operation == Operation::time) result = t;
     else if (node.operation == Operation::variable) {
       const int j = unknown_of[at(node.index)];  // none: a free parameter that has been found
@@ -91,19 +84,6 @@ void Recording::record(const std::vector<int>& unknown_of, const sfdae::Expressi
   }
   for (std::size_t i = 0; i < system_.residuals.size(); ++i)
     residuals[static_cast<int>(i)] = recorded_.at(system_.residuals[i].formula);
-}
-
-// 1 or 0. c > 0 is what choose asks.
-sfdae::Expression Recording::relation(Operation operation, const sfdae::Expression& a,
-                                      const sfdae::Expression& b) const {
-  switch (operation) {
-    case Operation::less: return choose(b - a, 1.0, 0.0);
-    case Operation::less_equal: return choose(a - b, 0.0, 1.0);
-    case Operation::greater: return choose(a - b, 1.0, 0.0);
-    case Operation::greater_equal: return choose(b - a, 0.0, 1.0);
-    case Operation::equal: return choose(abs(a - b), 0.0, 1.0);
-    default: return choose(abs(a - b), 1.0, 0.0);
-  }
 }
 
 sfdae::Expression Recording::operation(const FormulaNode& node) const {
@@ -142,8 +122,19 @@ sfdae::Expression Recording::operation(const FormulaNode& node) const {
     case Operation::max: return max(a, b);
     case Operation::and_: return choose(a, b, 0.0);
     case Operation::or_: return choose(a, 1.0, b);
-    default: return relation(node.operation, a, b);
+    // Relations are 1 or 0. choose asks whether its first operand is greater than 0.
+    case Operation::less: return choose(b - a, 1.0, 0.0);
+    case Operation::less_equal: return choose(a - b, 0.0, 1.0);
+    case Operation::greater: return choose(a - b, 1.0, 0.0);
+    case Operation::greater_equal: return choose(b - a, 0.0, 1.0);
+    case Operation::equal: return choose(abs(a - b), 0.0, 1.0);
+    case Operation::not_equal: return choose(abs(a - b), 1.0, 0.0);
+    default: break;
   }
+  // Roundings of what varies are switches (Import), those of discrete quantities are leaves (Modes).
+  throw Failure(Outcome::not_analyzed, SFDAE_OK,
+                "an operation (number " + std::to_string(static_cast<int>(node.operation)) +
+                    ") of quantities that vary between events cannot be recorded; please report this model");
 }
 
 }  // namespace sfdae::cli

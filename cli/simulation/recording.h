@@ -13,12 +13,17 @@
 
 namespace sfdae::cli {
 
+// A formula of discrete quantities that is not recorded with its operands.
+struct DiscreteLeaf {
+  double value = 0.0;
+  std::string name;  // of the parameter; empty: a number in this mode
+};
+
 // Records residuals for fixed values of all that is discrete, unless it is a parameter. Branches that are not taken
 // leave no trace.
 class Recording {
  public:
-  // names: of the formulas that become parameters.
-  Recording(const System& system, const Values& values, const std::unordered_map<Formula, std::string>& names);
+  Recording(const System& system, const Values& values, const std::unordered_map<Formula, DiscreteLeaf>& leaves);
 
   // unknown_of: the number of each variable of the model among x, -1 for none.
   void record(const std::vector<int>& unknown_of, const sfdae::Expression& t, sfdae::ConstExpressions x,
@@ -27,16 +32,14 @@ class Recording {
  private:
   void find_numbers(const std::vector<Formula>& parts);
   std::vector<Formula> needed() const;
-  double known_leaf(const FormulaNode& node) const;
   sfdae::Expression operation(const FormulaNode& node) const;
-  sfdae::Expression relation(Operation operation, const sfdae::Expression& a, const sfdae::Expression& b) const;
   const sfdae::Expression& operand(const FormulaNode& node, std::size_t k) const {
     return recorded_.at(node.operands[k]);
   }
 
   const System& system_;
   const Values& values_;
-  const std::unordered_map<Formula, std::string>& names_;
+  const std::unordered_map<Formula, DiscreteLeaf>& leaves_;
   std::unordered_map<Formula, double> numbers_;  // formulas that are numbers in this mode
   std::unordered_map<Formula, sfdae::Expression> recorded_;
 };

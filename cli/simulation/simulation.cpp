@@ -77,6 +77,23 @@ void describe(const LibraryCalls& calls, Result& result) {
   }
 }
 
+// A value given for a variable whose start value is not fixed is a guess, which initial values may be far from.
+void warn_of_changed_guesses(const System& system, const Parameters& parameters, const Values& values,
+                             std::vector<std::string>& warnings) {
+  constexpr double relative = 1e-6, of_nominal = 1e-9;  // errors of initial values
+  for (const auto& [v, given] : parameters.given_starts()) {
+    const Variable& variable = system.model.variables[at(v)];
+    const double value = values.variable[at(v)];
+    const double tolerance =
+        relative * std::max(std::fabs(given), std::fabs(value)) + of_nominal * system.nominal[at(v)];
+    if (std::fabs(value - given) <= tolerance) continue;
+    warnings.push_back(
+        place(system.model, variable.at) + ": the value " + to_text(given) + " given for " + variable.name +
+        (variable.is_fixed ? " was replaced by equations" : " is only a guess, its start value is not fixed") + "; " +
+        variable.name + " starts at " + to_text(value));
+  }
+}
+
 void run(const FlatModel& model, const Settings& settings, bool only_analysis, Result& result) {
   Parameters parameters(model, settings.values, result.warnings);
   const std::unique_ptr<System> system = prepared(model, parameters, result.warnings, settings.reduce_above);
@@ -92,7 +109,7 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   Modes initial_modes(*system, options_of(*system, settings, all_unknowns), true);
   LibraryCalls calls(*system, settings);
   calls.set_unknowns(all_unknowns);
-  Switches switches(*system);
+  Switches switches(*system, settings.stop - settings.start);
   Discrete discrete(*system);
   EventIteration events(*system, modes, calls, switches, discrete, result.warnings);
   Output output(*system, settings.keeps_aliases, discrete, result);
@@ -101,6 +118,7 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   try {
     calls.check_stop(settings.start, 0.0, 0);
     InitialState(*system, initial_modes, calls, switches, discrete).find(settings.start, values, result.warnings);
+    warn_of_changed_guesses(*system, parameters, values, result.warnings);
     modes.to_point(values, point);
     events.check_assertions(values);
     if (only_analysis) {

@@ -15,15 +15,16 @@ namespace {
 constexpr double held = 1e-7;
 // What is clearly not zero on the solution, relative to the largest value met and to the nominal size.
 constexpr double clear_of_largest = 1e-13, clear_of_nominal = 1e-14;
-// Times that are one but for rounding.
-constexpr double same_time = 4e-15;
+// Times that are one but for rounding, relative; near 0 relative to this part of the interval.
+constexpr double same_time = 4e-15, part_of_interval = 0.01;
 
 double lower_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k > 0.0 ? k : k - 1.0; }
 double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k >= 0.0 ? k + 1.0 : k; }
 
 }  // namespace
 
-Switches::Switches(const System& system) : system_(system), arguments_(system.formulas) {
+Switches::Switches(const System& system, double interval)
+    : system_(system), interval_(interval), arguments_(system.formulas) {
   forget_passed();
   for (const Switch& it : system.switches) arguments_.add(it.g);
   for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
@@ -47,6 +48,11 @@ double Switches::literal(const Switch& it, double g) const {
     case Switch::Kind::truncate: return std::trunc(g);
     default: return applied(it.operation, g, 0.0, 0.0);
   }
+}
+
+// The rounding error of t and of the time at which g = slope t + offset is zero.
+double Switches::rounding_of_time(const Switch& it, double t, double offset) const {
+  return same_time * (std::fabs(t) + std::fabs(offset / it.slope) + part_of_interval * interval_);
 }
 
 // How far the argument is from where the value holds; 0: it holds.
@@ -79,10 +85,11 @@ bool Switches::update(Values& values, bool only_first) {
     const Switch& it = system_.switches[at(s)];
     double g = arguments_[s];
     const bool has_passed = passed_at_[at(s)] == values.t;
-    double tolerance = has_passed ? held * sizes_[at(s)] : 0.0;
+    // Arguments that are constant between events have no errors of location.
+    double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
     if (std::isnan(g)) continue;
     if (it.is_by_time) {
-      g += std::copysign(same_time * (std::fabs(it.slope * values.t) + std::fabs(arguments_[count + s])), it.slope);
+      g += it.slope * rounding_of_time(it, values.t, arguments_[count + s]);
       tolerance = 0.0;
     }
     const double value = values.switches[at(s)];
@@ -155,9 +162,8 @@ std::optional<double> Switches::next_time(Values& values) {
     const double target = it.kind == Switch::Kind::relation ? 0.0
                           : it.slope > 0.0                  ? upper_bound(it, value)
                                                             : lower_bound(it, value);
-    const double t = (target - offset) / it.slope;
-    const double tolerance = same_time * (std::fabs(values.t) + std::fabs(offset / it.slope));
-    if (t > values.t + tolerance && (!next || t < *next)) next = t;
+    const double t = (target - offset) / it.slope + 0.0;  // -0 becomes 0
+    if (t > values.t + rounding_of_time(it, values.t, offset) && (!next || t < *next)) next = t;
   }
   return next;
 }

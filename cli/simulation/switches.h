@@ -11,7 +11,8 @@ namespace sfdae::cli {
 
 class Switches {
  public:
-  explicit Switches(const System& system);
+  // interval: length of the simulation.
+  Switches(const System& system, double interval);
 
   // As arguments say, to the letter: for initial values.
   bool set_literally(Values& values);
@@ -51,8 +52,10 @@ class Switches {
 
   double literal(const Switch& it, double g) const;
   double outside(const Switch& it, double g, double value) const;
+  double rounding_of_time(const Switch& it, double t, double offset) const;
 
   const System& system_;
+  double interval_;
   Tape arguments_;  // g of every switch, then offsets of those by time
   std::vector<Root> roots_;
   std::vector<double> sizes_;

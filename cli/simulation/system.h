@@ -38,6 +38,7 @@ struct Sample {
 struct DiscreteAssignment {
   int variable = -1;
   Formula value = -1;
+  Location at;
 };
 
 // What happens at an event while `active` is 1; reinit: variable := value.
@@ -69,9 +70,10 @@ struct Alias {
   double sign = 1.0, offset = 0.0;
 };
 
+// min <= variable <= max
 struct CheckedVariable {
   int variable = -1;
-  double min, max;
+  Formula min = -1, max = -1;
 };
 
 struct System {
@@ -80,10 +82,11 @@ struct System {
 
   const FlatModel& model;
   Formulas formulas;
-  std::vector<int> unknowns;        // variables of the model that the library solves for
-  std::vector<Residual> residuals;  // in unknowns, what is discrete, and free parameters
-  std::vector<Formula> values;      // of every variable, in the same; -1: an unused free parameter of another type
-  std::vector<Alias> aliases;       // of every variable of type Real
+  std::vector<int> unknowns;         // variables of the model that the library solves for
+  std::vector<Residual> residuals;   // in unknowns, what is discrete, and free parameters
+  std::vector<Formula> values;       // of every variable, in the same; -1: an unused free parameter of another type
+  std::vector<Location> defined_at;  // of every variable: the equation that gives it, if that is known
+  std::vector<Alias> aliases;        // of every variable of type Real
   std::vector<int> free_parameters;
 
   std::vector<Switch> switches;
@@ -97,11 +100,12 @@ struct System {
   int num_eliminated = 0;
   int num_replaced_states = 0;  // differentiated variables of the model that others stand for; this lowers the index
   std::vector<double> nominal;  // of every variable
+  std::vector<double> scale;    // the same, but start values below 1 count, too, where the model has no nominal value
   std::vector<char> has_start;  // of every variable: the model gives a start value
   std::vector<double> start;    // of every variable, 0 if it has none; roots know those of their aliases
-  std::vector<double> own_start;  // of every variable, its own
-  std::vector<Formula> own_start_formulas;
-  std::vector<char> is_state;  // of every variable: its derivative occurs
+  std::vector<Formula> start_formulas;  // the same; start has guesses of the free parameters in them
+  std::vector<Formula> own_start;       // of every variable, its own
+  std::vector<char> is_state;           // of every variable: its derivative occurs
   // Of every variable: x' = f(states, t), so that x is continuous while forces and velocities jump.
   std::vector<char> is_continuous_at_impulses;
   std::vector<CheckedVariable> checked;

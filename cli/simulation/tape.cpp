@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/tape.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "model/chain_rule.h"
+
 namespace sfdae::cli {
 
 Values::Values(const System& system)
@@ -9,6 +14,12 @@ Values::Values(const System& system)
       derivative(system.model.variables.size(), 0.0),
       switches(system.switches.size(), 0.0),
       samples(system.samples.size(), 0.0) {}
+
+bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+bool are_same(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) { return are_same(x, y); });
+}
 
 int Tape::compiled(Formula formula) {
   register_of_.resize(at(formulas_.size()), -1);
@@ -64,11 +75,51 @@ double Tape::read(const Instruction& instruction, const Values& values) {
   }
 }
 
-void Tape::run(Values& values) {
+namespace {
+
+// Numbers as terms of the chain rule.
+struct NumberAlgebra {
+  using Term = double;
+  static double number(double value) { return value; }
+  static double make(Operation operation, double u, double v = 0.0) { return applied(operation, u, v, 0.0); }
+  static double choose(Operation relation, double u, double v, double a, double b) {
+    return applied(relation, u, v, 0.0) != 0.0 ? a : b;
+  }
+  static bool is_zero(double u) { return u == 0.0; }
+};
+
+}  // namespace
+
+void Tape::differentiate(const std::vector<double>& direction) {
+  NumberAlgebra numbers;
+  ChainRule<NumberAlgebra> rule(numbers);
+  tangents_.assign(instructions_.size(), 0.0);
+  for (std::size_t k = 0; k < instructions_.size(); ++k) {
+    const Instruction& instruction = instructions_[k];
+    if (instruction.is_assignment) continue;
+    if (instruction.a < 0) {
+      const bool moves = instruction.operation == Operation::variable && at(instruction.index) < direction.size();
+      if (moves) tangents_[k] = direction[at(instruction.index)];
+      continue;
+    }
+    const auto operand = [&](int place) {
+      return ChainRule<NumberAlgebra>::Operand{registers_[at(place)], tangents_[at(place)]};
+    };
+    if (instruction.operation == Operation::choose)
+      tangents_[k] = tangents_[at(registers_[at(instruction.a)] != 0.0 ? instruction.b : instruction.c)];
+    else if (instruction.b < 0)
+      tangents_[k] = rule.of_one(instruction.operation, operand(instruction.a), registers_[k]);
+    else
+      tangents_[k] =
+          rule.of_two(instruction.operation, operand(instruction.a), operand(instruction.b), registers_[k]);
+  }
+}
+
+void Tape::execute(const Values& values, Values* assigned) {
   for (std::size_t k = 0; k < instructions_.size(); ++k) {
     const Instruction& instruction = instructions_[k];
     if (instruction.is_assignment) {
-      values.variable[at(instruction.index)] = registers_[at(instruction.a)];
+      assigned->variable[at(instruction.index)] = registers_[at(instruction.a)];
       continue;
     }
     if (instruction.a < 0) {

@@ -21,6 +21,10 @@ struct Values {
   bool is_initial = false, is_terminal = false;
 };
 
+// NaN is the same as NaN.
+bool are_same(double a, double b);
+bool are_same(const std::vector<double>& a, const std::vector<double>& b);
+
 // Formulas as a list of instructions; what they share is evaluated once.
 class Tape {
  public:
@@ -31,7 +35,15 @@ class Tape {
   // Evaluates what is added later with the new value of the variable.
   void add_assignment(int variable, Formula value);
 
-  void run(Values& values);
+  void run(Values& values) { execute(values, &values); }
+  // The same without assignments.
+  void evaluate(const Values& values) { execute(values, nullptr); }
+
+  // Derivatives of what run or evaluate has computed last, in a direction: entries for the variables of the model.
+  // Derivatives der() and what is discrete stay.
+  void differentiate(const std::vector<double>& direction);
+  double tangent(int number) const { return tangents_[at(outputs_[at(number)])]; }
+
   double operator[](int number) const { return registers_[at(outputs_[at(number)])]; }
   int size() const { return static_cast<int>(outputs_.size()); }
 
@@ -46,12 +58,13 @@ class Tape {
 
   int compiled(Formula formula);
   void compile(Formula formula);
+  void execute(const Values& values, Values* assigned);
   static double read(const Instruction& instruction, const Values& values);
 
   const Formulas& formulas_;
   std::vector<int> register_of_;  // of each formula
   std::vector<Instruction> instructions_;
-  std::vector<double> registers_;
+  std::vector<double> registers_, tangents_;
   std::vector<int> outputs_;
 };
 

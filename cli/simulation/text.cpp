@@ -2,6 +2,7 @@
 #include "simulation/text.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace sfdae::cli {
@@ -150,11 +151,40 @@ std::string to_text(const Expression& expression, const FlatModel& model) {
   return printer.text;
 }
 
+namespace {
+
+// The formula as an expression; null if it has more levels or contains something without a name.
+Expression expression_of(const Formulas& formulas, Formula formula, const FlatModel& model, int levels) {
+  const FormulaNode& formula_node = formulas[formula];
+  const bool is_name = formula_node.operation == Operation::variable ||
+                       formula_node.operation == Operation::previous ||
+                       formula_node.operation == Operation::derivative;
+  const bool is_switch = formula_node.operands[0] < 0 && formula_node.index >= 0 && !is_name;
+  const bool is_hidden = is_name && at(formula_node.index) >= model.variables.size();
+  Node node{formula_node.operation, formula_node.value, formula_node.index, {}, {}};
+  if (levels == 0 || is_switch || is_hidden) return nullptr;
+  for (Formula operand : formula_node.operands) {
+    if (operand < 0) continue;
+    node.operands.push_back(expression_of(formulas, operand, model, levels - 1));
+    if (!node.operands.back()) return nullptr;
+  }
+  return std::make_shared<const Node>(std::move(node));
+}
+
+}  // namespace
+
+std::string to_text(const Formulas& formulas, Formula formula, const FlatModel& model) {
+  constexpr int most_levels = 5;
+  const Expression expression = expression_of(formulas, formula, model, most_levels);
+  return expression ? to_text(expression, model) : "discrete value";
+}
+
 std::string place(const FlatModel& model, Location at) {
   return at.line > 0 ? model.file + ":" + std::to_string(at.line) : model.file;
 }
 
 std::string to_text(double number) {
+  if (std::isnan(number)) return "nan";  // never -nan
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", number);
   return text.data();

@@ -5,11 +5,14 @@
 #include <string>
 
 #include "model/flat_model.h"
+#include "simulation/formulas.h"
 
 namespace sfdae::cli {
 
 // As a user would write it; what is long is cut off.
 std::string to_text(const Expression& expression, const FlatModel& model);
+
+std::string to_text(const Formulas& formulas, Formula formula, const FlatModel& model);
 
 // "file:line", or "file" where the line is unknown.
 std::string place(const FlatModel& model, Location at);

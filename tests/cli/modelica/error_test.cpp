@@ -182,4 +182,15 @@ TEST(Rejections, OfEquations) {
   expect_error("", "equation assert(1, \"a\");", "1, ", "expected a Boolean");
 }
 
+TEST(Rejections, OfTextAfterTheLastEnd) {
+  const std::string text = package("", "Real 'x' = time;");
+  for (const std::string after : {"hello world", "'x' = 3;", "; ;", "end 'M';", "\"text\""}) {
+    const std::string message = error_of(text + after);
+    EXPECT_NE(message.find("expected the end of the file after the last end"), std::string::npos) << after << message;
+  }
+  for (const std::string after :
+       {"", "\n\n", "// a comment\n", "/* another */", "Notification: it's done", "[a.mo:1:2] Error: no"})
+    EXPECT_EQ(error_of(text + after), "");
+}
+
 }  // namespace sfdae::cli::testing

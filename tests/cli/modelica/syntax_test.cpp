@@ -138,9 +138,9 @@ TEST(Dialects, OfOlderExportsRead) {
   EXPECT_NE(model.warnings[0].find("decorations"), std::string::npos);
 }
 
-TEST(Files, MayLackTheVersionAndCarryTextAfterTheEnd) {
+TEST(Files, MayLackTheVersionAndCarryMessagesAfterTheEnd) {
   const FlatModel model =
-      read_model("package 'M' model 'M' Real x; equation x = 1; end 'M'; end 'M';\n\x01 \"open", "a.bmo");
+      read_model("package 'M' model 'M' Real x; equation x = 1; end 'M'; end 'M';\nWarning: \x01 \"open", "a.bmo");
   ASSERT_EQ(model.warnings.size(), 1U);
   EXPECT_EQ(model.warnings[0].rfind("a.bmo:1:1: ", 0), 0U);
   EXPECT_EQ(model.name, "M");

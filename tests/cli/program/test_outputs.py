@@ -169,3 +169,53 @@ def test_files_whose_names_look_like_unknowns_keep_them(tmp_path):
     box = path.rename(tmp_path / "box[0].mo")
     message = run("solve", box, code=1).stderr
     assert " in equation (" in message and "box[0].mo:6)" in message
+
+
+# What users would not expect is an error, or a warning.
+
+@pytest.mark.parametrize("value, operation", [("sqrt('x')", "sqrt(-0.04)"), ("1 + log('x')", "log(-0.04)"),
+                                              ("1 / ('x' - 'x')", "0"), ("1 / 0", "1/0"), ("log(-1)", "log(-1)")])
+def test_values_that_are_not_finite_are_no_solution(tmp_path, value, operation):
+    path = model(tmp_path, "    Real 'x'(start = 1.01, fixed = true);\n    Real 'y';",
+                 f"    der('x') = -2.1;\n    'y' = {value};")
+    result = run("solve", path, "--outputs", "10", code=1)
+    assert f"{path}:8" in result.stderr and " t = " in result.stderr and "'y'" not in result.stderr, result.stderr
+    assert operation in result.stderr and " y is " in result.stderr
+    assert "nan" not in result.stdout and "inf" not in result.stdout
+
+
+def test_integers_that_are_not_whole_are_no_solution(tmp_path):
+    path = model(tmp_path, "    parameter Real 'p' = 1;\n    Integer 'a';", "    'a' = 'p' + sin('p');")
+    result = run("solve", path, code=1)
+    assert f"a is 1.84147 at t = 0" in result.stderr and f"{path}:7: a = p + sin(p)" in result.stderr
+
+
+def test_text_after_the_model_is_an_error(tmp_path):
+    path = model(tmp_path, "    Real 'x';", "    'x' = time;")
+    text = path.read_text()
+    path.write_text(text + "  equation\n    'x' = 2 * time;\n  end 'M';\n")
+    assert f"{path}:9:3: expected the end of the file" in run("solve", path, code=2).stderr
+    path.write_text(text + "Notification: a message of the compiler isn't part of the model\n")
+    assert columns(run("solve", path).stdout)["x"][-1] == 1
+
+
+def test_guesses_that_are_not_kept_are_named(tmp_path):
+    warning = "x is only a guess, its start value is not fixed; x starts at 2"
+    path = model(tmp_path, "    Real 'x'(start = 1.0);\n    Real 'y'(start = 1.0, fixed = true);",
+                 "    der('y') = 0;\n    'x' = 2 * 'y';")
+    result = run("solve", path, "--set", "x=0.3")
+    assert f"warning: {path}:4: the value 0.3 given for {warning}" in result.stderr
+    assert columns(result.stdout)["x"][0] == 2
+    assert run("solve", path, "--set", "x=0.3", "--quiet").stderr == ""
+    assert run("solve", path, "--set", "x=2").stderr == ""
+    assert run("solve", path, "--set", "y=2").stderr == ""
+    assert f"the value 0.3 given for {warning}" in run("analyze", path, "--set", "x=0.3").stderr
+
+
+def test_parameters_outside_of_their_limits_are_named(tmp_path):
+    path = model(tmp_path, "    parameter Real 'p'(min = 0, max = 2) = 1;\n    Real 'x'(start = 1.0, fixed = true, max = 1.5);",
+                 "    der('x') = 0 * 'p';")
+    assert run("solve", path).stderr == ""
+    assert f"warning: {path}:4: parameter p is 3, above max = 2" in run("solve", path, "--set", "p=3").stderr
+    assert f"warning: {path}:4: parameter p is -1, below min = 0" in run("check", path, "--set", "p=-1").stderr
+    assert f"warning: {path}:5: x is 2 at t = 0, above max = 1.5" in run("solve", path, "--set", "x=2").stderr

@@ -94,3 +94,13 @@ def test_warnings_of_instances_are_kept(tmp_path):
     run("sweep", path, "--to", "1", "--set", "k=1,2", "--json", tmp_path / "s.json")
     first, second = json.loads((tmp_path / "s.json").read_text())["instances"]
     assert first["warnings"] == [] and "above max = 1.5" in second["warnings"][0]
+
+
+def test_warnings_name_the_first_instance_that_has_them(tmp_path):
+    path = model(tmp_path, "    parameter Real 'p'(max = 20) = 1;\n    Real 'x'(start = 1.0);\n"
+                           "    Real 'y'(start = 1.0, fixed = true);", "    der('y') = 0;\n    'x' = 'p' * 'y';")
+    result = run("sweep", path, "--set", "p=19:24", "--set", "x=20,21")
+    lines = result.stderr.splitlines()
+    assert [line[:21] for line in lines if "parameter p is 21, above max = 20" in line] == ["warning: instance 5: "], lines
+    assert len(lines) == 11 and lines[-1] == "warning: ... and 4 more; --json FILE has all", lines
+    assert run("sweep", path, "--set", "p=19:24", "--set", "x=20,21", "--quiet").stderr == ""

@@ -1,5 +1,8 @@
 // Models with events, against exact solutions.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <functional>
+#include <utility>
+
 #include "model_builder.h"
 
 namespace sfdae::cli::test {
@@ -328,6 +331,124 @@ TEST(Events, DiodesThatSwitchTogetherDoNotChatter) {
   EXPECT_GT(last(result, "vC"), 14.0);
   EXPECT_LT(last(result, "vC"), 20.0);
   EXPECT_LT(result.events.size(), 100u);
+}
+
+// x' = value of a relation or rounding of time that changes at 0, from before, at and after 0; the end is 1.
+struct AtZero {
+  const char* name;
+  std::function<Term()> slope;
+  double before, after;  // mean values on (-1, 0) and (0, 1)
+};
+
+class TimeIsZero : public testing::TestWithParam<AtZero> {};
+
+TEST_P(TimeIsZero, RelationsChangeThere) {
+  for (const double start : {-1.0, -0.3, 0.0, 0.5}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true});
+    b.equation(der(x), choose(time_now() < -0.3, 0.0, GetParam().slope()));
+    Settings settings = until(1.0);
+    settings.start = start;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    const double expected =
+        GetParam().before * std::min(0.3, std::max(0.0, -start)) + GetParam().after * (1.0 - std::max(0.0, start));
+    EXPECT_NEAR(last(result, "x"), expected, 1e-10) << "from " << start;
+    for (const HappenedEvent& event : result.events)
+      EXPECT_TRUE(std::fabs(event.t) < 1e-15 || event.t == -0.3) << event.text;
+  }
+}
+
+Term rounded(Operation operation, const Term& a) { return Term::of(operation, a); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Relations, TimeIsZero,
+    testing::Values(AtZero{"greater", [] { return choose(time_now() > 0.0, 1.0, 0.0); }, 0.0, 1.0},
+                    AtZero{"greater_equal", [] { return choose(time_now() >= 0.0, 1.0, 0.0); }, 0.0, 1.0},
+                    AtZero{"less", [] { return choose(time_now() < 0.0, 5.0, 1.0); }, 5.0, 1.0},
+                    AtZero{"less_equal", [] { return choose(time_now() <= 0.0, 5.0, 1.0); }, 5.0, 1.0},
+                    AtZero{"falling", [] { return choose(-3.0 * time_now() < 0.0, 1.0, 0.0); }, 0.0, 1.0},
+                    AtZero{"zero_first", [] { return choose(Term(0.0) < time_now(), 1.0, 0.0); }, 0.0, 1.0},
+                    AtZero{"zero_by_rounding", [] { return choose(time_now() > Term(0.3) - 0.1 - 0.2, 1.0, 0.0); },
+                           0.0, 1.0},
+                    AtZero{"floor", [] { return rounded(Operation::floor, 0.9 * time_now()); }, -1.0, 0.0},
+                    AtZero{"floor_falling", [] { return rounded(Operation::floor, -0.9 * time_now()); }, 0.0, -1.0},
+                    AtZero{"ceil", [] { return rounded(Operation::ceil, 0.9 * time_now()); }, 0.0, 1.0},
+                    AtZero{"integer", [] { return rounded(Operation::integer, -0.9 * time_now()); }, 0.0, -1.0}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+// mod(-t, 1) = 1 - t on (0, 1).
+TEST(Events, ModOfFallingTimeJumpsAtZero) {
+  Builder b;
+  const Term y = b.real("y"), x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(y, Term::of(Operation::mod, -time_now(), 1.0));
+  b.equation(der(x), y);
+  const Result result = solve(b.model, until(0.9));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "y"), 0.1, 1e-12);
+  EXPECT_NEAR(last(result, "x"), 0.9 - 0.405, 1e-8);
+}
+
+TEST(Events, WhenTimePassesZero) {
+  for (const double start : {-1.0, 0.0}) {
+    Builder b;
+    const Term n = b.integer("n", {.start = 0.0, .fixed = true}), m = b.integer("m", {.start = 0.0, .fixed = true}),
+               next = b.discrete("next", {.start = 0.0, .fixed = true});
+    b.when({{{time_now() > 0.0}, {assign(n, pre(n) + 1.0)}}});
+    b.when({{{time_now() > pre(next)}, {assign(m, pre(m) + 1.0), assign(next, pre(next) + 0.25)}}});
+    Settings settings = until(0.9);
+    settings.start = start;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(last(result, "n"), 1.0);
+    EXPECT_EQ(last(result, "m"), 4.0);  // 0, 0.25, 0.5, 0.75
+  }
+}
+
+// A sample at the start that is there but for rounding: 0.07 / 0.01 is a little more than 7.
+TEST(Events, SamplesAtTheStartAreNotLostByRounding) {
+  for (const auto& [begin, interval] :
+       {std::make_pair(-0.07, 0.01), {-0.14, 0.02}, {-0.6, 0.2}, {-0.7, 0.1}, {-0.28, 0.01}, {-1e6, 0.1}}) {
+    Builder b;
+    const Term n = b.integer("n", {.start = 0.0, .fixed = true});
+    b.when({{{sample(begin, interval)}, {assign(n, pre(n) + 1.0)}}});
+    const Result result = solve(b.model, until(0.5 * interval));
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(last(result, "n"), 1.0) << begin << ", " << interval;
+  }
+}
+
+// Steps that end at an output but for rounding, and events at which nothing happens, are no reason to leave it out.
+TEST(Events, NoOutputIsLost) {
+  for (const double stop : {1.0, 1.3, 2.0, 2.1, 7.0}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+               far = b.boolean("far");
+    b.equation(der(x), -0.1 * x);
+    b.equation(der(y), 1.0);
+    b.equation(far, either(x<0.1, function(Operation::abs, y - 0.2 * stop)> stop));
+    const Result result = solve(b.model, until(stop));
+    EXPECT_SOLVED(result);
+    ASSERT_EQ(result.trajectory.t.size(), 51u) << stop;
+    for (std::size_t k = 0; k < 51; ++k)
+      EXPECT_NEAR(result.trajectory.t[k], stop * static_cast<double>(k) / 50.0, 1e-14 * stop);
+    EXPECT_LE(largest_error(result, "x", [](double t) { return std::exp(-0.1 * t); }), 1e-6);
+  }
+}
+
+// Where sqrt(x) ends, the row before the event is just outside of its domain: the limit stands there.
+TEST(Events, BranchesEndWithTheirDomains) {
+  for (const double offset : {0.0, 0.1, 0.3}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0 + offset, .fixed = true}), y = b.real("y");
+    b.equation(der(x), -2.0);
+    b.equation(y, choose(x > 0.0, function(Operation::sqrt, x), 0.0));
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    const auto exact = [&](double t) { return std::sqrt(std::max(0.0, 1.0 + offset - 2.0 * t)); };
+    EXPECT_LE(largest_error(result, "y", exact), 1e-4);
+    ASSERT_EQ(result.events.size(), 1u);
+  }
 }
 
 }  // namespace

@@ -186,5 +186,179 @@ TEST(Initialization, SingularGuessesAreLeft) {
   EXPECT_NEAR(std::hypot(first(result, "x"), first(result, "y")), 1.0, 1e-10);
 }
 
+// Start values may depend on parameters that initial equations determine: by chains, bindings, roundings and aliases.
+TEST(Initialization, StartValuesFollowFreeParameters) {
+  Builder b;
+  const Term p = b.free_parameter("p", 0.0), q = b.free_parameter("q", 1.0), k = b.parameter("k", 3.0 * p),
+             chain = b.real("chain", {.fixed = true}), bound = b.real("bound", {.fixed = true}),
+             root = b.real("root"), alias = b.real("alias", {.fixed = true}),
+             rounded = b.real("rounded", {.fixed = true}), guessed = b.real("guessed");
+  const auto start = [&](const Term& v, const Term& value) { b.model.variables[v.e->index].start = value.e; };
+  start(chain, 2.0 * p + q);
+  start(bound, k + 1.0);
+  start(alias, p);
+  start(rounded, Term::of(Operation::floor, q + 0.7));
+  start(guessed, p - q);
+  for (const Term& v : {chain, bound, root, rounded, guessed}) b.equation(der(v), 0.0 * v);
+  b.equation(alias, 1.0 - root);
+  b.initial(p, 2.0);
+  b.initial(q * q * q, 4.0 * p);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "chain"), 6.0, 1e-9);
+  EXPECT_NEAR(first(result, "bound"), 7.0, 1e-9);
+  EXPECT_NEAR(first(result, "root"), -1.0, 1e-9);
+  EXPECT_NEAR(first(result, "rounded"), 2.0, 1e-9);
+  EXPECT_NEAR(first(result, "guessed"), 0.0, 1e-9);  // nothing else determines it
+  EXPECT_CONTAINS(joined(result.warnings), "1 initial condition is missing; start values are used: guessed = p - q");
+}
+
+// x starts at p, and x' = -3 there: p = 3.
+TEST(Initialization, StartValuesMayDetermineFreeParameters) {
+  Builder b;
+  const Term p = b.free_parameter("p", 0.0), x = b.real("x", {.fixed = true});
+  b.model.variables[1].start = p.e;
+  b.equation(der(x), -x);
+  b.initial(der(x), -3.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "p"), 3.0, 1e-9);
+  EXPECT_NEAR(last(result, "x"), 3.0 * std::exp(-1.0), 1e-6);
+}
+
+// A free parameter that nothing determines has its start value, which may follow others, declared before or after it.
+TEST(Initialization, GuessesOfFreeParametersFollowEachOther) {
+  for (const bool is_first : {true, false}) {
+    Builder b;
+    const Term p = is_first ? b.free_parameter("p", 1.0) : Term(0.0), q = b.free_parameter("q", 1.0),
+               r = is_first ? p : b.free_parameter("p", 1.0), x = b.real("x", {.fixed = true});
+    b.model.variables[q.e->index].start = (2.0 * r).e;
+    b.model.variables[x.e->index].start = q.e;
+    b.equation(der(x), 0.0 * x);
+    b.initial(r, 2.0);
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    EXPECT_NEAR(first(result, "q"), 4.0, 1e-9);
+    EXPECT_NEAR(first(result, "x"), 4.0, 1e-9);
+  }
+}
+
+TEST(Initialization, StartValuesOfDiscreteVariablesFollowFreeParameters) {
+  Builder b;
+  const Term p = b.free_parameter("p", 3.0), u = b.discrete("u", {.fixed = true}),
+             x = b.real("x", {.start = 0.0, .fixed = true});
+  b.model.variables[1].start = (p + 1.0).e;
+  b.equation(der(x), u);
+  b.when({{{sample(0.5, 1.0)}, {assign(u, pre(u) + 1.0)}}});
+  b.initial(p, 2.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "x"), 0.5 * 3.0 + 0.5 * 4.0, 1e-9);
+}
+
+TEST(Initialization, GivenStartValuesFollowNothing) {
+  Builder b;
+  const Term p = b.free_parameter("p", 0.0), x = b.real("x", {.fixed = true});
+  b.model.variables[1].start = p.e;
+  b.equation(der(x), 0.0 * x);
+  b.initial(p, 2.0);
+  Settings settings = until(1.0);
+  settings.values["x"] = 5.0;
+  const Result result = solve(b.model, settings);
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(first(result, "x"), 5.0);
+}
+
+// Small solutions are as accurate as others, from a near or far guess, with every tolerance.
+TEST(Initialization, SmallSolutionsAreFound) {
+  for (const double tolerance : {1e-4, 1e-10})
+    for (const double guess : {2e-9, 1e-9, 1e-3, 1.0}) {
+      Builder b;
+      const Term a = b.free_parameter("a", guess), x = b.real("x", {.start = guess}), y = b.real("y"),
+                 s = b.real("s", {.start = guess});
+      b.equation(der(x), 0.0 * x);
+      b.equation(der(s), 2e-18 - square(s));
+      b.equation(y, 3.0 * x);
+      b.initial(square(a), 2e-18);
+      b.initial(square(y), 18e-18);
+      if (guess < 1e-8) b.initial(der(s), 0.0);
+      const Result result = solve(b.model, until(1.0, tolerance));
+      EXPECT_SOLVED(result);
+      EXPECT_NEAR(first(result, "a"), std::sqrt(2.0) * 1e-9, 1e-17) << guess;
+      EXPECT_NEAR(first(result, "x"), std::sqrt(2.0) * 1e-9, 1e-17) << guess;
+      if (guess < 1e-8) {
+        EXPECT_NEAR(first(result, "s"), std::sqrt(2.0) * 1e-9, 1e-17);
+      }
+    }
+}
+
+// The scale of a is 1e-7, that of b is 1: rows of both equations differ, though not in units of 1.
+TEST(Initialization, SmallAndLargeUnknownsTogether) {
+  Builder b;
+  const Term a = b.free_parameter("a", 1e-7), c = b.free_parameter("c", 1.0),
+             x = b.real("x", {.start = 0.0, .fixed = true});
+  const Term e = function(Operation::exp, -1e-7 / a);
+  b.equation(der(x), 0.0 * x);
+  b.initial(e + c, 3.1);
+  b.initial(e - c, -2.9);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "a"), 1e-7 / std::log(10.0), 1e-16);
+  EXPECT_NEAR(first(result, "c"), 3.0, 1e-9);
+}
+
+TEST(Initialization, SmallContradictionsAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1e-9, .fixed = true});
+  b.equation(der(x), 0.0 * x);
+  b.initial(x, 3e-9);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_started);
+  EXPECT_CONTAINS(result.message, "violated by -2e-09");
+}
+
+// A start value given for a variable without fixed = true is a guess: a warning says which value replaced it.
+TEST(Initialization, GuessesThatAreGivenAndNotKeptAreNamed) {
+  for (const double given : {0.3, 2.0}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 1.0, .fixed = true});
+    b.equation(x, 2.0 * y);
+    b.equation(der(y), 0.0 * y);
+    Settings settings = until(1.0);
+    settings.values["x"] = given;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(first(result, "x"), 2.0);
+    const std::string warnings = joined(result.warnings);
+    if (given == 2.0) EXPECT_EQ(warnings, "");
+    else
+      EXPECT_CONTAINS(
+          warnings,
+          "model.mo:1: the value 0.3 given for x is only a guess, its start value is not fixed; x starts at 2");
+  }
+}
+
+// Limits of parameters count, also where free parameters are in them or in the value.
+TEST(Initialization, ParametersOutsideOfTheirLimitsAreNamed) {
+  Builder b;
+  const Term given = b.parameter("given", 5.0), inside = b.parameter("inside", 5.0), p = b.free_parameter("p", 0.0),
+             twice = b.parameter("twice", 2.0 * p), x = b.real("x", {.start = 1.0, .fixed = true});
+  b.model.variables[0].max = Term(4.0).e;
+  b.model.variables[1].max = Term(5.0).e;
+  b.model.variables[2].min = Term(4.0).e;
+  b.model.variables[3].max = given.e;
+  b.model.variables[4].min = p.e;
+  b.equation(der(x), 0.0 * x + 0.0 * twice + 0.0 * inside);
+  b.initial(p, 3.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  const std::string warnings = joined(result.warnings);
+  EXPECT_CONTAINS(warnings, "model.mo:1: parameter given is 5, above max = 4");
+  EXPECT_CONTAINS(warnings, "model.mo:3: parameter p is 3 at t = 0, below min = 4");
+  EXPECT_CONTAINS(warnings, "model.mo:4: parameter twice is 6 at t = 0, above max = 5");
+  EXPECT_CONTAINS(warnings, "model.mo:5: x is 1 at t = 0, below min = 3");
+  EXPECT_EQ(warnings.find("inside"), std::string::npos) << warnings;
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test

@@ -170,12 +170,14 @@ inline double last(const Result& result, const std::string& name) {
   return value(result, name, result.trajectory.t.size() - 1);
 }
 
-// max |values - exact(t)| over all rows.
+// max |values - exact(t)| over all rows; infinity if one is not finite.
 template <class Exact>
 double largest_error(const Result& result, const std::string& name, Exact exact) {
   double error = 0.0;
-  for (std::size_t k = 0; k < result.trajectory.t.size(); ++k)
-    error = std::max(error, std::fabs(value(result, name, k) - exact(result.trajectory.t[k])));
+  for (std::size_t k = 0; k < result.trajectory.t.size(); ++k) {
+    const double deviation = std::fabs(value(result, name, k) - exact(result.trajectory.t[k]));
+    error = std::max(error, std::isfinite(deviation) ? deviation : HUGE_VAL);
+  }
   return error;
 }
 

@@ -122,5 +122,70 @@ TEST(WrongModels, StopBeforeStart) {
   EXPECT_CONTAINS(complaint(b.model, until(-1.0)), "the stop time -1 is not after the start time 0");
 }
 
+// Values that are not defined are no results: the operation, its operands, the equation and the time are named.
+TEST(WrongModels, ValuesThatAreNotFiniteAreNamed) {
+  struct Case {
+    Term value;
+    const char* message;
+  };
+  const Term x(Term::make(Operation::variable, {}, 0.0, 0)), none(0.0);
+  for (const auto& [value, message] :
+       {Case{function(Operation::sqrt, x),
+             "y is nan at t = 0.54: sqrt(-0.026) is not finite (model.mo:4: y = sqrt(x))"},
+        Case{1.0 + function(Operation::log, x), "log(-0.026) is not finite"},
+        Case{power(x, 0.5), "(-0.026)^0.5 is not"},
+        Case{function(Operation::asin, 2.0 * x), "y is nan at t = 0: asin(2) is not finite"},
+        Case{1.0 / none, "y is inf at t = 0: 1/0 is not finite (model.mo:4: y = 1/0)"},
+        Case{function(Operation::log, Term(-1.0)), "log(-1) is not finite"},
+        Case{function(Operation::exp, 1e3 * x), "exp(1000) is not finite"}}) {
+    Builder b;
+    b.real("x", {.start = 1.0, .fixed = true});
+    const Term y = b.real("y");
+    b.equation(der(x), -1.9);
+    b.equation(y, value);
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_OUTCOME(result, Outcome::not_finished);
+    EXPECT_CONTAINS(result.message, message);
+    for (const double number : result.trajectory.values) EXPECT_TRUE(std::isfinite(number));
+  }
+}
+
+// The first cause, not what follows from it; discrete variables likewise, in iterations of an event.
+TEST(WrongModels, ValuesThatAreNotFiniteAreNamedWhereTheyArise) {
+  Builder b;
+  const Term z = b.real("z"), x = b.real("x", {.start = 1.0, .fixed = true}),
+             u = b.discrete("u", {.start = 0.0, .fixed = true}), n = b.integer("n", {.start = 0.0, .fixed = true});
+  b.equation(z, u + 1.0);
+  b.equation(der(x), -2.0);
+  b.when({{{sample(0.25, 0.5)}, {assign(u, function(Operation::sqrt, x)), assign(n, pre(n) + 1.0)}}});
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "u is nan at t = 0.75: sqrt(-0.5) is not finite (model.mo:7)");
+}
+
+TEST(WrongModels, RelationsThatCannotBeEvaluatedAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+             n = b.integer("n");
+  b.equation(der(x), -1.9);
+  b.equation(n, Term::of(Operation::integer, x));
+  b.equation(der(y), choose(function(Operation::log, x) > -3.0, 1.0, n));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "the argument of log(x) > -3 (model.mo) is");
+}
+
+TEST(WrongModels, IntegersThatAreNotWholeAreNamed) {
+  Builder b;
+  const Term p = b.parameter("p", 1.0), a = b.integer("a"), x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), a);
+  b.equation(a, p + function(Operation::sin, p));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(
+      result.message,
+      "a is 1.84147 at t = 0, but its type is not Real and needs a whole number (model.mo:5: a = p + sin(p))");
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
