@@ -3,8 +3,9 @@
 #include "integrate/checkpoint_identity.h"
 
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -51,14 +52,15 @@ void write_values(const std::vector<CheckpointIdentity::Value>& values, Archive&
   }
 }
 
-// The first value that is not the one read, with that one; null if there is none.
+// The first value that is not the one read, in every bit, with that one; null if there is none.
 std::pair<const CheckpointIdentity::Value*, double> first_difference(
     const std::vector<CheckpointIdentity::Value>& values, Archive& archive) {
   std::pair<const CheckpointIdentity::Value*, double> found{nullptr, 0.0};
   for (const CheckpointIdentity::Value& each : values) {
     double saved = 0.0;
     archive.real(saved);
-    if (found.first == nullptr && saved != each.value) found = {&each, saved};
+    const bool agrees = std::bit_cast<std::uint64_t>(saved) == std::bit_cast<std::uint64_t>(each.value);
+    if (found.first == nullptr && !agrees) found = {&each, saved};
   }
   return found;
 }
