@@ -215,6 +215,12 @@ class Run:
             if event.action is not None:
                 changed = event.action(point.t, x.copy(), xdot.copy(), self.parameters)
                 if changed is not None:
+                    if self._S is not None:
+                        raise ValueError(
+                            f"the action of event {event.name!r} changes x at t = {point.t:.9g}, and its "
+                            "derivatives, which the sensitivities need there, are not known: use "
+                            "sfdae.Hybrid, which carries sensitivities over jumps"
+                        )
                     name = f"x of the action of event {event.name!r}"
                     x = self.solver.problem.values(changed, name, missing=x)
                     is_restarted = True

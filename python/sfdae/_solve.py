@@ -90,7 +90,8 @@ def solve(
         in the whole run, or with t_eval between two outputs.
     sensitivities : sequence of str, optional
         Names of parameters, or of unknowns (by their start values), by which the solution is
-        differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.
+        differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities. Actions of
+        events must not change x then (ValueError): Hybrid carries sensitivities over jumps.
     xdot0 : array_like or dict, optional
         A guess of x', for problems that allow several.
     names, units : sequence of str, optional

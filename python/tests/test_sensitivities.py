@@ -136,3 +136,20 @@ def test_gradients_by_the_adjoint():
         solver.gradient(2.5, [1, 0, 0])
     with pytest.raises(sfdae.Error, match="sensitivities"):
         solver.sensitivities(2.0)
+
+
+@pytest.mark.parametrize("action", [lambda t, x: 1.0 * x, lambda t, x: {"a": 0.5 * x[0]}])
+def test_actions_that_change_x_are_refused(action):
+    event = sfdae.Event(lambda t, x: t - 1, action=action)
+    with pytest.raises(ValueError, match="sfdae.Hybrid"):
+        sfdae.solve(
+            oscillator, (0, 2), [1, 0, 0], names=NAMES, events=event, sensitivities=["p"], **TIGHT
+        )
+
+
+def test_actions_that_only_look_do_no_harm():
+    event = sfdae.Event(lambda t, x: t - 1, action=lambda t, x: None)
+    sol = sfdae.solve(
+        oscillator, (0, 2), [1, 0, 0], names=NAMES, events=event, sensitivities=["p"], **TIGHT
+    )
+    assert sol.S[0, 0, -1] == pytest.approx(exact(2)[0], abs=1e-6)
