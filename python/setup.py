@@ -51,7 +51,7 @@ def cmake_arguments(prefix: "str | None") -> "list[str]":
     arguments += ["-DCMAKE_BUILD_TYPE=Release"]
     if prefix:
         return [*arguments, f"-DCMAKE_PREFIX_PATH={prefix}"]
-    for part in ("BUILD_TESTS", "BUILD_EXAMPLES", "BUILD_FORTRAN", "BUILD_PROGRAM", "INSTALL"):
+    for part in ("BUILD_FORTRAN", "BUILD_PROGRAM", "INSTALL"):
         arguments.append(f"-DSFDAE_{part}=OFF")
     return [*arguments, "-DSFDAE_BUILD_PYTHON=ON"]
 

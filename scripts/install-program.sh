@@ -11,14 +11,10 @@ prefix="${1:-$HOME/.local}"
 
 scripts/install-dependencies.sh program
 if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
-# What is needed and no more, since somebody waits for it. If local names clash, sources are compiled one by one.
-build() {
-  cmake -S . -B build/program -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG" \
-    -DSFDAE_UNITY_BUILD="$1" -DSFDAE_BUILD_PROGRAM=ON -DSFDAE_BUILD_TESTS=OFF -DSFDAE_BUILD_EXAMPLES=OFF \
-    -DSFDAE_BUILD_FORTRAN=OFF > /dev/null
-  cmake --build build/program --parallel "$(nproc)" --target sfdae_program
-}
-build ON || build OFF
+# Only the program and the library that it needs: somebody waits for them.
+cmake -S . -B build/program -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG" \
+  -DSFDAE_BUILD_PROGRAM=ON -DSFDAE_BUILD_FORTRAN=OFF > /dev/null
+cmake --build build/program --parallel "$(nproc)" --target sfdae_program
 for component in runtime program; do
   cmake --install build/program --prefix "$prefix" --component "$component" > /dev/null
 done

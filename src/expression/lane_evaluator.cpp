@@ -324,19 +324,10 @@ void sweep_back_all(const Pass& pass, LaneMask& bad) {
   }
 }
 
-// Results of order 0 ... K, as the action is told.
-template <class Order, class Action>
-void with_order_up_to(int order, Order K, Action action) {
-  if (order >= K) return action(K);
-  if (order == 1) return action(Fixed<1>());
-  action(Fixed<0>());
-}
-
-template <class Order>
-void load(const Pass& pass, LaneMask& bad, Order K) {
+void load(const Pass& pass, LaneMask& bad) {
   for (std::size_t i = 0; i < pass.tape.leaves.size(); ++i) {
     const Tape::Leaf& leaf = pass.tape.leaves[i];
-    const int order = pass.value_limits == nullptr ? K : pass.by_order.of_leaves[i];
+    const int order = pass.value_limits == nullptr ? pass.order : pass.by_order.of_leaves[i];
     for (int k = 0; k <= order; ++k) {
       const Lanes x = leaf.derivative ? (k + 1) * lanes(pass.points.x[index(k + 1)][leaf.unknown])
                                       : lanes(pass.points.x[index(k)][leaf.unknown]);
@@ -346,51 +337,67 @@ void load(const Pass& pass, LaneMask& bad, Order K) {
   }
 }
 
-template <bool with_slopes, class Order>
-void run_state(const Pass& pass, Order K) {
-  if (pass.by_order.lists.empty()) return execute_all<with_slopes>(pass.of_state, pass.slots, K);
-  pass.by_order.for_each([&](const InstructionList& list, int order) {
-    with_order_up_to(pass.value_limits == nullptr ? K : order, K,
-                     [&](auto own) { execute_all<with_slopes>(list, pass.slots, own); });
-  });
+void load_time(const Pass& pass, LaneMask& bad) {
+  const Lanes& t = lanes(*pass.points.t);
+  note_not_finite(t, bad);
+  if (pass.tape.time < 0) return;
+  pass.slots[pass.tape.time * pass.stride] = t;
+  if (pass.order > 0) pass.slots[pass.tape.time * pass.stride + 1] = Lanes{} + 1.0;
 }
 
-template <class Order>
-void run(Pass& pass, Order K) {
-  const Tape& tape = pass.tape;
-  Lanes* const slots = pass.slots;
-  LaneMask bad{};
-  if (pass.of_parameters != nullptr) execute_all<false>(*pass.of_parameters, slots, Fixed<0>());
-  if (pass.of_time != nullptr) {
-    const Lanes& t = lanes(*pass.points.t);
-    note_not_finite(t, bad);
-    if (tape.time >= 0) {
-      slots[tape.time * pass.stride] = t;
-      if (K > 0) slots[tape.time * pass.stride + 1] = Lanes{} + 1.0;
+// A list of instructions, and the order of the coefficients that it is executed for.
+struct Task {
+  const InstructionList* list;
+  int order;
+  bool with_slopes;
+};
+// The lists of parameters, of time, and of the state by orders.
+struct Tasks {
+  std::array<Task, LaneEvaluator::highest_order + 3> list;
+  std::size_t count = 0;
+  void add(const Task& task) { list[count++] = task; }
+};
+
+Tasks tasks_of(const Pass& pass) {
+  Tasks tasks;
+  if (pass.of_parameters != nullptr) tasks.add({pass.of_parameters, 0, false});
+  if (pass.of_time != nullptr) tasks.add({pass.of_time, pass.order, false});
+  if (pass.by_order.lists.empty()) tasks.add({&pass.of_state, pass.order, pass.with_gradients});
+  pass.by_order.for_each([&](const InstructionList& list, int order) {
+    tasks.add({&list, pass.value_limits == nullptr ? pass.order : std::min(order, pass.order), pass.with_gradients});
+  });
+  return tasks;
+}
+
+// Everything is inlined here, for each instruction set (SFDAE_LANE_KERNEL): execute_all has one call for each order, with and
+// without slopes, as the compiler takes seconds for each of them.
+void execute_tasks(const Tasks& tasks, Lanes* slots) {
+  for (std::size_t i = 0; i < tasks.count; ++i) {
+    const auto& [list, order, with_slopes] = tasks.list[i];
+    switch (2 * order + (with_slopes ? 1 : 0)) {
+      case 0: execute_all<false>(*list, slots, Fixed<0>()); break;
+      case 1: execute_all<true>(*list, slots, Fixed<0>()); break;
+      case 2: execute_all<false>(*list, slots, Fixed<1>()); break;
+      case 3: execute_all<true>(*list, slots, Fixed<1>()); break;
+      case 4: execute_all<false>(*list, slots, Fixed<2>()); break;
+      default: execute_all<true>(*list, slots, Fixed<2>());
     }
-    execute_all<false>(*pass.of_time, slots, K);
   }
-  load(pass, bad, K);
-  if (any(bad)) {
-    pass.is_finite = false;
-    return;
-  }
-  if (pass.with_gradients) run_state<true>(pass, K);
-  else run_state<false>(pass, K);
-  for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
-    const int order = pass.value_limits == nullptr ? K : pass.value_limits[i];
-    for (int k = 0; k <= order; ++k) note_not_finite(slots[tape.residuals[i] * pass.stride + k], bad);
-  }
-  if (pass.with_gradients) sweep_back_all(pass, bad);
-  pass.is_finite = !any(bad);
 }
 
 void evaluate_pass(Pass& pass) {
-  switch (pass.order) {
-    case 0: return run(pass, Fixed<0>());
-    case 1: return run(pass, Fixed<1>());
-    default: return run(pass, Fixed<2>());
+  LaneMask bad{};
+  if (pass.of_time != nullptr) load_time(pass, bad);
+  load(pass, bad);
+  pass.is_finite = !any(bad);
+  if (!pass.is_finite) return;
+  execute_tasks(tasks_of(pass), pass.slots);
+  for (std::size_t i = 0; i < pass.tape.residuals.size(); ++i) {
+    const int order = pass.value_limits == nullptr ? pass.order : pass.value_limits[i];
+    for (int k = 0; k <= order; ++k) note_not_finite(pass.slots[pass.tape.residuals[i] * pass.stride + k], bad);
   }
+  if (pass.with_gradients) sweep_back_all(pass, bad);
+  pass.is_finite = !any(bad);
 }
 SFDAE_LANE_KERNEL(evaluate_pass, Pass)
 

@@ -4,7 +4,7 @@ include("${SETTINGS}")
 set(build "${work_dir}/${NAME}")
 foreach(type IN ITEMS "" Debug)
   configure("${test_dir}/subdirectory" "${build}" "-DSFDAE_SOURCE_DIR=${source_dir}" -DWITH_FORTRAN=OFF
-    "-DCMAKE_BUILD_TYPE=${type}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
+    "-DCMAKE_BUILD_TYPE=${type}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSFDAE_UNITY_BUILD=OFF)
   if(NOT EXISTS "${build}/compile_commands.json")
     message(STATUS "${generator} writes no compile_commands.json")
     return()

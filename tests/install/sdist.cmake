@@ -28,8 +28,7 @@ endforeach()
 file(WRITE "${work}/hidden/numpy.py" "raise ModuleNotFoundError('no numpy')\n")
 set(ENV{PYTHONPATH} "${work}/hidden")
 configure("${unpacked}/library" "${work}/build" "-DSFDAE_PYTHON_EXECUTABLE=${PYTHON}" -DSFDAE_PYTHON_LINK=static
-  -DSFDAE_BUILD_TESTS=OFF -DSFDAE_BUILD_EXAMPLES=OFF -DSFDAE_BUILD_FORTRAN=OFF -DSFDAE_BUILD_PROGRAM=OFF
-  -DSFDAE_INSTALL=OFF -DSFDAE_BUILD_PYTHON=ON)
+  -DSFDAE_BUILD_FORTRAN=OFF -DSFDAE_BUILD_PROGRAM=OFF -DSFDAE_INSTALL=OFF -DSFDAE_BUILD_PYTHON=ON)
 execute_process(COMMAND "${CMAKE_COMMAND}" --build "${work}/build" --target help
   OUTPUT_VARIABLE targets COMMAND_ERROR_IS_FATAL ANY)
 if(NOT targets MATCHES "sfdae_python")

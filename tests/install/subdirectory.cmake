@@ -8,7 +8,7 @@ if("Fortran" IN_LIST languages)
   set(with_fortran ON)
 endif()
 configure("${test_dir}/subdirectory" "${build}" "-DSFDAE_SOURCE_DIR=${source_dir}" -DWITH_FORTRAN=${with_fortran}
-  -DCMAKE_INSTALL_LIBDIR=${deep_libdir} -DSFDAE_UNITY_BUILD=ON
+  -DCMAKE_INSTALL_LIBDIR=${deep_libdir}
   -DCMAKE_CXX_FLAGS_DEBUG=)  # no symbols for a debugger: they take time
 run("${CMAKE_COMMAND}" --build "${build}" --config Debug)
 run("${CMAKE_COMMAND}" --build "${build}" --config Debug --target run)
