@@ -43,14 +43,20 @@ def generate(make, seed):
     raise AssertionError(f"seed {seed}: no suitable model")
 
 
-def solve(text, start, stop):
+def arguments(model):
+    settings = [word for setting in model.settings for word in ("--set", setting)]
+    return ["--from", repr(model.start), "--to", repr(model.stop), "--tol", repr(TOLERANCE), "--outputs", str(OUTPUTS),
+            "--method", model.method, *settings]
+
+
+def solve(text, model):
     """Times, and values by name, of variables and of parameters."""
     with tempfile.NamedTemporaryFile("w", suffix=".mo") as file:
         file.write(text)
         file.flush()
         result = subprocess.run(
-            [PROGRAM, "solve", file.name, "--from", repr(start), "--to", repr(stop), "--tol", repr(TOLERANCE), "--outputs",
-             str(OUTPUTS), "--variables", ".*", "--json", "-"], capture_output=True, text=True, timeout=300)
+            [PROGRAM, "solve", file.name, *arguments(model), "--variables", ".*", "--json", "-"],
+            capture_output=True, text=True, timeout=300)
     if result.returncode != 0:
         raise Refused(f"exit code {result.returncode}: {result.stderr.replace(file.name, 'model.mo')}")
     data = json.loads(result.stdout)
@@ -101,9 +107,9 @@ def try_seed(make, seed):
     """Nothing, or a text that says what is wrong, and whether the program refused the model."""
     model, reference, text = generate(make, seed)
     try:
-        compare(model, reference, *solve(text, model.start, model.stop))
+        compare(model, reference, *solve(text, model))
     except (Wrong, Refused) as error:
-        run = f"sfdae solve model.mo --from {model.start} --to {model.stop} --tol {TOLERANCE}"
+        run = " ".join(["sfdae solve model.mo", *arguments(model)])
         return f"seed {seed}: {error}\n{run}\n{text}", isinstance(error, Refused)
     return None, False
 

@@ -1,7 +1,7 @@
 """A random model: its parts as text for the program, and as items that the simulation runs in causal order."""
 
 from expressions import (CONTINUOUS, DISCRETE, TIMED, Expression, Rejected, choice, combined, constant,
-                         distance_to_integer, variable)
+                         distance_to_integer, logical, variable)
 
 DERIVATIVE, CONDITION = "der({})", "#{}"
 
@@ -63,7 +63,8 @@ class Model:
         self.random, self.start, self.stop = random, start, stop
         self.functions, self.declarations, self.conditions, self.equations, self.algorithms = [], [], [], [], []
         self.parameters, self.items, self.states, self.derivatives, self.discretes = [], [], {}, {}, {}
-        self.types, self.count = {}, 0
+        self.types, self.count, self.settings = {}, 0, []
+        self.method = random.choice(["automatic", "automatic", "bdf", "radau"])
         self.step = 0.01            # of the simulation
         self.demands_events = True  # no: functions may jump, which makes no events
 
@@ -77,6 +78,14 @@ class Model:
         self.declarations.append(f"{prefix} {expression.kind} '{name}' = {expression.text}")
         self.parameters.append((name, expression))
         return variable(expression.kind, name)
+
+    def changed_parameter(self, number):
+        """A parameter that --set gives this value."""
+        name = self.new_name("p", "Real")
+        self.declarations.append(f"parameter Real '{name}' = {number + 1.0!r}")
+        self.parameters.append((name, constant(number)))
+        self.settings.append(f"{name}={number!r}")
+        return variable("Real", name)
 
     def array(self, numbers):
         """A constant array; returns its name."""
@@ -129,6 +138,18 @@ class Model:
             self.add_equation(left, expression.text, expression.kind == "Real")
         varies = expression.varies if expression.kind == "Real" else DISCRETE
         return variable(expression.kind, name, varies)
+
+    def latch(self, turns_on, stays_on):
+        """y = turns_on or (pre(y) and stays_on)."""
+        name = self.new_name("y", "Boolean")
+        start = constant(self.random.choice([False, True]))
+        self.discretes[name] = start
+        self.declarations.append(f"Boolean '{name}'(fixed = true, start = {start.text})")
+        result = variable("Boolean", name)
+        expression = logical("or", turns_on, logical("and", pre(result), stays_on))
+        self.add_equation(f"'{name}'", expression.text, False)
+        self.items.append(Assignment(name, expression))
+        return result
 
     def if_equation(self, condition, a, b):
         """A variable given by an if-equation."""

@@ -144,8 +144,8 @@ class Body:
         self.others.append(("Integer", name, None, constant(0)))
         counter = local("Integer", name)
         condition = relation("<", counter, constant(self.random.randint(1, 3)))
-        if self.random.random() < 0.5:
-            condition = logical("and", condition, self.condition(1))
+        if self.loops == 1 and self.random.random() < 0.5:  # many rounds become formulas: no loops in it
+            condition, depth = logical("and", condition, self.condition(1)), 1
         self.integers.append(counter)
         count = Assign(name, arithmetic("+", counter, constant(1)))
         return [Assign(name, constant(0)), While(condition, [count, *self.block(depth + 1, True)])]

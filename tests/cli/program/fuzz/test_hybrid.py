@@ -19,7 +19,8 @@ class Hybrid:
         start = random.choice([0.0, 0.0, 0.0, -0.5, -1.0, 0.25])
         self.model = Model(random, start, start + 2.0)
         # Relations with a threshold change all at that time (>=, <), or all right after it (>, <=).
-        self.strict = {threshold: random.random() < 0.3 for threshold in THRESHOLDS}
+        self.thresholds = [*THRESHOLDS, start]
+        self.strict = {threshold: random.random() < 0.3 for threshold in self.thresholds}
         self.zero = 0.05 if self.strict[0.0] else 0.0  # of samples: they are no events right after a time
         self.states, self.reals, self.discretes, self.parameters, self.has_reinit = [], [], [], [], set()
 
@@ -35,6 +36,7 @@ class Hybrid:
             self.parameters.append(model.parameter(self.number(0.3, 1.5)))
         if random.random() < 0.5:
             self.parameters.append(model.parameter(arithmetic("*", self.number(0.5, 1.2), self.parameters[0])))
+        self.factors = self.parameters + [model.changed_parameter(round(random.uniform(0.3, 1.5), 3))]
         for _ in range(random.choice([0, 0, 1, 2])):
             free = model.free_parameter(round(random.uniform(0.3, 1.5), 3), random.choice([0.0, 1.0, 5.0]))
             scale = constant(random.choice([1.0, 1.0, 2.5, 1e-3, 1e-9, 1e-14, 1e5]))
@@ -61,7 +63,7 @@ class Hybrid:
         self.reals = list(self.states)
 
     def time_condition(self):
-        threshold = self.random.choice(THRESHOLDS)
+        threshold = self.random.choice(self.thresholds)
         symbol = self.random.choice([">", "<="] if self.strict[threshold] else [">=", "<"])
         form = self.random.randrange(4)
         if form == 0:
@@ -107,20 +109,25 @@ class Hybrid:
         if form == 2:
             return choice(self.condition(), self.number(), self.number())
         if form == 3:
-            return choice(self.condition(), arithmetic("*", self.number(), random.choice(self.parameters)), self.number())
+            return choice(self.condition(), arithmetic("*", self.number(), random.choice(self.factors)), self.number())
         if form == 4 and self.of_kind("Real"):
             return arithmetic("*", self.number(), random.choice(self.of_kind("Real")))
         if form == 5 and self.of_kind("Integer"):
             return arithmetic("*", self.number(-0.3, 0.3), random.choice(self.of_kind("Integer")))
         if form == 6:
             return kinked(random.choice(["min", "max"]), random.choice(self.reals), self.number())
-        return arithmetic("*", self.number(), random.choice(self.parameters))
+        return arithmetic("*", self.number(), random.choice(self.factors))
 
     def make_algebraic(self):
         random = self.random
-        form = random.randrange(10)
+        form = random.randrange(12)
         if form < 3:
             self.discretes.append(self.model.algebraic(self.condition()))
+        elif form == 10:
+            self.discretes.append(self.model.latch(self.condition(), self.condition()))
+        elif form == 11:
+            start = random.choice([self.zero, 0.07])
+            self.discretes.append(self.model.algebraic(self.model.sample(start, round(random.uniform(0.3, 0.7), 3))))
         elif form == 3:
             self.reals.append(self.model.if_equation(self.condition(), self.term(), self.term()))
         elif form == 4:
