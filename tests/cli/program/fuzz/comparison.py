@@ -74,7 +74,7 @@ def check(expected, found, k, model, scale, what):
             raise Wrong(f"{name} is not among the results")
         value = found[name][k]
         error = abs(value - expected[name]) if value is not None else float("inf")
-        if not error <= (ALLOWED * scale[name] if kind == "Real" else 0.0):
+        if not error <= (model.leniency * ALLOWED * scale[name] if kind == "Real" else 0.0):
             raise Wrong(f"{what}: {name} is {value!r}, expected {expected[name]!r}")
 
 
@@ -92,7 +92,7 @@ def compare(model, reference, times, found):
             continue
         check(row, found, rows[-1], model, scale, f"t = {row['time']}")
     for time, before, after in events if model.demands_events else []:
-        if all(abs(after[name] - before[name]) < NEAR_EVENT for name in names):
+        if time - model.start < SAME_TIME or all(abs(after[name] - before[name]) < NEAR_EVENT for name in names):
             continue
         rows = [k for k, t in enumerate(times) if abs(t - time) < EVENT_TIME]
         if len(rows) < 2:

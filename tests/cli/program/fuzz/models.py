@@ -2,58 +2,9 @@
 
 from expressions import (CONTINUOUS, DISCRETE, TIMED, Expression, Rejected, choice, combined, constant,
                          distance_to_integer, logical, variable)
+from items import CONDITION, Assignment, Calls, When
 
-DERIVATIVE, CONDITION = "der({})", "#{}"
-
-
-class Assignment:
-    """An equation that gives a variable."""
-
-    def __init__(self, name, expression):
-        self.name, self.expression = name, expression
-
-    def run(self, moment):
-        moment.values[self.name] = self.expression.value(moment)
-
-
-class Calls:
-    """An equation (a, b) = f(...)."""
-
-    def __init__(self, names, call):
-        self.names, self.call = names, call
-
-    def run(self, moment):
-        moment.values.update(zip(self.names, self.call(moment)))
-
-
-class When:
-    """A when clause. Branches are (conditions, assignments, reinits); None among the conditions is initial()."""
-
-    def __init__(self, number, branches):
-        self.branches = branches
-        self.names = [[CONDITION.format(f"{number}.{j}.{k}") for k in range(len(branch[0]))]
-                      for j, branch in enumerate(branches)]
-
-    def run(self, moment):
-        chosen = None
-        for (conditions, assignments, reinits), names in zip(self.branches, self.names):
-            is_active = False
-            for condition, name in zip(conditions, names):
-                if condition is None:
-                    is_active = is_active or moment.is_initial
-                    continue
-                moment.values[name] = condition.value(moment)
-                rises = moment.values[name] and not moment.pre.get(name, True)
-                is_active = is_active or (rises and moment.is_event)
-            if is_active and chosen is None:
-                chosen = assignments, reinits
-        if chosen:
-            moment.num_active += 1
-            moment.is_sampling = True
-            for name, expression in chosen[0]:
-                moment.values[name] = expression.value(moment)
-            moment.reinits.update({name: expression.value(moment) for name, expression in chosen[1]})
-            moment.is_sampling = False
+DERIVATIVE = "der({})"
 
 
 class Model:
@@ -65,6 +16,7 @@ class Model:
         self.parameters, self.items, self.states, self.derivatives, self.discretes = [], [], {}, {}, {}
         self.types, self.count, self.settings = {}, 0, []
         self.method = random.choice(["automatic", "automatic", "bdf", "radau"])
+        self.leniency = 1.0         # factor of the allowed error
         self.step = 0.01            # of the simulation
         self.demands_events = True  # no: functions may jump, which makes no events
 
@@ -155,8 +107,8 @@ class Model:
         """A variable given by an if-equation."""
         name = self.new_name("y", "Real")
         self.declarations.append(f"Real '{name}'")
-        self.equations.append(f"if {condition.text} then\n      '{name}' = {a.text};\n    else\n      {b.text} = '{name}';\n"
-                              "    end if")
+        self.equations.append(f"if {condition.text} then\n      '{name}' = {a.text};\n    else\n"
+                              f"      {b.text} = '{name}';\n    end if")
         self.items.append(Assignment(name, choice(condition, a, b)))
         return variable("Real", name, CONTINUOUS)
 
@@ -203,7 +155,7 @@ class Model:
         self.count += 1
         clause = When(self.count, branches)
         for names, branch in zip(clause.names, branches):
-            self.discretes.update({name: None for name, condition in zip(names, branch[0]) if condition is not None})
+            self.discretes.update((name, None) for name, condition in zip(names, branch[0]) if condition)
         self.items.append(clause)
 
     def sample(self, start, interval):

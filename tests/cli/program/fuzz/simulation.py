@@ -57,9 +57,6 @@ class Simulation:
     def now(self):
         return dict(self.moment.values)
 
-    def visible_discretes(self):
-        return [name for name in self.model.types if name in self.moment.values and name[0] in "yd"]
-
     def evaluate(self, held=None):
         """Runs the equations in causal order, with decisions that are held or new ones."""
         moment = self.moment
@@ -88,6 +85,7 @@ class Simulation:
                 moment.values[name] = start.value(moment)
         for name, kind in model.types.items():
             moment.values.setdefault(name, False if kind == "Boolean" else 0)
+        self.discretes = [*model.discretes, *(n for n, kind in model.types.items() if kind in ("Boolean", "Integer"))]
         self.remember()
         moment.is_initial = moment.is_event = True
         self.evaluate()
@@ -107,8 +105,8 @@ class Simulation:
         for _ in range(MAX_ITERATIONS):
             moment.reinits = {}
             self.evaluate()
-            names = [name for name in moment.pre if name[0] in "#d" or self.model.types.get(name) in ("Boolean", "Integer")]
-            is_stable = not moment.reinits and all(moment.values[name] == moment.pre[name] for name in names)
+            changes = [name for name in self.discretes if moment.values.get(name) != moment.pre.get(name)]
+            is_stable = not moment.reinits and not changes
             moment.values.update(moment.reinits)
             self.remember()
             if is_stable:

@@ -1,10 +1,10 @@
 """Random hybrid models: states, discrete variables in when clauses, if-expressions, free parameters.
 
-By hand, the model of one seed: SFDAE_PROGRAM=.../sfdae SFDAE_FUZZ_SEED=7 pytest -s test_hybrid.py (see comparison.py).
+By hand, one model (see comparison.py): SFDAE_PROGRAM=.../sfdae SFDAE_FUZZ_SEED=7 pytest -s test_hybrid.py
 """
 
 from comparison import run_fuzzer
-from expressions import (TIME, arithmetic, choice, constant, kinked, logical, negation, relation, rounding, smooth_function,
+from expressions import (TIME, arithmetic, choice, constant, kinked, logical, negation, relation, smooth_function,
                          total)
 from models import Model, change, derivative, edge, pre
 
@@ -61,6 +61,15 @@ class Hybrid:
                 state = model.state(start)
             self.states.append(state)
         self.reals = list(self.states)
+
+    def make_steady_state(self):
+        """A state whose start value follows from its derivative."""
+        state = self.model.state(self.number(), 0.0)
+        cosine = smooth_function("cos", arithmetic("*", self.number(0.5, 3.0), TIME))
+        rate = arithmetic("*", self.number(-1.5, -0.3), state)
+        self.model.set_derivative(state, total([rate, arithmetic("*", self.random.choice(self.factors), cosine)]))
+        self.model.require_initially(derivative(state))
+        self.reals.append(state)
 
     def time_condition(self):
         threshold = self.random.choice(self.thresholds)
@@ -126,8 +135,7 @@ class Hybrid:
         elif form == 10:
             self.discretes.append(self.model.latch(self.condition(), self.condition()))
         elif form == 11:
-            start = random.choice([self.zero, 0.07])
-            self.discretes.append(self.model.algebraic(self.model.sample(start, round(random.uniform(0.3, 0.7), 3))))
+            self.discretes.append(self.model.algebraic(self.model.sample(0.07, round(random.uniform(0.3, 0.7), 3))))
         elif form == 3:
             self.reals.append(self.model.if_equation(self.condition(), self.term(), self.term()))
         elif form == 4:
@@ -138,7 +146,7 @@ class Hybrid:
             self.reals.append(self.model.algebraic(expression))
 
     def assigned(self, variable):
-        """What a when clause gives a variable."""
+        """The new value of a variable in a when clause."""
         random = self.random
         if variable.kind == "Boolean":
             return random.choice([negation(pre(variable)), self.discrete_condition(), constant(True), constant(False)])
@@ -170,14 +178,16 @@ class Hybrid:
         following = self.model.discrete(constant(self.random.choice([self.zero, 0.063, -0.3])))
         period = self.random.choice([0.111, 0.27, 0.452])
         value = self.model.discrete(self.number())
-        self.model.when([([relation(">=", TIME, pre(following))],
-                          [(following, arithmetic("+", pre(following), constant(period))), (value, self.assigned(value))], [])])
+        step = following, arithmetic("+", pre(following), constant(period))
+        self.model.when([([relation(">=", TIME, pre(following))], [step, (value, self.assigned(value))], [])])
         self.discretes.append(value)
 
     def make_when(self):
         random, model = self.random, self.model
-        targets = [model.discrete(random.choice([self.number(), constant(random.randint(0, 2)), constant(random.random() < 0.5)]))
-                   for _ in range(random.randint(1, 2))]
+        targets = []
+        for _ in range(random.randint(1, 2)):
+            starts = [self.number(), constant(random.randint(0, 2)), constant(random.random() < 0.5)]
+            targets.append(model.discrete(random.choice(starts)))
         branches = []
         free = [state for state in self.states if state.text not in self.has_reinit]
         reset = random.choice(free) if free and random.random() < 0.3 else None
@@ -204,6 +214,8 @@ class Hybrid:
     def make(self):
         self.make_parameters()
         self.make_states()
+        if self.random.random() < 0.15:
+            self.make_steady_state()
         makers = [self.make_algebraic] * self.random.randint(2, 5) + [self.make_when] * self.random.randint(1, 3)
         makers += [self.make_sampler] * self.random.choice([0, 0, 1])
         self.random.shuffle(makers)
