@@ -94,9 +94,9 @@ class Body:
         if form == 0 and depth < 2:
             conditions = [self.condition(1) for _ in range(random.randint(1, 2))] + random.choice([[], [None]])
             return [If([(condition, self.block(depth + 1, in_loop)) for condition in conditions])]
-        if form in (1, 2) and depth < 2:
+        if depth < 2 and (form == 1 or (form == 2 and self.loops == 0)):
             self.loops += 1
-            result = [self.loop(depth)] if form == 1 else self.while_loop(depth)
+            result = [self.loop(depth)] if form == 1 else self.while_loop()
             self.loops -= 1
             return result
         if form == 3 and self.arrays:
@@ -135,17 +135,18 @@ class Body:
         self.integers.remove(iterator)
         return For(name, constant(first), step, constant(last), body)
 
-    def while_loop(self, depth):
+    def while_loop(self):
+        """The program expands it to many rounds: it contains neither loops nor break."""
         self.counters += 1
         name = f"k{self.counters}"
         self.others.append(("Integer", name, None, constant(0)))
         counter = local("Integer", name)
         condition = relation("<", counter, constant(self.random.randint(1, 3)))
-        if self.loops == 1 and self.random.random() < 0.5:  # many rounds become formulas: no loops in it
-            condition, depth = logical("and", condition, self.condition(1)), 1
+        if self.random.random() < 0.5:
+            condition = logical("and", condition, self.condition(1))
         self.integers.append(counter)
         count = Assign(name, arithmetic("+", counter, constant(1)))
-        return [Assign(name, constant(0)), While(condition, [count, *self.block(depth + 1, True)])]
+        return [Assign(name, constant(0)), While(condition, [count, *self.block(2, False)])]
 
     def make(self, name):
         random = self.random

@@ -137,7 +137,8 @@ class Hybrid:
         elif form == 11:
             self.discretes.append(self.model.algebraic(self.model.sample(0.07, round(random.uniform(0.3, 0.7), 3))))
         elif form == 3:
-            self.reals.append(self.model.if_equation(self.condition(), self.term(), self.term()))
+            condition = random.choice([self.time_condition, self.state_condition])()
+            self.reals.append(self.model.if_equation(condition, self.term(), self.term()))
         elif form == 4:
             factors = random.choice([0.5, -0.8]), random.choice([0.4, -0.3])
             self.reals += self.model.coupled(random.choice(self.reals), self.term(), *factors)

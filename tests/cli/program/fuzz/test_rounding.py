@@ -15,7 +15,13 @@ class Operands:
     """Variables for formulas."""
 
     def __init__(self):
-        self.reals, self.integers, self.booleans = [], [], []
+        self.reals, self.integers = [], []
+
+    def without(self, texts):
+        result = Operands()
+        result.reals = [one for one in self.reals if one.text not in texts]
+        result.integers = [one for one in self.integers if one.text not in texts]
+        return result
 
     def limited(self, varies):
         result = Operands()
@@ -31,6 +37,7 @@ class Rounding:
         self.random = random
         start = random.choice([0.0, 0.0, -1.0, -0.5, 0.3])
         self.model = Model(random, start, start + random.choice([1.3, 2.1]))
+        self.computed = []  # parameters that initial equations determine: they cannot select among arrays
         self.operands, self.arrays, self.functions, self.states = Operands(), [], [], []
 
     def number(self, low=-1.0, high=1.0):
@@ -108,7 +115,8 @@ class Rounding:
             return kinked(random.choice(["min", "max"]), inner, self.real(operands.limited(inner.varies), depth + 1))
         if form == 7 and self.arrays:
             name, size = random.choice(self.arrays)
-            subscript = arithmetic("+", constant(1), quotient("mod", self.integer(operands, depth + 1), constant(size)))
+            index = self.integer(operands.without(self.computed), depth + 1)
+            subscript = arithmetic("+", constant(1), quotient("mod", index, constant(size)))
             return element("Real", name, subscript)
         if form == 8 and self.functions:
             self.notice(inner, True)
@@ -139,10 +147,13 @@ class Rounding:
             shift = self.real(operands)
             model.require_initially(arithmetic("+", arithmetic("*", constant(2.0), free), shift))
             operands.reals.append(free)
+            self.computed.append(free.text)
         self.arrays = [(model.array([round(random.uniform(-1, 1), 2) for _ in range(size)]), size) for size in (2, 4)]
         for _ in range(random.randint(0, 2)):
-            operands.reals.append(model.parameter(self.real(operands)))
-            operands.integers.append(model.parameter(self.integer(operands)))
+            for kind, formula in ((operands.reals, self.real(operands)), (operands.integers, self.integer(operands))):
+                kind.append(model.parameter(formula))
+                if any(text in formula.text for text in self.computed):
+                    self.computed.append(kind[-1].text)
 
     def make_functions(self):
         """v := a formula of the inputs u and n."""
