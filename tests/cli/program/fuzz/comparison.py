@@ -121,7 +121,7 @@ def run_fuzzer(make):
         print(generate(make, seeds[0])[2])
     else:
         scale = min(1.0, float(os.environ.get("SFDAE_TEST_SCALE", "1")))
-        seeds = range(max(5, int(int(os.environ.get("SFDAE_FUZZ_COUNT", "25")) * scale)))
+        seeds = range(max(5, int(int(os.environ.get("SFDAE_FUZZ_COUNT", "20")) * scale)))
     wrong, refused = [], []
     for seed in seeds:
         message, is_refused = try_seed(make, seed)
