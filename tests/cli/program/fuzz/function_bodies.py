@@ -16,14 +16,17 @@ class Body:
         self.random, self.callable_functions = random, callable_functions
         self.reals, self.integers, self.arrays, self.targets, self.others = [], [], [], [], []
         self.counters = self.loops = 0
+        self.may_return = False  # loops after a return become many rounds, too
 
     def number(self, low=-1.0, high=1.0):
         return constant(round(self.random.uniform(low, high), 2))
 
     def subscript(self, size):
-        if self.random.random() < 0.5:
+        if self.random.random() < 0.3:
             return constant(self.random.randint(1, size))
-        return arithmetic("+", constant(1), quotient("mod", self.integer(1), constant(size)))
+        index = self.integer(1) if self.random.random() < 0.3 else self.random.choice(self.integers)
+        bounded = quotient("mod", index, constant(size))
+        return self.random.choice([arithmetic("+", constant(1), bounded), arithmetic("-", constant(size), bounded)])
 
     def integer(self, depth=0):
         random = self.random
@@ -94,7 +97,7 @@ class Body:
         if form == 0 and depth < 2:
             conditions = [self.condition(1) for _ in range(random.randint(1, 2))] + random.choice([[], [None]])
             return [If([(condition, self.block(depth + 1, in_loop)) for condition in conditions])]
-        if depth < 2 and (form == 1 or (form == 2 and self.loops == 0)):
+        if depth < 2 and (form == 1 or (form == 2 and self.loops == 0 and not self.may_return)):
             self.loops += 1
             result = [self.loop(depth)] if form == 1 else self.while_loop()
             self.loops -= 1
@@ -108,6 +111,7 @@ class Body:
         if form == 5 and in_loop:
             return [If([(self.condition(1), [Leave("break")])])]
         if form == 6 and depth < 2 and random.random() < 0.3:
+            self.may_return = True
             return [If([(self.condition(1), [Leave("return")])])]
         if form == 7 and len(self.targets) > 1 and self.loops == 0:
             several = [one for one in self.callable_functions if len(one.outputs) == 2]
@@ -136,22 +140,25 @@ class Body:
         return For(name, constant(first), step, constant(last), body)
 
     def while_loop(self):
-        """The program expands it to many rounds: it contains neither loops nor break."""
+        """The program expands it to many rounds: it contains little."""
         self.counters += 1
         name = f"k{self.counters}"
         self.others.append(("Integer", name, None, constant(0)))
         counter = local("Integer", name)
         condition = relation("<", counter, constant(self.random.randint(1, 3)))
+        self.integers.append(counter)
+        body = self.block(2, False)
         if self.random.random() < 0.5:
             condition = logical("and", condition, self.condition(1))
-        self.integers.append(counter)
+            target = local("Real", self.random.choice(self.targets))
+            body = [Assign(target.text.strip("'"), smooth_function("sin", arithmetic("+", target, self.number())))]
         count = Assign(name, arithmetic("+", counter, constant(1)))
-        return [Assign(name, constant(0)), While(condition, [count, *self.block(2, False)])]
+        return [Assign(name, constant(0)), While(condition, [count, *body])]
 
     def make(self, name):
         random = self.random
         inputs = [("Real", "u", None, None)] + random.choice([[], [("Real", "v", None, None)]])
-        inputs += random.choice([[], [("Integer", "n", None, None)]])
+        inputs += random.choice([[], [("Integer", "n", None, None)], [("Integer", "n", None, None)]])
         inputs += random.choice([[], [], [("Real", "a", 3, None)]])
         outputs = [("Real", "y", None, self.number())] + random.choice([[], [("Real", "z", None, self.number())]])
         self.others += [("Real", "s", None, self.number()), ("Integer", "m", None, constant(random.randint(0, 3)))]

@@ -1,4 +1,4 @@
-"""What a simulation runs in causal order: equations and when clauses."""
+"""Equations and when clauses, which a simulation runs in causal order."""
 
 CONDITION = "#{}"  # names of conditions of when clauses and of counters of samples
 
