@@ -76,20 +76,24 @@ struct Varying {
   Expression index;
 };
 
-Varying find_varying(Elaboration& e, const Environment& in, const syntax::Expression& left) {
-  if (left.form == Form::subscripted) {
-    for (size_t k = 1; k < left.operands.size(); ++k) {
-      const syntax::Expression& x = *left.operands[k];
-      if (x.form == Form::all || x.form == Form::number || x.form == Form::end || x.form == Form::range) continue;
-      if (x.form != Form::name && x.form != Form::call && x.form != Form::subscripted && x.form != Form::choose)
-        continue;
-      const Value index = evaluate(e, in, x);
-      if (index.is_scalar() && index.has_scalars() && index.scalars[0] && !constant_value(e, index.scalars[0]))
-        return {&left, k, index.scalars[0]};
-    }
+// Subscripts of any form may vary; `end` in them is that of the array that they belong to.
+Varying find_varying(Elaboration& e, const Environment& in, const Value& whole, const syntax::Expression& left) {
+  if (left.form != Form::subscripted && left.form != Form::member) return {};
+  const Varying of_base = find_varying(e, in, whole, *left.operands[0]);
+  if (of_base.subscripted != nullptr || left.form == Form::member) return of_base;
+  std::optional<Value> array;
+  Environment inside = in;
+  for (size_t k = 1; k < left.operands.size(); ++k) {
+    const syntax::Expression& x = *left.operands[k];
+    if (x.form == Form::all || x.form == Form::number || x.form == Form::end || x.form == Form::range) continue;
+    if (left.operands[0]->form == Form::name) inside.indexed = &whole;
+    else inside.indexed = array ? &*array : &array.emplace(part_of(e, in, whole, *left.operands[0]));
+    inside.indexed_dimension = static_cast<int>(k) - 1;
+    const Value index = evaluate(e, inside, x);
+    if (index.is_scalar() && index.has_scalars() && index.scalars[0] && !constant_value(e, index.scalars[0]))
+      return {&left, k, index.scalars[0]};
   }
-  const bool has_base = left.form == Form::subscripted || left.form == Form::member;
-  return has_base ? find_varying(e, in, *left.operands[0]) : Varying{};
+  return {};
 }
 
 void store(Elaboration& e, Value& whole, const Value& places, const Value& value, const Expression& active,
@@ -99,6 +103,8 @@ void store(Elaboration& e, Value& whole, const Value& places, const Value& value
   append_scalars(places, at_places);
   append_scalars(value, from);
   for (size_t k = 0; k < at_places.size(); ++k) {
+    if (!is_number(at_places[k]))
+      e.fail(at, "an assignment to elements whose subscripts vary; assign to single elements");
     Expression& target = *to[static_cast<size_t>(at_places[k]->value)];
     if (from[k] == nullptr) continue;
     target = target == nullptr ? from[k] : e.pool.make(Operation::choose, {active, from[k], target}, at);
@@ -138,6 +144,8 @@ void assign_varying(Elaboration& e, const Environment& in, const Assignment& a, 
       left.operands.size() != a.whole.dims.size() + 1)
     e.fail(left.at, "an assignment to a part of an array whose subscript varies; assign to single elements");
   const int n = a.whole.dims[varying.operand - 1];
+  Environment inside = in;
+  inside.indexed = &a.whole;
   for (int k = 1; k <= n; ++k) {
     const Expression is_k = operate(e, Operation::equal, {varying.index, e.pool.number(k)}, {left.at, true});
     syntax::Expression element;
@@ -148,7 +156,9 @@ void assign_varying(Elaboration& e, const Environment& in, const Assignment& a, 
       operand->at = left.at;
       operand->is_integer = true;
       if (i == 0) operand->form = Form::name, operand->text = left.operands[0]->text;
-      else operand->number = i == varying.operand ? k : evaluate_integer(e, in, *left.operands[i], "a subscript");
+      inside.indexed_dimension = static_cast<int>(i) - 1;
+      if (i > 0)
+        operand->number = i == varying.operand ? k : evaluate_integer(e, inside, *left.operands[i], "a subscript");
       element.operands.push_back(std::move(operand));
     }
     assign_part(e, in, a.whole, element, a.value, e.pool.make(Operation::and_, {a.active, is_k}, left.at));
@@ -169,7 +179,7 @@ void assign_part(Elaboration& e, const Environment& in, Value& whole, const synt
       target = target == nullptr ? scalar : e.pool.make(Operation::choose, {active, scalar, target}, left.at);
     return;
   }
-  const Varying varying = find_varying(e, in, left);
+  const Varying varying = find_varying(e, in, whole, left);
   if (varying.subscripted != nullptr) return assign_varying(e, in, {whole, left, value, active}, varying);
   e.charge(static_cast<long>(whole.size()), left.at);
   const Value places = part_of(e, in, Places(e).of(whole), left);

@@ -102,6 +102,27 @@ TEST(Functions, AssignElementsWithVaryingSubscripts) {
       });
 }
 
+// i is 1, 2 or 4; all these subscripts are i.
+TEST(Functions, AssignElementsWithVaryingSubscriptsOfAnyForm) {
+  for (const char* subscript :
+       {"'i'", "1 + mod('i' - 1, 4)", "'i' + 0", "5 - (5 - 'i')", "end - (4 - 'i')", "div(2 * 'i', 2)", "-(-'i')",
+        "if 'i' > 2 then 4 else 'i'", "{1, 2, 4}[if 'i' > 2 then 3 else 'i']", "max('i', 1)"})
+    compare(
+        "protected Real 'a'[4] = {1, 2, 3, 4}; Integer 'i'; algorithm 'i' := if 'x' < 0 then 1 elseif 'x' < 1 then 2 "
+        "else 4; 'a'[" +
+            std::string(subscript) + "] := 10 * 'x'; 'y' := 'a'[1] + 2 * 'a'[2] + 3 * 'a'[3] + 5 * 'a'[4];",
+        [](double x) {
+          double a[] = {1, 2, 3, 4};
+          a[x < 0 ? 0 : x < 1 ? 1 : 3] = 10 * x;
+          return a[0] + 2 * a[1] + 3 * a[2] + 5 * a[3];
+        });
+  compare(
+      "protected Real 'm'[2, 3] = {{1, 2, 3}, {4, 5, 6}}; Integer 'i'; algorithm 'i' := if 'x' < 0 then 1 else 2; "
+      "'m'['i' + 0, end] := 'x'; 'm'[end, 3 - 'i'] := 7; 'y' := 'm'[1, 3] + 2 * 'm'[2, 3] + 3 * 'm'[2, 1] + 5 * "
+      "'m'[2, 2];",
+      [](double x) { return x < 0 ? x + 2 * 6 + 3 * 4 + 5 * 7 : 3 + 2 * x + 3 * 7 + 5 * 5; });
+}
+
 TEST(Functions, CallOthersAndThemselves) {
   compare(
       "algorithm 'y' := 'power'('x', 5) + 'power'('x', 0);", [](double x) { return x * x * x * x * x + 1; },
