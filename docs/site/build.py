@@ -83,6 +83,8 @@ fortran_bindings/README
 
 docs/performance
 docs/architecture
+docs/design/README
+docs/design/steps
 docs/decisions/README
 CHANGELOG
 CONTRIBUTING
