@@ -33,8 +33,9 @@ done
 
 cat << 'END'
 
-Three things to try:
+Four things to try:
 
+  all examples, checked    cmake --build build/demo/cmake --parallel && ctest --test-dir build/demo/cmake --output-on-failure
   a program of your own    cp examples/pendulum.c my_problem.c; edit it; then
                            cc my_problem.c -Iinclude -Lbuild/demo/cmake/src -lsfdae -lm \
                              -Wl,-rpath,$PWD/build/demo/cmake/src -o my_problem && ./my_problem

@@ -6,9 +6,11 @@
 #   scripts/install-dependencies.sh program to build the program sfdae
 #   scripts/install-dependencies.sh python  to install the Python package with pip
 #   scripts/install-dependencies.sh package to make Debian packages
-#   scripts/install-dependencies.sh test    to build and test everything (default)
+#   scripts/install-dependencies.sh test    for scripts/test.sh
+#   scripts/install-dependencies.sh all     for scripts/test.sh --all (default)
 #
-# Where nothing is missing it says nothing and needs neither network nor root.
+# A second argument --list prints what is missing and installs nothing. Where nothing is missing it says nothing and needs neither
+# network nor root.
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
@@ -21,22 +23,23 @@ program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
 # With the reference BLAS alone: packages depend on any BLAS.
 package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev
   "${python_build[@]}" "${site[@]}")
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libsuitesparse-dev libcli11-dev nlohmann-json3-dev valgrind python3
-  ninja-build
-  clang clang-format-14 "${python[@]}" python3-pytest python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
+test=("${demo[@]}" gfortran libgtest-dev libsuitesparse-dev libcli11-dev nlohmann-json3-dev python3 ninja-build
+  "${python[@]}" python3-pytest python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
   "${site[@]}" chromium chromium-driver python3-selenium)
+all=("${test[@]}" libbenchmark-dev valgrind clang clang-format-14)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 
-case "${1:-test}" in
+case "${1:-all}" in
   demo) wanted=("${demo[@]}") ;;
   docs) wanted=("${docs[@]}") ;;
   program) wanted=("${program[@]}") ;;
   python) wanted=("${python[@]}" python3-venv) ;;
   package) wanted=("${package[@]}") ;;
   test) wanted=("${test[@]}") ;;
+  all) wanted=("${all[@]}") ;;
   *)
-    echo "usage: $0 [demo|docs|program|python|package|test]" >&2
+    echo "usage: $0 [demo|docs|program|python|package|test|all] [--list]" >&2
     exit 2
     ;;
 esac
@@ -66,10 +69,14 @@ if [[ ${#missing[@]} -eq 0 ]]; then
   exit 0
 fi
 
-if [[ "${1:-test}" == test ]]; then
+if [[ "${1:-all}" == test || "${1:-all}" == all ]]; then
   for package in "${welcome[@]}"; do
     is_present "$package" || missing+=("$package")
   done
+fi
+if [[ "${2:-}" == --list ]]; then
+  echo "${missing[*]}"
+  exit 0
 fi
 echo "Installing ${missing[*]}"
 as_root=()

@@ -1,23 +1,46 @@
 #!/usr/bin/env bash
-# Builds and tests everything:
+# Builds and tests, on two cores:
+#
+#   scripts/test.sh            library, program, tests and examples in build/release; all tests that are not long, with
+#                              OpenBLAS: 10 minutes at most
+#   scripts/test.sh --memory   the same, then sanitizers on the tests of what owns memory: 20 minutes
+#   scripts/test.sh --all      everything: an hour and a half
+#
+# --all adds
 #
 #   format       all C and C++ sources are as clang-format 14 writes them
-#   release      OpenBLAS, all tests, installation included
+#   release      long tests, too, and benchmarks are compiled
 #   traps        the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK, where
 #                floating-point exceptions end the program
 #   valgrind     some examples in C and Fortran 77
-#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small, without long tests, tests of
-#                the tests, the program for model files, and without what links programs of other compilers to this build:
-#                the guide, symbols, installation
+#   asan         address and undefined behavior sanitizers, by Clang if it is there, very small, without long tests,
+#                tests of the tests, and without what links programs of other compilers to this build: the guide,
+#                symbols, installation
 #
 # The number of random problems and of similar cases is reduced, to 0.1 of all in the phase release; SFDAE_TEST_SCALE
 # chooses another part, 1 is all. "Small" is a quarter of that, "very small" a tenth. SFDAE_WERROR=ON makes warnings
 # errors.
+# Tests that need more than 5 seconds of processor time are listed; more than 15 seconds are a failure without --all:
+# such a test has to become faster, or to be labelled long. Processor time hardly depends on what else the machine does.
 # A test that takes longer than four times the build is ended, but none before a quarter of an hour.
 # At the end stands how long each phase took; the last line is "N passed, M failed".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root="$PWD"
+
+mode="${1:-}"
+case "$mode" in
+  '') packages=test plan="all tests that are not long: 10 minutes" ;;
+  --memory) packages=all plan="all tests that are not long; sanitizers on what owns memory: 20 minutes" ;;
+  --all) packages=all plan="all tests, a second BLAS, valgrind, sanitizers: an hour and a half" ;;
+  *)
+    echo "usage: $0 [--memory|--all]" >&2
+    exit 2
+    ;;
+esac
+echo "Builds the library, the program, tests and examples in build/release; then $plan on two cores."
+missing="$(scripts/install-dependencies.sh "$packages" --list)"
+echo "Packages to be installed: ${missing:-none}."
 
 passed=0
 failed=0
@@ -71,6 +94,8 @@ run_tests() {
   shift 2
   local report="$root/build/reports/$name.xml" status=0 header total lost
   rm -f "$report"
+  export SFDAE_TEST_TIMES="$root/build/reports/$name.times"
+  rm -f "$SFDAE_TEST_TIMES"
   ctest --preset "$preset" --timeout "$timeout" --output-junit "$report" "$@" || status=$?
   if [[ ! -s "$report" ]]; then
     complain "$name: ctest wrote no report"
@@ -91,6 +116,17 @@ build() {
   cmake --build --preset "$1" || return
   timeout=$((4 * (SECONDS - start)))
   if [[ $timeout -lt 900 ]]; then timeout=900; fi
+}
+# judge_times <name>: lists tests by their processor time; without --all too long ones are failures.
+judge_times() {
+  local seconds entry
+  printf '\nProcessor time above 5 seconds:\n'
+  while read -r seconds entry; do
+    printf '%8.1f  %s\n' "$seconds" "$entry"
+    if [[ "$mode" != --all && "${seconds%.*}" -ge 15 ]]; then
+      complain "$entry needs more than 15 seconds of processor time: make it faster or label it long"
+    fi
+  done < <(sort -rn "$root/build/reports/$1.times" | awk '$1 > 5')
 }
 attribute() { sed -E "s/.* $1=\"([0-9]+)\".*/\1/" <<< "$2"; }
 
@@ -124,7 +160,7 @@ check_loaded() {
 }
 
 heading "dependencies"
-scripts/install-dependencies.sh test
+scripts/install-dependencies.sh "$packages"
 if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
 export OPENBLAS_NUM_THREADS=1
 unset SFDAE_TEST_FPE_TRAPS
@@ -136,78 +172,98 @@ mkdir -p build/reports
 
 mapfile -t openblas_names < <(openblas_packages)
 openblas="$(library_path "${openblas_names[@]}")" || { echo "OpenBLAS was not found"; exit 1; }
-reference="$(library_path libblas3 liblapack3)" || { echo "The reference BLAS was not found"; exit 1; }
 
-heading "format: C and C++ sources"
-# Versions of clang-format differ in what they write.
-clang_format="$(command -v clang-format-14 || command -v clang-format || true)"
-if [[ -z "$clang_format" ]]; then
-  echo "clang-format is not installed: skipped"
-elif [[ "$("$clang_format" --version)" != *" version 14."* ]]; then
-  echo "$("$clang_format" --version) is not version 14: skipped"
-elif ! git rev-parse --is-inside-work-tree > /dev/null 2>&1; then
-  echo "this is no checkout of git, which lists the sources: skipped"
-elif git ls-files -z -- '*.c' '*.h' '*.cpp' '*.hpp' | xargs -0 "$clang_format" --dry-run -Werror; then
-  echo "all are formatted"
-  passed=$((passed + 1))
-else
-  complain "format: run $clang_format -i on the files named above"
-fi
+check_format() {
+  heading "format: C and C++ sources"
+  # Versions of clang-format differ in what they write.
+  clang_format="$(command -v clang-format-14 || command -v clang-format || true)"
+  if [[ -z "$clang_format" ]]; then
+    echo "clang-format is not installed: skipped"
+  elif [[ "$("$clang_format" --version)" != *" version 14."* ]]; then
+    echo "$("$clang_format" --version) is not version 14: skipped"
+  elif ! git rev-parse --is-inside-work-tree > /dev/null 2>&1; then
+    echo "this is no checkout of git, which lists the sources: skipped"
+  elif git ls-files -z -- '*.c' '*.h' '*.cpp' '*.hpp' | xargs -0 "$clang_format" --dry-run -Werror; then
+    echo "all are formatted"
+    passed=$((passed + 1))
+  else
+    complain "format: run $clang_format -i on the files named above"
+  fi
+}
 
-heading "release: build"
-# All sources of a folder at once, as the demonstration is built, too, and a dozen tests at once: a third of the time. That each
-# includes what it uses is what scripts/check-included-names.py looks at. Benchmarks are compiled, not run.
-options=(-DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON -DSFDAE_BENCHMARK_OPTIONS=-O0)
-cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=ON -DSFDAE_UNITY_TESTS=ON
-if ! build release; then
-  cmake --preset release "${options[@]}" -DSFDAE_UNITY_BUILD=OFF -DSFDAE_UNITY_TESTS=OFF
+build_release() {
+  heading "release: build"
+  # All sources of a folder at once and a dozen tests at once: a third of the time. That each includes what it uses is what
+  # scripts/check-included-names.py looks at. Benchmarks are compiled, not run.
+  cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BENCHMARK_OPTIONS=-O0 -DSFDAE_BUILD_BENCHMARKS="$1"
   build release
-  complain "local names clash, see above: src, tests and cli list those to be compiled apart in CMakeLists.txt"
-fi
+}
 
-heading "release: all tests, OpenBLAS, $scale of random problems"
-check_loaded release "$openblas"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$scale" run_tests release release
+test_release() {
+  heading "release: tests, OpenBLAS, $scale of random problems"
+  check_loaded release "$openblas"
+  LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$scale" run_tests release release "$@"
+  judge_times release
+}
 
-heading "traps: C++ and Fortran 77 tests, reference BLAS, floating-point exceptions"
-check_loaded traps "$reference"
-LD_LIBRARY_PATH="$reference" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE="$small" run_tests traps release -L '^(unit|f77)$'
+test_traps() {
+  heading "traps: C++ and Fortran 77 tests, reference BLAS, floating-point exceptions"
+  check_loaded traps "$reference"
+  LD_LIBRARY_PATH="$reference" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE="$small" run_tests traps release -L '^(unit|f77)$'
+}
 
 # The kernels of OpenBLAS read past the ends of arrays, harmlessly; the reference BLAS does not.
-heading "valgrind: examples"
-if ! command -v valgrind > /dev/null; then
-  echo "valgrind is not installed: skipped"
-elif ! valgrind --quiet true; then
-  echo "valgrind does not work here (is libc6-dbg missing?): skipped"
-else
-  mkdir -p build/reports/valgrind
-  for program in gelda_document underdetermined checkpoint pendulum robot_arm dgelda; do
-    if (cd build/reports/valgrind && LD_LIBRARY_PATH="$reference" valgrind --quiet --leak-check=full \
-      --error-exitcode=99 "$root/build/release/examples/$program" > "$program.txt"); then
-      echo "$program: no errors, no leaks"
-      passed=$((passed + 1))
-    else
-      complain "valgrind $program"
-    fi
-  done
-fi
+check_with_valgrind() {
+  heading "valgrind: examples"
+  if ! command -v valgrind > /dev/null; then
+    echo "valgrind is not installed: skipped"
+  elif ! valgrind --quiet true; then
+    echo "valgrind does not work here (is libc6-dbg missing?): skipped"
+  else
+    mkdir -p build/reports/valgrind
+    for program in gelda_document underdetermined checkpoint pendulum robot_arm dgelda; do
+      if (cd build/reports/valgrind && LD_LIBRARY_PATH="$reference" valgrind --quiet --leak-check=full \
+        --error-exitcode=99 "$root/build/release/examples/$program" > "$program.txt"); then
+        echo "$program: no errors, no leaks"
+        passed=$((passed + 1))
+      else
+        complain "valgrind $program"
+      fi
+    done
+  fi
+}
 
-heading "asan: build"
-# Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
-asan_options=(-DSFDAE_UNITY_BUILD=ON -DSFDAE_UNITY_TESTS=ON -DSFDAE_BUILD_ALL_TESTS=OFF -DSFDAE_BUILD_PROGRAM=OFF)
-cmake_asan() { cmake --preset asan "${asan_options[@]}" "$@"; }
-if ! command -v clang > /dev/null || ! command -v clang++ > /dev/null; then
-  cmake_asan
-  build asan
-else
-  cmake_asan -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF
+# test_with_sanitizers <tests>: SFDAE_TESTS.
+test_with_sanitizers() {
+  heading "asan: build"
+  # Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
+  local options=(-DSFDAE_UNITY_TESTS=ON -DSFDAE_TESTS="$1")
+  if [[ "$1" == memory ]]; then options+=(-DSFDAE_BUILD_EXAMPLES=OFF); else options+=(-DSFDAE_BUILD_EXAMPLES=ON); fi
+  if command -v clang > /dev/null && command -v clang++ > /dev/null; then
+    options+=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF)
+  fi
+  cmake --preset asan "${options[@]}"
   if ! build asan; then
     echo "Clang could not build this, see above: once more with the default compiler"
     rm -rf build/asan
-    cmake_asan -DSFDAE_UNITY_BUILD=OFF -DSFDAE_UNITY_TESTS=OFF
+    cmake --preset asan -DSFDAE_TESTS="$1"
     build asan
   fi
-fi
 
-heading "asan: tests"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan
+  heading "asan: tests"
+  LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan
+}
+
+if [[ "$mode" == --all ]]; then
+  reference="$(library_path libblas3 liblapack3)" || { echo "The reference BLAS was not found"; exit 1; }
+  check_format
+  build_release ON
+  test_release
+  test_traps
+  check_with_valgrind
+  test_with_sanitizers sanitized
+else
+  build_release OFF
+  test_release -LE '^long$'
+  if [[ "$mode" == --memory ]]; then test_with_sanitizers memory; fi
+fi

@@ -19,13 +19,13 @@ namespace sfdae::core {
 
 namespace {
 
-struct Operands {
+struct CallOperands {
   const char* operation;  // for messages
   std::initializer_list<sfdae_expression> list;
 };
 
 // The record that all operands belong to, apart from plain numbers; null if all of them are plain numbers.
-sfdae_record* record_of(const Operands& operands) {
+sfdae_record* record_of(const CallOperands& operands) {
   sfdae_record* record = nullptr;
   for (const sfdae_expression& operand : operands.list) {
     if (operand.record == nullptr || operand.record == record) continue;
@@ -41,7 +41,7 @@ sfdae_record* record_of(const Operands& operands) {
 
 // Records what `action` makes of the operands' nodes, or computes `number`. Nothing is thrown.
 template <class Action, class Number>
-sfdae_expression combine(const Operands& operands, Action action, Number number) noexcept {
+sfdae_expression combine(const CallOperands& operands, Action action, Number number) noexcept {
   sfdae_record* record = nullptr;
   try {
     record = record_of(operands);

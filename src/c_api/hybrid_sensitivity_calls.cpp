@@ -4,14 +4,13 @@
 #include <utility>
 
 #include "c_api/hybrid.h"
+#include "c_api/sensitivities.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
 using namespace sfdae::core;
 
 namespace {
-
-constexpr int most_sensitivities = 10000;
 
 CallResult check_modes(const sfdae_hybrid& hybrid) {
   if (hybrid.modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode first.");

@@ -15,8 +15,6 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int most_sensitivities = 10000;
-
 sfdae_sensitivity_options default_sensitivity_options() {
   sfdae_sensitivity_options options{};
   options.size = sizeof options;

@@ -12,6 +12,8 @@ struct sfdae_solver;
 
 namespace sfdae::core {
 
+inline constexpr int most_sensitivities = 10000;
+
 struct SensitivityRequest {
   std::vector<int> parameters;     // numbers; -1: start values only
   std::vector<double> directions;  // n x count

@@ -17,16 +17,16 @@ namespace sfdae::core {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
+[[noreturn]] void refuse_export(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
 
 void demand_exportable(const sfdae_solver& solver) {
   if (solver.kind.multibody != nullptr)
-    refuse(
+    refuse_export(
         "multibody systems have no source: record q' = S v, M v' = f - G^T lambda, 0 = g as equations F(t, x, x') = "
         "0 "
         "and export these.");
   if (solver.model.evaluator() == nullptr || !solver.model.has_structure())
-    refuse("only recorded equations, as many as unknowns and without callbacks, have a source.");
+    refuse_export("only recorded equations, as many as unknowns and without callbacks, have a source.");
   if (solver.system() == nullptr)
     throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
 }
@@ -51,7 +51,7 @@ std::string source_of(sfdae_solver& solver, Language language, const char* name)
   problem.set_equation_names(solver.problem().equation_names());
   problem.stop_with(solver.problem());
   if (problem.structure() == nullptr)
-    refuse(
+    refuse_export(
         "some equations contain too few unknowns for a structure, as sfdae_get_structure tells: there is no source.");
   std::vector<double> x, xdot;
   const PointOfInterest point = present_point(solver, x, xdot);

@@ -14,7 +14,7 @@ namespace sfdae::core {
 namespace {
 
 // Steps that need more are better made smaller; without a step there is no other way. As for other nonlinear systems.
-constexpr int most_iterations = 12, most_iterations_held = 30;
+constexpr int most_step_iterations = 12, most_iterations_held = 30;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
@@ -88,7 +88,7 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
   r_.resize(index(extension_.num_rows()) + 1);
   double before = 0.0;
   chord_.begin();
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_step_iterations; ++iteration) {
     set_slopes(linearization.choice(), task.c, task.w_rest, jet);
     const PointStatus status = evaluate(jet, r_.data());
     if (status != PointStatus::ok) return status;
@@ -180,7 +180,7 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
   r_.resize(index(extension_.num_rows()) + 1);
   double before = 0.0;
   bool is_there = false;
-  for (int iteration = 0; !is_there && iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; !is_there && iteration < most_step_iterations; ++iteration) {
     callback_error_ = extension_.slopes(longer_, r_.data());
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     for (int i = 0; i < extension_.num_rows(); ++i) r_[index(i)] = -r_[index(i)];

@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int most_iterations = 50, few_iterations = 12;
+constexpr int most_search_iterations = 50, few_iterations = 12;
 // Of the sum of weighted changes: steps that are that small lead nowhere.
 constexpr double settled = 1e-14;
 
@@ -83,7 +83,7 @@ double LeastChangeSearch::sum_of_change() const {
 
 bool LeastChangeSearch::fulfil(Jet& jet) {
   SearchProgress progress;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_search_iterations; ++iteration) {
     if (!compute(jet, nullptr)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
@@ -129,7 +129,7 @@ void LeastChangeSearch::approach(const Jet& guess, Jet& jet) {
 void LeastChangeSearch::settle(const Jet& guess, Jet& jet) {
   constexpr double no_smaller = 0.9, small_beside_all = 1e-8;
   double last = small_beside_all * sum(guess, jet);
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_search_iterations; ++iteration) {
     if (!compute(jet, &guess)) return;
     const double change = sum_of_change();
     if (!(change < no_smaller * last) || change <= demands_.negligible) return;

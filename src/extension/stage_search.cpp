@@ -14,7 +14,7 @@ namespace {
 
 // Steps are halved so often, at most, where residuals do not become smaller.
 constexpr int most_halvings = 10;
-constexpr int most_iterations = 50;
+constexpr int most_stage_iterations = 50;
 // Of residuals that are weighted: it has to be a gain that is worth the other norm. Chosen, not measured.
 constexpr double much_less = 0.5;
 // Changes that are squared by each step are near, and not small, that often.
@@ -144,7 +144,7 @@ const char* StageSearch::run(const Jet& guess, Jet& jet) {
 const char* StageSearch::run_toward(Toward toward, const Jet& guess, Jet& jet) {
   SearchProgress progress;
   int near_solution = 0;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_stage_iterations; ++iteration) {
     if (const char* const why = linearize(guess, jet, iteration == 0)) return why;
     if (iteration == 0 && is_solved(guess, jet)) return nullptr;
     const bool is_whole = step(toward, guess, jet);

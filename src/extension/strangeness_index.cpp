@@ -17,7 +17,7 @@ namespace {
 
 // Relative to what equations of any level do to x_j, the second where equations were replaced; of the entries; of the effect. Chosen, not
 // measured.
-constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
+constexpr double clear_effect = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
 // Parts of a sum that matter so little may be rounding errors of its factors. Chosen, not measured.
 constexpr double hardly_a_part = 1e-6;
 
@@ -136,7 +136,7 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
     for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
     for (int level = mu + 1; level <= extension.highest_level(); ++level) {
       const double effect = plain[index(level)][j];
-      if (effect > clear * largest ||
+      if (effect > clear_effect * largest ||
           (effect > least_effect * largest && std::fabs(changed_effect(level, j) - effect) <= same * effect))
         mu = level;
     }

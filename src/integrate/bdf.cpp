@@ -19,10 +19,10 @@ using Vector = std::vector<double>;
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
 // (docs/decisions/07-first-step.md). Its digits are those of the root of cos x = x.
-constexpr double first_step_fraction = 0.7390851e-3;
+constexpr double first_bdf_step_fraction = 0.7390851e-3;
 // Of the polynomial for x within a step, in units of the weights of linear and of nonlinear problems, which are
 // tolerances times a factor below one and a fifth of that (docs/decisions/34-outputs.md).
-constexpr double interpolation_error = 5.0, nonlinear_interpolation_error = 25.0;
+constexpr double bdf_interpolation_error = 5.0, nonlinear_bdf_interpolation_error = 25.0;
 // Errors this large, in units of the tolerance, say nothing but that numbers overflow.
 constexpr double largest_error = 1e100;
 
@@ -31,7 +31,7 @@ constexpr double largest_error = 1e100;
 // The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
 // square root of the tolerance has an error of about the tolerance.
 double Bdf::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) {
-  return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5));
+  return std::min(first_bdf_step_fraction * span, weights.first_step(x, xdot, 0.5));
 }
 
 void Bdf::set_options(const StepOptions& options) {
@@ -196,7 +196,7 @@ bool Bdf::interpolates_x(ErrorWeights& weights) {
     for (int i = 2; i <= degree; ++i) largest_product *= std::fabs(history_.time(0) - history_.time(i));
     weights.update(history_.x().data());
     const double error = largest_product * weights.norm(history_.difference_x(degree + 1).data());
-    interpolates_x_ = error <= (is_linear_ ? interpolation_error : nonlinear_interpolation_error);
+    interpolates_x_ = error <= (is_linear_ ? bdf_interpolation_error : nonlinear_bdf_interpolation_error);
   }
   return interpolates_x_.value_or(false);
 }

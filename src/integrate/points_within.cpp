@@ -13,9 +13,9 @@ namespace sfdae::core {
 namespace {
 
 // Of the step to a point, while its equations have no solution.
-constexpr int most_halvings = 8;
+constexpr int most_point_halvings = 8;
 // Of the tolerances, as in the steps of nonlinear problems themselves.
-constexpr double safety = 0.2;
+constexpr double tolerance_factor = 0.2;
 
 const KeptPoint& end_of(const KeptSurroundings& given) {
   return given.own[given.step.method != nullptr ? given.step.method->s - 1 : 0];
@@ -42,7 +42,7 @@ std::unique_ptr<SystemTwin> twin_of(AdjointSystem& system) {
 
 PointsWithin::PointsWithin(AdjointSystem& system, const Accuracy& accuracy, KeepToPiece keep_to_piece)
     : system_(system), keep_to_piece_(std::move(keep_to_piece)) {
-  weights_.set(accuracy.tolerances, Tightening::none, safety);
+  weights_.set(accuracy.tolerances, Tightening::none, tolerance_factor);
   weights_.set_steep_arguments(accuracy.steep_arguments);
   const std::size_t n = index(system.unknowns());
   collocation_.resize(n, max_radau_nodes);
@@ -138,7 +138,7 @@ std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings
       if (is_last) return steps;
       std::copy_n(stages_.data() + n * index(method.s - 1), n, from.data());
       at = to;
-    } else if (++halvings > most_halvings) {
+    } else if (++halvings > most_point_halvings) {
       throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                     format("the stages of a step from t = %.15g to t = %.15g, within the one to t = %.15g, have no "
                            "solution: take the end of a step for the functional.",

@@ -15,7 +15,7 @@ namespace {
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
 // (docs/decisions/07-first-step.md). Its digits are taken from those of e.
-constexpr double first_step_fraction = 0.0718281828;
+constexpr double first_radau_step_fraction = 0.0718281828;
 // Tolerances that call for more than three stages from the start (docs/decisions/12-radau-number-of-stages.md).
 constexpr double tight = 1e-7, very_tight = 1e-9;
 // Steps of one stage, the choice for rough problems, must not grow over what makes them rough. (Chosen.)
@@ -50,7 +50,7 @@ double Radau::first_step(const ErrorWeights& weights, const double* x, const dou
   const double tol = weights.tightest(x);
   first_stages_ = tol > tight ? 3 : tol > very_tight ? 5 : 7;
   const int s = std::clamp(first_stages_, options_.min_stages, options_.max_stages);
-  return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5 / s));
+  return std::min(first_radau_step_fraction * span, weights.first_step(x, xdot, 0.5 / s));
 }
 
 void Radau::resize(const StrangenessFreeSystem& system) {

@@ -13,7 +13,7 @@ namespace sfdae::core {
 namespace {
 
 // Stands for an error of zero.
-constexpr double tiny = 1e-30;
+constexpr double least_positive_error = 1e-30;
 // Of step sizes, whatever the options say: a bound on what estimates are trusted with. (Chosen.)
 constexpr double largest_ratio = 1e3;
 // Another number of stages has to promise this much more progress for the same work
@@ -25,9 +25,9 @@ constexpr double reluctance = 2.0;
 constexpr double largest_log = 50.0;
 // Errors are not taken for less: for the ratio of steps (chosen), and as the last one of predictive control (that of
 // RADAU5 [HW96, IV.8]).
-constexpr double least_error = 1e-10, least_last_error = 1e-2;
+constexpr double least_stage_error = 1e-10, least_last_error = 1e-2;
 // Of steps with one number of stages; more are not counted, as a checkpoint keeps small integers.
-constexpr int most_steps = 1000;
+constexpr int most_steps_with_stages = 1000;
 // h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the
 // first step may be wrong by far.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
@@ -48,16 +48,16 @@ double decay_at(int k, const ErrorTerms& terms) {
     before = highest;
     highest = j;
   }
-  const auto value = [&](int j) { return std::max(terms.decay[index(j)], tiny); };
+  const auto value = [&](int j) { return std::max(terms.decay[index(j)], least_positive_error); };
   if (below == k) return value(k);
-  if (below == 0 || highest == 0) return 1.0 / tiny;
+  if (below == 0 || highest == 0) return 1.0 / least_positive_error;
   if (above > 0) {
     const double weight = static_cast<double>(k - below) / (above - below);
     return std::pow(value(below), 1.0 - weight) * std::pow(value(above), weight);
   }
   // Odd and even terms may differ much: not from neighbours where there are others.
   if (highest - before == 1 && before > 1 && terms.decay[index(before - 1)] >= 0.0) before -= 1;
-  if (before == 0) return 1.0 / tiny;
+  if (before == 0) return 1.0 / least_positive_error;
   const double per_order = std::log(value(highest) / value(before)) / (highest - before);
   return value(highest) * std::exp(std::min(per_order * (k - highest), largest_log));
 }
@@ -66,7 +66,7 @@ double decay_at(int k, const ErrorTerms& terms) {
 
 ErrorTerms larger_of(const ErrorTerms& one, const ErrorTerms& other) {
   const auto wanted_step = [](const ErrorTerms& terms) {
-    return std::pow(std::max(terms.error, tiny), -1.0 / terms.exponent);
+    return std::pow(std::max(terms.error, least_positive_error), -1.0 / terms.exponent);
   };
   const bool is_other = !(other.error <= 1.0) || (one.error <= 1.0 && wanted_step(other) < wanted_step(one));
   ErrorTerms larger = is_other ? other : one;
@@ -97,7 +97,7 @@ double RadauControl::limited(double ratio) const {
 // cut short by outputs all limits would be met, and the fewest stages look best.
 double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
   const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
-  return safety() * std::pow(std::max(error, tiny), -1.0 / (2 * s));
+  return safety() * std::pow(std::max(error, least_positive_error), -1.0 / (2 * s));
 }
 
 // The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
@@ -123,7 +123,7 @@ double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& co
 
 double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep) {
   caution_ = std::max(caution_ - 1, 0);
-  const double error = std::max(terms.error, least_error), power = 1.0 / terms.exponent;
+  const double error = std::max(terms.error, least_stage_error), power = 1.0 / terms.exponent;
   double ratio = safety() * std::pow(error, -power);
   // Gustafsson's predictive control [HW96, IV.8].
   if (!options_.classical_control && last_h_ != 0.0)
@@ -131,7 +131,7 @@ double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCost
   ratio = limited(ratio);
   last_h_ = h;
   last_error_ = std::max(error, least_last_error);
-  steps_with_stages_ = std::min(steps_with_stages_ + 1, most_steps);
+  steps_with_stages_ = std::min(steps_with_stages_ + 1, most_steps_with_stages);
   if (may_change_stages()) ratio = choose_stages(terms, costs, ratio);
   if (failures_ > 0) ratio = std::min(ratio, 1.0);
   failures_ = 0;

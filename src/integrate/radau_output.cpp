@@ -25,9 +25,9 @@ constexpr double telling_error = 0.02, least_ratio = 0.1;
 // Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
 // than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
 // seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
-constexpr double interpolation_error = 0.5, nonlinear_interpolation_error = 1e-3;
+constexpr double hermite_error = 0.5, nonlinear_hermite_error = 1e-3;
 // Of the step to a point within the last one, while its equations have no solution.
-constexpr int most_halvings = 4;
+constexpr int most_output_halvings = 4;
 
 // Of the nodes around t.
 void set_polynomial(const RadauHistory& history, Interpolated which, double t, HermiteTable& table) {
@@ -127,7 +127,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
   RadauStages& stages = within_.stages;
   from = history.node(1);
   double h = target - from.t;
-  for (int halvings = 0; halvings <= most_halvings;) {
+  for (int halvings = 0; halvings <= most_output_halvings;) {
     const bool is_last = std::fabs(target - from.t) < 1.5 * std::fabs(h);
     end.t = is_last ? target : from.t + h;
     Guess prediction;
@@ -146,7 +146,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
       stages.take_end(method, from, end);
       if (is_last) return status;
       std::swap(from, end);
-    } else if (status != PointStatus::not_converged || ++halvings > most_halvings) {
+    } else if (status != PointStatus::not_converged || ++halvings > most_output_halvings) {
       return status;
     } else {
       h *= 0.5;
@@ -166,7 +166,7 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   workspace.table.contribution_of_last(history.nodes_around(t).count, t, contribution_);
   system.error_in_x(contribution_.data(), mapped_.data());
   workspace.scales.update(weights, history.node(1), history.newest());
-  const double limit = system.is_linear() ? interpolation_error : nonlinear_interpolation_error;
+  const double limit = system.is_linear() ? hermite_error : nonlinear_hermite_error;
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   double reached = t;
   const PointStatus stages = solve_within(system, weights, history, workspace, reached);

@@ -14,23 +14,23 @@ namespace sfdae::core {
 namespace {
 
 // Tried one after the other: the points of one are among those of the next.
-constexpr int degrees[] = {4, 8, 16};
-constexpr int max_degree = 16;
+constexpr int chebyshev_degrees[] = {4, 8, 16};
+constexpr int max_chebyshev_degree = 16;
 // What the last two coefficients may amount to, in tolerances: they bound what is left out, as coefficients of smooth
 // functions decrease. The integrator's own polynomials err by up to half a tolerance.
 constexpr double tail = 0.3;
 // Steps of problems without differential equations are as long as the interval.
-constexpr int most_halvings = 10;
+constexpr int most_interval_halvings = 10;
 
-using Points = std::array<double, max_degree + 1>;
+using Points = std::array<double, max_chebyshev_degree + 1>;
 
 // cos(pi j / 16), the points of the highest degree, from 1 to -1, to the last bit symmetric.
 const Points& points() {
   static const Points all = [] {
     Points cosines{};
-    for (int j = 0; j < max_degree / 2; ++j) {
-      cosines[index(j)] = std::cos(std::numbers::pi * j / max_degree);
-      cosines[index(max_degree - j)] = -cosines[index(j)];
+    for (int j = 0; j < max_chebyshev_degree / 2; ++j) {
+      cosines[index(j)] = std::cos(std::numbers::pi * j / max_chebyshev_degree);
+      cosines[index(max_chebyshev_degree - j)] = -cosines[index(j)];
     }
     return cosines;
   }();
@@ -42,14 +42,14 @@ const Points& points() {
 // x at the points cos(pi j / 16) of an interval, as far as they are known, and coefficients.
 struct SolutionPieces::Samples {
   double a, b;
-  std::array<bool, max_degree + 1> known{};
+  std::array<bool, max_chebyshev_degree + 1> known{};
   std::vector<double> x;  // (max_degree + 1) n
   int degree = 0;
   std::vector<double> coefficients;  // (degree + 1) n
 
   double time(int j) const {
     if (j == 0) return b;
-    if (j == max_degree) return a;
+    if (j == max_chebyshev_degree) return a;
     return a + (b - a) * 0.5 * (1.0 + points()[index(j)]);
   }
 };
@@ -86,8 +86,8 @@ void SolutionPieces::add(int n, const Step& step) {
   if (pieces_.empty()) start_ = end_ = step.a;
   const std::size_t pieces_before = pieces_.size(), coefficients_before = coefficients_.size();
   try {
-    Samples samples{step.a, step.b, {}, std::vector<double>(index(max_degree + 1) * index(n)), 0, {}};
-    add_interval(step, samples, most_halvings);
+    Samples samples{step.a, step.b, {}, std::vector<double>(index(max_chebyshev_degree + 1) * index(n)), 0, {}};
+    add_interval(step, samples, most_interval_halvings);
   } catch (...) {
     pieces_.resize(pieces_before);
     coefficients_.resize(coefficients_before);
@@ -100,9 +100,9 @@ void SolutionPieces::add(int n, const Step& step) {
 double SolutionPieces::fit(const Step& step, Samples& samples) const {
   const std::size_t n = index(n_);
   double largest = 0.0;
-  for (int degree : degrees) {
-    const int stride = max_degree / degree;
-    for (int j = 0; j <= max_degree; j += stride) {
+  for (int degree : chebyshev_degrees) {
+    const int stride = max_chebyshev_degree / degree;
+    for (int j = 0; j <= max_chebyshev_degree; j += stride) {
       if (!samples.known[index(j)]) step.sample(samples.time(j), samples.x.data() + index(j) * n);
       samples.known[index(j)] = true;
     }
@@ -111,8 +111,8 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
     // c_k = 2 / degree sum'' x_j cos(pi j k / degree), the first and last of everything halved.
     for (int k = 0; k <= degree; ++k)
       for (int j = 0; j <= degree; ++j) {
-        const int turn = j * k * stride % (2 * max_degree);
-        const double cosine = points()[index(turn <= max_degree ? turn : 2 * max_degree - turn)];
+        const int turn = j * k * stride % (2 * max_chebyshev_degree);
+        const double cosine = points()[index(turn <= max_chebyshev_degree ? turn : 2 * max_chebyshev_degree - turn)];
         const double halves = (j % degree == 0 ? 0.5 : 1.0) * (k % degree == 0 ? 0.5 : 1.0);
         const double factor = 2.0 / degree * halves * cosine;
         const double* const x = samples.x.data() + index(j * stride) * n;
@@ -125,8 +125,9 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
     for (std::size_t i = 0; i < n; ++i) {
       const double left_out = std::fabs(last[i]) + std::fabs(last_but_one[i]);
       if (left_out == 0.0) continue;
-      const double allowed = std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
-                                      step.tolerance(static_cast<int>(i), samples.x.data() + max_degree * n));
+      const double allowed =
+          std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
+                   step.tolerance(static_cast<int>(i), samples.x.data() + max_chebyshev_degree * n));
       largest = std::max(largest, allowed > 0.0 ? left_out / allowed : 1e300);
     }
     if (largest <= tail) break;
@@ -135,7 +136,7 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
 }
 
 void SolutionPieces::add_interval(const Step& step, Samples& samples, int halvings) {
-  const double left_out = fit(step, samples), middle = samples.time(max_degree / 2);
+  const double left_out = fit(step, samples), middle = samples.time(max_chebyshev_degree / 2);
   if (left_out > tail && halvings > 0 && middle != samples.a && middle != samples.b) {
     Samples halves[2] = {{samples.a, middle, {}, samples.x, 0, {}}, {middle, samples.b, {}, samples.x, 0, {}}};
     double best = left_out;
@@ -208,7 +209,8 @@ bool SolutionPieces::is_sound() const {
   if (!std::isfinite(start_) || !std::isfinite(end_)) return false;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Piece& piece = pieces_[i];
-    const bool has_degree = std::find(std::begin(degrees), std::end(degrees), piece.degree) != std::end(degrees);
+    const bool has_degree = std::find(std::begin(chebyshev_degrees), std::end(chebyshev_degrees), piece.degree) !=
+                            std::end(chebyshev_degrees);
     if (!has_degree || !std::isfinite(piece.a) || !std::isfinite(piece.b) || !ahead(piece.a, piece.b)) return false;
     if (!(piece.left_out >= 0.0)) return false;
     if (i == 0 ? piece.a != start_ : !ahead(pieces_[i - 1].a, piece.a)) return false;

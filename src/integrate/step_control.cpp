@@ -12,13 +12,13 @@ namespace {
 // Without a word of their own, numbers here are those of DASSL [BCP96, 5.2].
 
 // Measured: 2 (as in the literature) wastes steps with the mapped error norm, 1.5 does not.
-constexpr double safety = 1.5;
+constexpr double error_safety = 1.5;
 // Stands for an error of zero.
-constexpr double tiny = 1e-30;
+constexpr double least_positive_estimate = 1e-30;
 // Added to errors, so that a step without any has a limit, too.
-constexpr double least_error = 1e-4;
+constexpr double error_offset = 1e-4;
 // Of steps at one order; more are not counted, as a checkpoint keeps small integers.
-constexpr int most_steps = 1000;
+constexpr int most_steps_at_order = 1000;
 // The first step after a failure, which its measured error prescribes, aims at half the error allowed, 0.7^2, but
 // is not shorter than this part of what failed (docs/decisions/07-first-step.md; both chosen).
 constexpr double first_step_safety = 0.7, shortest_first_step = 1e-6;
@@ -52,7 +52,7 @@ int StepControl::lower_order(const LocalTerms& terms) const {
 double StepControl::accepted(double h, const LocalTerms& terms) {
   failures_ = 0;
   first_step_ = false;
-  steps_at_order_ = std::min(steps_at_order_ + 1, most_steps);
+  steps_at_order_ = std::min(steps_at_order_ + 1, most_steps_at_order);
   const double* term = terms.of_order;
   const int k = order_;
   const int lowered = lower_order(terms);
@@ -78,10 +78,10 @@ double StepControl::accepted(double h, const LocalTerms& terms) {
       next = k + 1;
     }
   }
-  const double estimate = std::max(term[next], tiny);
+  const double estimate = std::max(term[next], least_positive_estimate);
   if (next != k) steps_at_order_ = 0;
   order_ = next;
-  const double ratio = std::pow(safety * estimate + least_error, -1.0 / (next + 1));
+  const double ratio = std::pow(error_safety * estimate + error_offset, -1.0 / (next + 1));
   if (ratio >= 2.0) return 2.0 * h;
   if (ratio <= 1.0) return h * std::clamp(ratio, 0.5, 0.9);
   return h;
@@ -91,7 +91,7 @@ double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
   ++failures_;
   if (first_step_ && finite) {
     // Nothing is known but this estimate: it is of order 1, so that the right size follows from it.
-    const double error = error_of_euler * std::max(terms.of_order[1], tiny);
+    const double error = error_of_euler * std::max(terms.of_order[1], least_positive_estimate);
     return h * std::clamp(first_step_safety / std::sqrt(error), shortest_first_step, 0.5);
   }
   starting_ = false;
@@ -99,8 +99,8 @@ double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
   if (failures_ == 1) {
     order_ = finite ? lower_order(terms) : order_;
     if (!finite) return 0.25 * h;
-    const double estimate = std::max(terms.of_order[order_], tiny);
-    return h * std::clamp(0.9 * std::pow(2.0 * estimate + least_error, -1.0 / (order_ + 1)), 0.25, 0.9);
+    const double estimate = std::max(terms.of_order[order_], least_positive_estimate);
+    return h * std::clamp(0.9 * std::pow(2.0 * estimate + error_offset, -1.0 / (order_ + 1)), 0.25, 0.9);
   }
   order_ = failures_ == 2 && finite ? lower_order(terms) : 1;
   return 0.25 * h;

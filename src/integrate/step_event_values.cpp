@@ -27,7 +27,7 @@ constexpr double misleading_part = 0.1, no_trust = 1e300;
 // Where in the last step, from its end, rates of change of g are looked at, and over which part of it. (Chosen.)
 constexpr double rate_places[] = {0.4, 0.153, 0.771, 0.587, 0.914}, rate_part = 1e-5;
 // Smaller errors, relative to g, change no sign that is not looked at closely anyway. (Chosen.)
-constexpr double least_error = 1e-4;
+constexpr double negligible_change_of_g = 1e-4;
 
 // Rounding errors as they might be, the same in every run.
 class RandomSigns {
@@ -100,7 +100,7 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
     }
     for (std::size_t i = 0; i < error.size(); ++i) {
       const double difference = std::fabs(rough[i] - g[i]);
-      const bool matters = difference > least_error * std::max(std::fabs(rough[i]), std::fabs(g[i]));
+      const bool matters = difference > negligible_change_of_g * std::max(std::fabs(rough[i]), std::fabs(g[i]));
       if (matters) error[i] = std::max(error[i], difference);
     }
   }

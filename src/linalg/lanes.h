@@ -31,6 +31,10 @@ inline const Lanes* to_lanes(const LaneBlock* blocks) { return reinterpret_cast<
 inline Lanes* to_lanes(LaneArray& blocks) { return to_lanes(blocks.data()); }
 inline const Lanes* to_lanes(const LaneArray& blocks) { return to_lanes(blocks.data()); }
 
+inline void clear(Lanes* values, int count) {
+  for (int k = 0; k < count; ++k) values[k] = Lanes{};
+}
+
 inline bool any(const LaneMask& mask) {
   std::int64_t found = 0;
   for (int l = 0; l < lane_count; ++l) found |= mask[l];

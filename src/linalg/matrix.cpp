@@ -37,6 +37,15 @@ Matrix identity(int n) {
   return result;
 }
 
+void copy_multiple(double factor, ConstView from, View to) {
+  for (int j = 0; j < to.cols; ++j)
+    for (int i = 0; i < to.rows; ++i) to(i, j) = factor * from(i, j);
+}
+
+void multiply_all(double factor, double* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
+}
+
 double max_abs(const double* values, int count) {
   constexpr int few = 8;
   if (count >= few) return kernels::loops().arrays.largest_size(values, count);

@@ -65,6 +65,8 @@ class Matrix {
 };
 
 void copy(ConstView from, View to);
+void copy_multiple(double factor, ConstView from, View to);
+void multiply_all(double factor, double* values, std::size_t count);
 void fill(View a, double value);
 Matrix to_matrix(ConstView a);
 Matrix transpose(ConstView a);
@@ -73,6 +75,9 @@ Matrix identity(int n);
 // max |a_ij|, 0 for an empty matrix.
 double max_abs(ConstView a);
 double max_abs(const double* values, int count);
+inline double max_abs(const std::vector<double>& values) {
+  return max_abs(values.data(), static_cast<int>(values.size()));
+}
 // True if no entry is NaN or infinite; raises no floating-point exception.
 bool all_finite(const double* values, std::size_t count);
 

@@ -12,7 +12,7 @@ namespace {
 
 using lane_algebra::set_abs;
 
-struct Work {
+struct PlannedLaneWork {
   const EliminationList& list;
   const Lanes *given, *b;
   int count;
@@ -20,7 +20,7 @@ struct Work {
   bool is_solved;
 };
 
-bool factor(const Work& work) {
+bool factor(const PlannedLaneWork& work) {
   const EliminationList& list = work.list;
   const Lanes* const given = work.given;
   Lanes *const values = work.values, *const scaled = work.scaled, *const inverses = work.inverse;
@@ -53,7 +53,7 @@ bool factor(const Work& work) {
 
 // width: of Columns, how many lie side by side.
 template <class Columns>
-void substitute(const Work& work, Lanes* z, Columns width) {
+void substitute(const PlannedLaneWork& work, Lanes* z, Columns width) {
   const EliminationList& list = work.list;
   const std::size_t size = list.size();
   const int *const first_l = list.first_l.data(), *const first_u = list.first_u.data(),
@@ -84,7 +84,7 @@ void substitute(const Work& work, Lanes* z, Columns width) {
 
 // r := b - A y
 template <class Columns>
-void find_residual(const Work& work, Columns width) {
+void find_residual(const PlannedLaneWork& work, Columns width) {
   const EliminationList& list = work.list;
   const int length = static_cast<int>(list.size()) * width;
   const std::size_t entries = list.position.size();
@@ -102,7 +102,7 @@ void find_residual(const Work& work, Columns width) {
 
 // Whether the residual is below what is refused, relative to the terms that it is the sum of.
 template <class Columns>
-bool is_residual_small(const Work& work, Columns width) {
+bool is_residual_small(const PlannedLaneWork& work, Columns width) {
   const EliminationList& list = work.list;
   const int length = static_cast<int>(list.size()) * width;
   find_residual(work, width);
@@ -130,7 +130,7 @@ bool is_residual_small(const Work& work, Columns width) {
 
 // y += change. False: a column changes by more than what would be refused of residuals, or is not finite.
 template <class Columns>
-bool refine(const Work& work, const Lanes* change, Columns width) {
+bool refine(const PlannedLaneWork& work, const Lanes* change, Columns width) {
   const int length = static_cast<int>(work.list.size()) * width;
   LaneMask bad{};
   for (int c = 0; c < width; ++c) {
@@ -150,7 +150,7 @@ bool refine(const Work& work, const Lanes* change, Columns width) {
 }
 
 template <class Columns>
-bool solve_columns(const Work& work, int first, Columns width) {
+bool solve_columns(const PlannedLaneWork& work, int first, Columns width) {
   const EliminationList& list = work.list;
   const int size = static_cast<int>(list.size());
   for (int i = 0; i < size; ++i)
@@ -178,14 +178,14 @@ struct Columns {
   constexpr operator int() const { return width; }
 };
 
-void eliminate(Work& work) {
+void eliminate(PlannedLaneWork& work) {
   work.is_solved = factor(work);
   int c = 0;
   for (; work.is_solved && c + at_once <= work.count; c += at_once)
     work.is_solved = solve_columns(work, c, Columns<at_once>());
   for (; work.is_solved && c < work.count; c += 1) work.is_solved = solve_columns(work, c, Columns<1>());
 }
-SFDAE_LANE_KERNEL(eliminate, Work)
+SFDAE_LANE_KERNEL(eliminate, PlannedLaneWork)
 
 }  // namespace
 
@@ -197,19 +197,19 @@ bool PlannedLanes::solve(const EliminationList& list, const LaneBlock* values, c
   values_.resize(list.fill);
   inverse_.resize(list.size());
   for (LaneArray* array : {&b_, &y_, &r_, &sums_}) array->resize(list.size() * width);
-  Work work{list,
-            to_lanes(values),
-            to_lanes(b),
-            count,
-            to_lanes(scaled_),
-            to_lanes(values_),
-            to_lanes(inverse_),
-            to_lanes(b_),
-            to_lanes(y_),
-            to_lanes(r_),
-            to_lanes(sums_),
-            to_lanes(x),
-            false};
+  PlannedLaneWork work{list,
+                       to_lanes(values),
+                       to_lanes(b),
+                       count,
+                       to_lanes(scaled_),
+                       to_lanes(values_),
+                       to_lanes(inverse_),
+                       to_lanes(b_),
+                       to_lanes(y_),
+                       to_lanes(r_),
+                       to_lanes(sums_),
+                       to_lanes(x),
+                       false};
   run_eliminate(work);
   return work.is_solved;
 }

@@ -23,7 +23,7 @@ constexpr int spacings = 12;  // each a fourth of the one before: down to 1.5e-8
 // (docs/decisions/26-derivatives-of-multibody-callbacks.md).
 constexpr double good_error = 1e-9;
 // Weights of the formula and roundings of what the functions add up; no figures were recorded.
-constexpr double rounding = 100.0 * unit_roundoff;
+constexpr double formula_roundoff = 100.0 * unit_roundoff;
 
 }  // namespace
 
@@ -99,7 +99,7 @@ bool CurvatureDifferences::improve(int shift, double step, double* derivative) {
     formulas_[index(shift)].apply(1, step, samples, 1, &value, &error);
     if (error < errors_[row]) derivative[row] = value;
     errors_[row] = std::min(errors_[row], error);
-    const double roundings = rounding * max_abs(samples, points) / step;
+    const double roundings = formula_roundoff * max_abs(samples, points) / step;
     if (error > std::max(good_error * std::fabs(value), roundings)) done = false;
   }
   return done;

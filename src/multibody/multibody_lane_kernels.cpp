@@ -14,16 +14,10 @@ using namespace lane_algebra;
 
 namespace {
 
-using Work = MultibodyLaneWork;
-
 const Lanes* entries(const LaneMatrix& matrix) { return to_lanes(matrix.entries); }
 
-void clear(Lanes* values, int count) {
-  for (int k = 0; k < count; ++k) values[k] = Lanes{};
-}
-
 // w := w - Q2 (C Q2)^-1 b
-void subtract(const Work& work, const Lanes* b, Lanes* w) {
+void subtract(const MultibodyLaneWork& work, const Lanes* b, Lanes* w) {
   if (work.r == 0) return;
   Lanes* const x = work.scratch;
   solve(work.C2, b, 1, x);
@@ -31,16 +25,16 @@ void subtract(const Work& work, const Lanes* b, Lanes* w) {
 }
 
 // b += C w, b and C in units of the rows.
-void add_rows_times(const Work& work, const Lanes* w, Lanes* b) {
+void add_rows_times(const MultibodyLaneWork& work, const Lanes* w, Lanes* b) {
   work.for_rows([&](int k, int j, const Lanes& entry) { b[k] += entry * w[j]; });
 }
 
-void take_rows(const Work& work, const LaneArray& all, Lanes* independent) {
+void take_rows(const MultibodyLaneWork& work, const LaneArray& all, Lanes* independent) {
   for (int k = 0; k < work.r; ++k) independent[k] = work.units[k] * lanes(all[index(work.row(k))]);
 }
 
 // b += (C v + r)_q dq, in units of the rows.
-void add_velocity_q_times(const Work& work, const Lanes* dq, Lanes* b) {
+void add_velocity_q_times(const MultibodyLaneWork& work, const Lanes* dq, Lanes* b) {
   if (!work.form.has_velocity_q()) return;
   const ConstView velocity_q = work.form.velocity_q();
   for (int k = 0; k < work.r; ++k) {
@@ -51,7 +45,7 @@ void add_velocity_q_times(const Work& work, const Lanes* dq, Lanes* b) {
 }
 
 // C in units of its rows, and the factors of C Q2.
-bool fit(Work& work, Lanes& smallest_pivot) {
+bool fit(MultibodyLaneWork& work, Lanes& smallest_pivot) {
   const ConstView Q2 = work.Q2();
   const int r = work.r;
   for (std::size_t e = 0; e < work.places().size(); ++e) {
@@ -67,7 +61,7 @@ bool fit(Work& work, Lanes& smallest_pivot) {
 }
 
 // a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses. Not the way: is_good stays, false is returned.
-bool solve_by_masses(Work& work, const Lanes& smallest_pivot) {
+bool solve_by_masses(MultibodyLaneWork& work, const Lanes& smallest_pivot) {
   if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return false;
   const Lanes* const M = entries(work.terms.M);
   Lanes least = M[0], greatest = M[0];
@@ -113,14 +107,14 @@ bool solve_by_masses(Work& work, const Lanes& smallest_pivot) {
   return true;
 }
 
-void subtract_masses_times(const Work& work, const Lanes* w, Lanes* force) {
+void subtract_masses_times(const MultibodyLaneWork& work, const Lanes* w, Lanes* force) {
   const Lanes* const M = entries(work.terms.M);
   for (std::size_t e = 0; e < work.terms.M.places.size(); ++e)
     force[work.terms.M.places[e].row] -= M[e] * w[work.terms.M.places[e].column];
 }
 
 // T = Q1 - Q2 (C Q2)^-1 C Q1, by rows
-void complete_tangent(Work& work) {
+void complete_tangent(MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   const ConstView Q1 = work.Q1(), Q2 = work.Q2();
   Lanes *const C1 = work.MT, *const E = work.scratch;
@@ -138,7 +132,7 @@ void complete_tangent(Work& work) {
 }
 
 // As MultibodyPoint::solve_along.
-void solve_along(Work& work) {
+void solve_along(MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   complete_tangent(work);
   // What subtract and factors need lies before.
@@ -180,7 +174,7 @@ void solve_along(Work& work) {
 }
 
 // K (a; mu) = (f; -s)
-void solve_whole(Work& work) {
+void solve_whole(MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, order = n + r;
   work.is_good = work.has_room_for_whole;
   if (!work.is_good) return;
@@ -209,7 +203,7 @@ void solve_whole(Work& work) {
 }
 
 // The changes of q and v that remove the residuals of the constraints.
-void take_particular(Work& work) {
+void take_particular(MultibodyLaneWork& work) {
   const int n = work.n, r = work.r;
   Lanes *const dq = work.particular, *const dv = dq + n, *const b = work.scratch + r;
   clear(dq, 2 * n);
@@ -222,7 +216,7 @@ void take_particular(Work& work) {
   subtract(work, b, dv);
 }
 
-void evaluate_all(Work& work) {
+void evaluate_all(MultibodyLaneWork& work) {
   const int n = work.n, d = work.d;
   Lanes smallest_pivot;
   work.is_good = fit(work, smallest_pivot);
@@ -262,14 +256,14 @@ void add_complex_product(const LaneBlock& A, const LaneBlock& B, const Lanes& x,
 }
 
 // Column j of a matrix in block j, its rows in lanes: y_i = sum_j matrix_ij x_j for the entries of x.
-void transform(const Work& work, const LaneBlock* matrix, const Lanes& x, Lanes& y) {
+void transform(const MultibodyLaneWork& work, const LaneBlock* matrix, const Lanes& x, Lanes& y) {
   Lanes sum{};
   for (int j = 0; j < work.s; ++j) sum += x[j] * lanes(matrix[j]);
   y = sum;
 }
 
 // As MultibodyStepMatrix::solve_stages.
-void solve_stages(Work& work) {
+void solve_stages(MultibodyLaneWork& work) {
   const MultibodyStepMatrix::LaneInverses& inverses = *work.inverses;
   const int d = work.d;
   Lanes *const y = work.scratch, *const right = y + 2 * d, *const z = right + d;
@@ -291,7 +285,7 @@ void solve_stages(Work& work) {
   }
 }
 
-void change_all(Work& work) {
+void change_all(MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   if (work.inverses != nullptr) solve_stages(work);
   const ConstView Q1 = work.Q1();
@@ -319,8 +313,8 @@ void change_all(Work& work) {
   work.norm = largest_above_noise(dq, 2 * n, work.noise, work.inverse_weights);
 }
 
-SFDAE_LANE_KERNEL(evaluate_all, Work)
-SFDAE_LANE_KERNEL(change_all, Work)
+SFDAE_LANE_KERNEL(evaluate_all, MultibodyLaneWork)
+SFDAE_LANE_KERNEL(change_all, MultibodyLaneWork)
 
 }  // namespace
 

@@ -24,9 +24,7 @@ double dot(const Vector& a, const Vector& b) {
   return sum;
 }
 
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
-
-double largest(const Vector& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
+double norm_of(const Vector& a) { return std::sqrt(dot(a, a)); }
 
 // factor a + b
 Vector sum(double factor, const Vector& a, const Vector& b) {
@@ -91,7 +89,7 @@ Vector NearestPositions::bend(const Vector& forces, const Vector& w) {
   const Vector& q = search_.q();
   Vector dq(q.size()), bent(q.size()), result(w.size(), 0.0);
   multiply(1.0, Op::plain, metric_.P, w.data(), 0.0, dq.data());
-  const double size = largest(q), change = largest(dq);
+  const double size = max_abs(q), change = max_abs(dq);
   if (change == 0.0) return result;
   const double part = relative_step * (size > 0.0 ? size : 1.0) / change;
   const CallbackError error = problem_.at_position(search_.point().t, sum(part, dq, q).data(), beside_);
@@ -113,7 +111,7 @@ NearestPositions::Step NearestPositions::step_within(double radius, const Vector
   Step step{none, 0.0};
   Vector rest(open), direction(sum(-1.0, open, none));
   double squares = dot(rest, rest);
-  const double target = squares * std::pow(std::min(coarsest, std::sqrt(squares) / length(y_)), 2);
+  const double target = squares * std::pow(std::min(coarsest, std::sqrt(squares) / norm_of(y_)), 2);
   for (int iteration = 0; iteration < most && squares > target; ++iteration) {
     const Vector image = sum(1.0, open_part(bend(f, direction)), direction);
     const double energy = dot(direction, image), along = dot(step.y, direction), size = dot(direction, direction),
@@ -171,12 +169,12 @@ void NearestPositions::approach() {
   constexpr double poor = 0.25, good = 0.75;
   if (y_.empty()) return;
   linearize();
-  double radius = length(y_);
+  double radius = norm_of(y_);
   for (int iteration = 0; iteration < most; ++iteration) {
     const Vector open = open_part(y_);
-    if (!(length(open) > accuracy * length(y_)) || radius <= smallest * length(y_)) return;
+    if (!(norm_of(open) > accuracy * norm_of(y_)) || radius <= smallest * norm_of(y_)) return;
     const Step step = step_within(radius, open);
-    const double gain = gain_of(step), size = length(step.y);
+    const double gain = gain_of(step), size = norm_of(step.y);
     if (gain < poor) radius = 0.25 * size;
     else if (gain > good) radius = std::max(radius, 2.0 * size);
     if (gain > 0.0) linearize();

@@ -16,7 +16,7 @@ namespace {
 constexpr int num_samples = 4;
 
 // Of either sign, after Walsh's functions.
-double rounding(int i, int sample) {
+double signed_roundoff(int i, int sample) {
   const int bits = i & sample;
   return ((bits ^ (bits >> 1)) & 1) == 0 ? unit_roundoff : -unit_roundoff;
 }
@@ -60,12 +60,12 @@ void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& f
   const View in_rates = arena.matrix(size, num_samples), of_rates{of_rates_.data(), d, num_samples, std::max(d, 1)};
   double *const in_g = arena.take(index(nl) + 1), *const in_velocity = arena.take(index(nc) + 1);
   for (int sample = 0; sample < num_samples; ++sample) {
-    for (int i = 0; i < nl; ++i) in_g[i] = rounding(i, sample) * g[i];
-    for (int i = 0; i < nc; ++i) in_velocity[i] = rounding(i, sample) * velocity[i];
+    for (int i = 0; i < nl; ++i) in_g[i] = signed_roundoff(i, sample) * g[i];
+    for (int i = 0; i < nc; ++i) in_velocity[i] = signed_roundoff(i, sample) * velocity[i];
     form.particular(form.tangents(), {in_g, in_velocity}, at_rest.column(sample), arena);
     double* const in_force = in_forces.column(sample);
-    for (int i = 0; i < nv; ++i) in_force[i] = rounding(i, sample) * forces[i];
-    for (int k = 0; k < r; ++k) in_force[nv + k] = rounding(k, sample) * forces[nv + k];
+    for (int i = 0; i < nv; ++i) in_force[i] = signed_roundoff(i, sample) * forces[i];
+    for (int k = 0; k < r; ++k) in_force[nv + k] = signed_roundoff(k, sample) * forces[nv + k];
   }
   point.solve(in_forces);
   fill(in_rates.top(nq), 0.0);
@@ -75,8 +75,8 @@ void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& f
   const View yz = arena.matrix(d, num_samples), qv = arena.matrix(size, num_samples);
   for (int sample = 0; sample < num_samples; ++sample) {
     double* const rates = in_rates.column(sample);
-    for (int k = 0; k < nq; ++k) rates[k] = rounding(k, sample) * std::fabs(point.q[index(k)]);
-    for (int k = 0; k < nv; ++k) rates[nq + k] = rounding(k, sample) * std::fabs(point.v[index(k)]);
+    for (int k = 0; k < nq; ++k) rates[k] = signed_roundoff(k, sample) * std::fabs(point.q[index(k)]);
+    for (int k = 0; k < nv; ++k) rates[nq + k] = signed_roundoff(k, sample) * std::fabs(point.v[index(k)]);
   }
   form.project(in_rates, yz);
   form.expand(yz, qv);

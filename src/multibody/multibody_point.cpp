@@ -259,13 +259,11 @@ namespace {
 // Of the sum of |terms| that is rounded: some roundings of the numbers themselves, of products, and of their sum.
 constexpr double roundings = 8.0 * unit_roundoff;
 
-double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
-
 }  // namespace
 
 bool positions_hold_to_rounding(const MultibodyPoint& point) {
   const ConstView g_q = point.terms.g_q;
-  const double size = largest(point.q);
+  const double size = max_abs(point.q);
   for (int i = 0; i < g_q.rows; ++i) {
     double terms = std::fabs(point.terms.velocity_rest[index(i)] * point.t);
     for (int j = 0; j < g_q.cols; ++j) terms += std::fabs(g_q(i, j) * point.q[index(j)]);
@@ -290,7 +288,7 @@ bool velocities_hold_to_rounding(const MultibodyPoint& point) {
 bool velocities_hold_to_rounding(const MultibodyPoint& point, const double* residuals, const double* rates) {
   const ConstView C = point.terms.C;
   const Matrix& S = point.terms.S;
-  const double size = largest(point.v);
+  const double size = max_abs(point.v);
   for (int i = 0; i < C.rows; ++i) {
     double terms = std::fabs(point.terms.velocity_rest[index(i)]);
     for (int j = 0; j < C.cols; ++j) terms += std::fabs(C(i, j) * point.v[index(j)]);

@@ -19,10 +19,8 @@ double length(const Vector& a) {
   return std::sqrt(sum);
 }
 
-double largest(const Vector& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
-
 // Of singular values, relative to the largest one, that are rounding errors.
-constexpr double rounding = 1e-14;
+constexpr double singular_value_roundoff = 1e-14;
 
 // A step for residuals c, damped by lambda, and by how much it reduces |c|^2 to first order if a part of it is taken.
 struct DampedStep {
@@ -108,10 +106,10 @@ bool PositionSearch::improve(const Matrix& P) {
   const auto [B, units, c] = linear_along(P);
   const Svd A = svd(B);
   if (A.s.empty() || A.s.front() == 0.0) return false;
-  const int rank = rank_of(A, rounding);
+  const int rank = rank_of(A, singular_value_roundoff);
   const double before = std::pow(length(c), 2);
   const auto helps = [&, &units = units](const DampedStep& damped) {
-    if (!(damped.expected > rounding * before)) return false;
+    if (!(damped.expected > singular_value_roundoff * before)) return false;
     Vector trial(q());
     multiply(1.0, Op::plain, P, damped.step.data(), 1.0, trial.data());
     const double after = residual_at(trial, units);
@@ -135,7 +133,7 @@ bool PositionSearch::approach(const Matrix& P, int most) {
     if (holds_to_rounding()) return true;
     if (!improve(P)) break;
   }
-  const double size = largest(q()) > 0.0 ? largest(q()) : 1.0;
+  const double size = max_abs(q()) > 0.0 ? max_abs(q()) : 1.0;
   return length(residuals()) <= std::max(small * size, far_below_tolerance * tolerance_);
 }
 

@@ -13,11 +13,9 @@ namespace sfdae::core {
 
 namespace {
 
-double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
-
 // What residuals are compared with.
-double size_of(const std::vector<double>& values) {
-  const double size = largest(values);
+double nonzero_size_of(const std::vector<double>& values) {
+  const double size = max_abs(values);
   return size > 0.0 ? size : 1.0;
 }
 
@@ -29,7 +27,7 @@ struct ChangeNorms {
 
 ChangeNorms add_change(const double* change, const double* inverse_weights, std::vector<double>& q) {
   ChangeNorms norms;
-  const double size = size_of(q);
+  const double size = nonzero_size_of(q);
   for (std::size_t k = 0; k < q.size(); ++k) {
     const double length = std::fabs(change[k]);
     norms.relative = std::max(norms.relative, length / std::max(std::fabs(q[k]), 1e-2 * size));
@@ -104,7 +102,7 @@ PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, Multi
   if (has_approached && velocities_hold_to_rounding(point, residuals, nullptr)) return PointStatus::ok;
   tangents_.of_velocities().correction(form.velocities(), residuals, change, arena);
   for (int k = 0; k < nv; ++k) point.v[index(k)] += change[k];
-  if (max_abs(change, nv) > negligible * largest(point.v)) return equations.at_velocity(point);
+  if (max_abs(change, nv) > negligible * max_abs(point.v)) return equations.at_velocity(point);
   return PointStatus::ok;
 }
 
@@ -166,7 +164,7 @@ bool MultibodyProjection::approach(MultibodyPoint& point, MultibodyEquations& eq
     else form.particular(tangents_, {residuals, residuals + nl}, change, arena);
     const double norm = has_positions ? 0.0 : add_change(change, inverse_weights_.data(), point.q).relative;
     for (std::size_t k = 0; k < nq; ++k) point.v[k] += change[nq + k];
-    const double norm_in_v = max_abs(change + nq, static_cast<int>(nq)) / size_of(point.v);
+    const double norm_in_v = max_abs(change + nq, static_cast<int>(nq)) / nonzero_size_of(point.v);
     if (!std::isfinite(norm) || !std::isfinite(norm_in_v)) return false;
     const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0,
                  rate_in_v = iteration > 0 ? norm_in_v / std::max(before_in_v, negligible_in_v) : 1.0;
@@ -208,7 +206,7 @@ void MultibodyProjection::measure_inconsistency(const MultibodyPoint& point, con
   const auto size = [&](const std::vector<double>& values, const double* inverse_weights) {
     double floor = 0.0;
     for (std::size_t k = 0; k < values.size(); ++k) floor = std::max(floor, inverse_weights[k]);
-    return std::max(size_of(values), floor > 0.0 ? tolerances / floor : 0.0);
+    return std::max(nonzero_size_of(values), floor > 0.0 ? tolerances / floor : 0.0);
   };
   const double* inverse_weights = inverse_weights_.data();
   compare(form.positions(), point.terms.g.data(), point.position_units.data(), size(point.q, inverse_weights));

@@ -25,12 +25,6 @@ bool needs_kinematics(const Recorder& recorder, const MultibodyFormulas& formula
   return !is_identity(recorder, formulas.S, formulas.sizes.positions, formulas.sizes.velocities);
 }
 
-// to := factor from
-void copy_multiple(double factor, ConstView from, View to) {
-  for (int j = 0; j < to.cols; ++j)
-    for (int i = 0; i < to.rows; ++i) to(i, j) = factor * from(i, j);
-}
-
 void add(ConstView from, View to) {
   for (int j = 0; j < to.cols; ++j)
     for (int i = 0; i < to.rows; ++i) to(i, j) += from(i, j);

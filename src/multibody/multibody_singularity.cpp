@@ -37,8 +37,6 @@ void differentiate(const Matrix& here, double step, Matrix& there) {
     for (int i = 0; i < here.rows(); ++i) there(i, j) = (there(i, j) - here(i, j)) / step;
 }
 
-double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
-
 }  // namespace
 
 NearbySingularity nearby_singularity(const MultibodyPoint& point, const MultibodyRanks& ranks,
@@ -50,7 +48,7 @@ NearbySingularity nearby_singularity(const MultibodyPoint& point, const Multibod
   MultibodyPoint beside(point);
   std::vector<double> rates(point.q.size());
   point.rates(rates.data());
-  const double size = largest(point.q), speed = largest(rates),
+  const double size = max_abs(point.q), speed = max_abs(rates),
                step = relative_step * (size > 0.0 && speed > 0.0 ? size / speed : std::max(1.0, std::fabs(point.t)));
   beside.t += step;
   for (std::size_t i = 0; i < rates.size(); ++i) beside.q[i] += step * rates[i];

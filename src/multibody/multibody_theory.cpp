@@ -28,11 +28,6 @@ void copy_rows(double factor, ConstView from, const std::vector<int>& rows, View
     for (int k = 0; k < to.rows; ++k) to(k, j) = factor * from(rows[index(k)], j);
 }
 
-void copy_multiple(double factor, ConstView from, View to) {
-  for (int j = 0; j < to.cols; ++j)
-    for (int i = 0; i < to.rows; ++i) to(i, j) = factor * from(i, j);
-}
-
 Matrix kinematics(const MultibodyPoint& point) {
   return point.terms.S.rows() > 0 ? point.terms.S : identity(static_cast<int>(point.v.size()));
 }

@@ -17,10 +17,6 @@ namespace {
 // Gradients from one look at a group of unknowns to the next: a few percent of the evaluations.
 constexpr int gradients_between_probes = 10;
 
-void multiply_all(double factor, double* values, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
-}
-
 void add_sizes(const ColumnPattern& pattern, const double* entries, const double* x, std::vector<double>& terms) {
   for (int j = 0; j < pattern.columns(); ++j)
     for (int e = pattern.start[index(j)]; e < pattern.start[index(j + 1)]; ++e)

@@ -14,8 +14,8 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int points = ChebyshevDifferences::points;
-constexpr int degree = points - 1;
+constexpr int chebyshev_points = ChebyshevDifferences::points;
+constexpr int degree = chebyshev_points - 1;
 // The polynomials that interpolation takes for others first, T_(degree + 1) and T_(degree + 2).
 constexpr int highest_degree = degree + 2;
 // Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
@@ -26,7 +26,7 @@ double value_of_polynomial(int j, int i) { return std::cos(std::numbers::pi * ((
 
 struct Coefficients {
   // coefficient[j][i]: weight of sample i in the coefficient of T_j in the interpolating polynomial [T13, ch. 4].
-  std::array<std::array<double, points>, points> coefficient{};
+  std::array<std::array<double, chebyshev_points>, chebyshev_points> coefficient{};
   double norm[2];  // of the last two rows
 
   Coefficients() {
@@ -48,21 +48,22 @@ const Coefficients& coefficients() {
   return instance;
 }
 
-double sum_of(const std::array<double, points>& weights, const double* samples, int stride) {
+double sum_of(const std::array<double, chebyshev_points>& weights, const double* samples, int stride) {
   double sum = 0.0;
-  for (int i = 0; i < points; ++i) sum += weights[index(i)] * samples[static_cast<std::ptrdiff_t>(i) * stride];
+  for (int i = 0; i < chebyshev_points; ++i)
+    sum += weights[index(i)] * samples[static_cast<std::ptrdiff_t>(i) * stride];
   return sum;
 }
 
-double size_of(const std::array<double, points>& weights, const double* samples, int stride) {
+double size_of(const std::array<double, chebyshev_points>& weights, const double* samples, int stride) {
   double sum = 0.0;
-  for (int i = 0; i < points; ++i)
+  for (int i = 0; i < chebyshev_points; ++i)
     sum += std::fabs(weights[index(i)] * samples[static_cast<std::ptrdiff_t>(i) * stride]);
   return sum;
 }
 
 bool are_equal(const double* samples, int stride) {
-  for (int i = 1; i < points; ++i)
+  for (int i = 1; i < chebyshev_points; ++i)
     if (samples[static_cast<std::ptrdiff_t>(i) * stride] != samples[0]) return false;
   return true;
 }
@@ -86,7 +87,7 @@ ChebyshevDifferences::ChebyshevDifferences(double at, int highest) : formulas_(i
       values[index(j + 1)] = 2.0 * at * values[index(j)] + 2.0 * k * lower[index(j)] - values[index(j - 1)];
     Formula& formula = formulas_[index(k)];
     double squares = 0.0;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < chebyshev_points; ++i) {
       double& weight = formula.weights[index(i)];
       for (int j = 0; j <= degree; ++j) weight += coefficients().coefficient[index(j)][index(i)] * values[index(j)];
       squares += weight * weight;

@@ -15,7 +15,7 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int points = DifferenceFormula::points;
+constexpr int formula_points = DifferenceFormula::points;
 // Spacings of the points from the widest down by factors of 4, to 4e-13; the one with the smallest estimated error
 // counts.
 constexpr double widest_spacing = 0.1;
@@ -25,7 +25,7 @@ constexpr int spacings = 20;
 // above rounding, by judgement.
 constexpr double least_uncertainty = 1e3 * unit_roundoff;
 // Of the unit, in the points where functions are called.
-constexpr double few_roundings = 4.0;
+constexpr double roundings_of_points = 4.0;
 
 double largest(const std::vector<double>& v) { return max_abs({v.data(), static_cast<int>(v.size()), 1, 1}); }
 
@@ -36,22 +36,22 @@ struct Differences {
 
 Differences best_differences(int count, double unit, const OffsetFunction& function) {
   const std::size_t size = index(count);
-  std::vector<double> candidate(size), samples(size * points), one(size);
+  std::vector<double> candidate(size), samples(size * formula_points), one(size);
   Differences best;
   double h = widest_spacing * unit;
   for (int attempt = 0; attempt < spacings; ++attempt, h /= spacing_ratio) {
     bool reached = true;
-    for (int i = 0; i < points && reached; ++i) {
-      const CallbackError callback_error = function((i - points / 2) * h, one.data());
+    for (int i = 0; i < formula_points && reached; ++i) {
+      const CallbackError callback_error = function((i - formula_points / 2) * h, one.data());
       if (callback_error.status != SFDAE_OK && !callback_error.is_recoverable()) callback_error.raise();
       reached = callback_error.status == SFDAE_OK;
       std::copy(one.begin(), one.end(), samples.begin() + static_cast<std::ptrdiff_t>(i) * count);
     }
     if (!reached) continue;  // out of the domain of the function: closer points
     double error = 0.0;
-    DifferenceFormula(points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
+    DifferenceFormula(formula_points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
     // The points themselves are rounded; where functions are of low degree the formula may see nothing of it.
-    error = std::max(error, few_roundings * unit_roundoff * unit / h * largest(candidate));
+    error = std::max(error, roundings_of_points * unit_roundoff * unit / h * largest(candidate));
     if (best.error >= 0.0 && error >= best.error) continue;
     best = {candidate, error};
   }

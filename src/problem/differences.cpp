@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int points = DifferenceFormula::points;
+constexpr int equidistant_points = DifferenceFormula::points;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ std::vector<double> difference_weights(double at, const std::vector<double>& nod
 
 DifferenceFormula::DifferenceFormula(int shift, int highest) {
   std::vector<double> nodes;
-  for (int i = 0; i < points; ++i) nodes.push_back(i - shift);
+  for (int i = 0; i < equidistant_points; ++i) nodes.push_back(i - shift);
   all_ = difference_weights(0.0, nodes, highest);
   inner_ = difference_weights(0.0, {nodes.begin() + 1, nodes.end() - 1}, highest);
 }
@@ -51,14 +51,14 @@ DifferenceFormula::DifferenceFormula(int shift, int highest) {
 DifferenceFormula::Entry DifferenceFormula::differentiate(int k, const double* samples, int stride) const {
   // Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
   constexpr double sample_roundings = 4.0;
-  const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * points;
-  const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (points - 2);
+  const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * equidistant_points;
+  const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (equidistant_points - 2);
   double value = 0.0, coarse = 0.0, magnitude = 0.0;
-  for (int i = 0; i < points; ++i) {
+  for (int i = 0; i < equidistant_points; ++i) {
     const double s = samples[static_cast<std::ptrdiff_t>(i) * stride];
     value += all[i] * s;
     magnitude += std::fabs(all[i] * s);
-    if (i > 0 && i < points - 1) coarse += inner[i - 1] * s;
+    if (i > 0 && i < equidistant_points - 1) coarse += inner[i - 1] * s;
   }
   return {value, std::fabs(value - coarse) + sample_roundings * unit_roundoff * magnitude};
 }
@@ -76,9 +76,10 @@ void DifferenceFormula::apply(int k, double step, const double* samples, int len
 }
 
 int fitting_shift(double below, double above, double& step) {
-  step = std::min(step, (below + above) / points);
-  int shift = points / 2;
-  if (above < (points - 1 - shift) * step) shift = points - 1 - static_cast<int>(above / step);
+  step = std::min(step, (below + above) / equidistant_points);
+  int shift = equidistant_points / 2;
+  if (above < (equidistant_points - 1 - shift) * step)
+    shift = equidistant_points - 1 - static_cast<int>(above / step);
   if (below < shift * step) shift = static_cast<int>(below / step);
   return shift;
 }

@@ -16,10 +16,6 @@ namespace sfdae::core {
 
 namespace {
 
-void multiply_all(double factor, double* values, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
-}
-
 // Of F, a column for each order: counts, or none.
 template <class Value>
 void clear_rows_left_out(const std::vector<int>& counts, int order, Value* F) {

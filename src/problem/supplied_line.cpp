@@ -187,13 +187,13 @@ Finding fit(const Samples& F, const Samples& S, double h, const Noise& given) {
 }
 
 // What all scales say about one entry.
-struct Record {
+struct ComparedEntry {
   std::vector<Finding> findings;
   double largest_slope = 0.0;
   double residual = 0.0;  // of the last scale that had one
 };
 
-bool contradicts(const Finding& f, const Record& record, double least_gap) {
+bool contradicts(const Finding& f, const ComparedEntry& record, double least_gap) {
   return f.gap() > beyond_doubt * f.bound && f.gap() > negligible * record.largest_slope &&
          f.gap() > least_gap * std::max(std::fabs(f.quotient), std::fabs(f.supplied));
 }
@@ -212,7 +212,7 @@ bool agrees(const Finding& f, double gap, double scale_of_gap) {
 }
 
 // The contradiction on the smallest scale that a much larger one repeats; null if there is none, or doubt.
-const Finding* verdict(const Record& record, double least_gap) {
+const Finding* verdict(const ComparedEntry& record, double least_gap) {
   constexpr double apart = 0.9 * scale_ratio * scale_ratio;
   const Finding* found = nullptr;
   double gap = 0.0;
@@ -237,7 +237,7 @@ const Finding* verdict(const Record& record, double least_gap) {
 
 // The samples of one scale, added to the records of the entries; nothing where a point cannot be evaluated.
 void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& entries,
-               std::vector<Record>& records) {
+               std::vector<ComparedEntry>& records) {
   std::vector<double> values(line.base.size());
   std::vector<Samples> F(entries.size()), S(entries.size());
   std::vector<char> is_usable(entries.size(), 1);
@@ -251,7 +251,7 @@ void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& 
   }
   for (std::size_t e = 0; e < entries.size(); ++e) {
     if (is_usable[e] == 0) continue;
-    Record& record = records[e];
+    ComparedEntry& record = records[e];
     record.findings.push_back(fit(F[e], S[e], offset, {line, entries[e], record.residual}));
     if (record.findings.back().residual > 0.0) record.residual = record.findings.back().residual;
     for (const double slope : S[e]) record.largest_slope = std::max(record.largest_slope, std::fabs(slope));
@@ -300,7 +300,7 @@ std::vector<LineContradiction> contradictions(const SuppliedLine& line, const st
                                               double least_gap) {
   std::vector<LineContradiction> result;
   if (entries.empty() || !is_usable(line)) return result;
-  std::vector<Record> records(entries.size());
+  std::vector<ComparedEntry> records(entries.size());
   double offset = widest_scale * line.reach;
   for (int attempt = 0; attempt < scales; ++attempt, offset /= scale_ratio)
     if (std::fabs(offset) > least_ulps * unit_roundoff * std::fabs(line.origin))

@@ -51,11 +51,11 @@ struct Entries {
 };
 
 // Of E (0) or A (1).
-struct Place {
+struct EntryPlace {
   std::size_t block;
   int row, column;
 };
-using Suspects = std::vector<Place>;
+using Suspects = std::vector<EntryPlace>;
 
 template <class Of>
 bool any_entry(const EntrySizes& sizes, Of of) {

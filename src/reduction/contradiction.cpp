@@ -16,7 +16,7 @@ namespace {
 using Vector = std::vector<double>;
 
 // Singular value decompositions of this many rows at most, one for each equation, are worth a message.
-constexpr int most_rows = 300;
+constexpr int most_decomposed_rows = 300;
 // Relative to the largest singular value, rows and columns scaled: less is zero. And to the right-hand side: less is no
 // contradiction. By judgement; consistency_tol is 1e-8 as well.
 constexpr double rank_tol = 1e-10, least_contradiction = 1e-8;
@@ -90,7 +90,7 @@ bool contradict(const Equations& equations, const std::vector<int>& rows) {
 std::vector<ContradictingEquation> contradicting_equations(const DerivativeArray& array, int m,
                                                            const std::vector<char>& fixed, const double* x) {
   const int rows = array.M.rows();
-  if (rows > most_rows) return {};
+  if (rows > most_decomposed_rows) return {};
   const Equations equations = equations_of(array, fixed, x);
   std::vector<int> left(index(rows));
   for (int i = 0; i < rows; ++i) left[index(i)] = i;

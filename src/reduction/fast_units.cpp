@@ -20,11 +20,11 @@ struct LogEntry {
 
 // Entries of a row that are this small against its largest one may be rounding errors, a hundred of them; those of A
 // count without the unit of time.
-constexpr double negligible = 1e-14;
+constexpr double negligible_entry = 1e-14;
 // The sweeps converge linearly, and exponents are rounded to integers in the end; by judgement.
 constexpr int sweeps = 100;
 // Units from 2^-300 to 2^300: products of three of them are finite. Sizes of -2 times that stand for zero.
-constexpr double largest_exponent = 300.0;
+constexpr double largest_fast_exponent = 300.0;
 
 // Each unknown of a group in turn takes the mean of what is left (Gauss-Seidel on the normal equations).
 template <class IndexOf>
@@ -43,24 +43,24 @@ void relax(std::vector<double>& unknowns, const std::vector<double>& r, const st
 void scale_others(const TaylorData& data, const std::vector<char>& is_differential,
                   const std::vector<char>& is_scaled, std::vector<double>& c) {
   const ConstView A = data.A(0);
-  const double threshold = negligible * data.time_scale;
+  const double threshold = negligible_entry * data.time_scale;
   std::vector<double> largest(index(A.rows), 0.0);
   const auto size = [&](int i, int j) {
     const double a = std::fabs(A(i, j));
-    return a > threshold ? std::log2(a) + c[index(j)] : -2.0 * largest_exponent;
+    return a > threshold ? std::log2(a) + c[index(j)] : -2.0 * largest_fast_exponent;
   };
   for (int i = 0; i < A.rows; ++i) {
-    largest[index(i)] = -2.0 * largest_exponent;
+    largest[index(i)] = -2.0 * largest_fast_exponent;
     for (int j = 0; j < A.cols; ++j)
       if (is_scaled[index(j)] != 0) largest[index(i)] = std::max(largest[index(i)], size(i, j));
   }
   for (int j = 0; j < A.cols; ++j) {
     if (is_scaled[index(j)] != 0) continue;
-    double ratio = -2.0 * largest_exponent;
+    double ratio = -2.0 * largest_fast_exponent;
     for (int i = 0; i < A.rows; ++i)
       if (is_differential[index(i)] == 0 && std::fabs(A(i, j)) > threshold)
-        ratio = std::max(ratio, size(i, j) - std::max(largest[index(i)], -largest_exponent));
-    if (ratio > -largest_exponent) c[index(j)] -= ratio;
+        ratio = std::max(ratio, size(i, j) - std::max(largest[index(i)], -largest_fast_exponent));
+    if (ratio > -largest_fast_exponent) c[index(j)] -= ratio;
   }
 }
 
@@ -71,11 +71,11 @@ Units fast_units(CoefficientSource& source, double t, double tau) {
   std::vector<char> is_differential(index(data.m), 0), is_scaled(index(data.n), 0);
   for (int j = 0; j < data.n; ++j)
     for (int i = 0; i < data.m; ++i)
-      if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[index(i)] = 1;
+      if (std::fabs(data.E(0)(i, j)) > negligible_entry) is_differential[index(i)] = 1;
   std::vector<LogEntry> entries;
   for (bool is_E : {true, false}) {
     const ConstView matrix = is_E ? data.E(0) : data.A(0);
-    const double threshold = is_E ? negligible : negligible * data.time_scale;
+    const double threshold = is_E ? negligible_entry : negligible_entry * data.time_scale;
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i) {
         const std::size_t row = index(i), column = index(j);
@@ -92,7 +92,7 @@ Units fast_units(CoefficientSource& source, double t, double tau) {
   }
   scale_others(data, is_differential, is_scaled, c);
   for (double& exponent : c)
-    exponent = std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_exponent, largest_exponent)));
+    exponent = std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_fast_exponent, largest_fast_exponent)));
   return c;
 }
 

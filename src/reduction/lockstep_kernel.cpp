@@ -26,8 +26,6 @@ constexpr double arithmetic = 0x1p-47;
 // Significances within this factor of each other are alike: the larger entry is the better pivot.
 constexpr double alike = 4.0;
 
-using Work = LockstepWork;
-
 // Functions that return lanes are always inlined: how these are returned depends on the instruction set.
 [[gnu::always_inline]] inline Lanes size_of(const Lanes& v) {
   return (Lanes)((LaneMask)v & std::numeric_limits<std::int64_t>::max());
@@ -39,13 +37,17 @@ inline double largest(const Lanes& v) {
   return most;
 }
 
-inline Lanes* entry(Work& w, int col, int group) { return &lanes(w.values[(col * w.groups + group) * versions]); }
-inline Lanes* column_of(Work& w, std::vector<LaneBlock>& of, int col) { return &lanes(of[index(col * w.groups)]); }
+inline Lanes* entry(LockstepWork& w, int col, int group) {
+  return &lanes(w.values[(col * w.groups + group) * versions]);
+}
+inline Lanes* column_of(LockstepWork& w, std::vector<LaneBlock>& of, int col) {
+  return &lanes(of[index(col * w.groups)]);
+}
 
 inline double& number(std::vector<LaneBlock>& of, int groups, int row, int col) {
   return of[index(col * groups + row / lane_count)].lane[row % lane_count];
 }
-inline double* numbers(Work& w, int row, int col) {
+inline double* numbers(LockstepWork& w, int row, int col) {
   return w.values[(col * w.groups + row / lane_count) * versions].lane + row % lane_count;
 }
 
@@ -83,7 +85,7 @@ struct PivotRow {
   bool is_zero;
 };
 
-inline PivotRow pivot_row_of(Work& w, int row, int col) {
+inline PivotRow pivot_row_of(LockstepWork& w, int row, int col) {
   PivotRow p;
   const double* from = numbers(w, row, col);
   p.is_zero = true;
@@ -118,7 +120,8 @@ struct Subtraction {
 
 // What subtract() and significance_of() do, operation by operation, in two halves for AVX2: GCC 12 moves eight numbers piece
 // by piece.
-__attribute__((target("avx2"), noinline)) void subtract_in_halves(Work& w, const Subtraction& of, const PivotRow& p) {
+__attribute__((target("avx2"), noinline)) void subtract_in_halves(LockstepWork& w, const Subtraction& of,
+                                                                  const PivotRow& p) {
   constexpr int half = lane_count / 2;
   const auto [step, col, is_searched] = of;
   const __m256d sign = _mm256_set1_pd(-0.0);
@@ -160,12 +163,12 @@ __attribute__((target("avx2"), noinline)) void subtract_in_halves(Work& w, const
 
 #else
 
-inline void subtract_in_halves(Work&, const Subtraction&, const PivotRow&) {}
+inline void subtract_in_halves(LockstepWork&, const Subtraction&, const PivotRow&) {}
 
 #endif
 
 // Sums of sizes, significances and the largest entry at first.
-inline double begin(Work& w) {
+inline double begin(LockstepWork& w) {
   Lanes most{};
   for (int j = 0; j < w.cols; ++j) {
     Lanes* sums = column_of(w, w.sums, j);
@@ -187,7 +190,7 @@ struct Pivot {
 
 // Row by row the most significant entry, of those alike the largest one; with a tolerance the largest one above
 // `threshold`.
-inline Pivot choose_pivot(Work& w, double threshold) {
+inline Pivot choose_pivot(LockstepWork& w, double threshold) {
   const bool by_size = w.tolerance > 0.0;
   Pivot best;
   best.size = by_size ? threshold : 0.0;
@@ -201,7 +204,7 @@ inline Pivot choose_pivot(Work& w, double threshold) {
   return best;
 }
 
-inline void exchange_rows(Work& w, int i, int j, int col) {
+inline void exchange_rows(LockstepWork& w, int i, int j, int col) {
   if (i == j) return;
   double *of_i = numbers(w, i, col), *of_j = numbers(w, j, col);
   for (int k = 0; k < versions; ++k) std::swap(of_i[k * lane_count], of_j[k * lane_count]);
@@ -210,7 +213,7 @@ inline void exchange_rows(Work& w, int i, int j, int col) {
 
 // Of the pivot in row `rank`; the column below it becomes zero. A copy may have no pivot there (q = 1, which is never
 // clear): it is left alone.
-inline void make_factors(Work& w, int col) {
+inline void make_factors(LockstepWork& w, int col) {
   Lanes* factors = &lanes(w.factors[index(w.rank * w.groups * versions)]);
   const PivotRow pivot = pivot_row_of(w, w.rank, col);
   for (int g = w.rank / lane_count; g < w.groups; ++g) {
@@ -227,7 +230,7 @@ inline void make_factors(Work& w, int col) {
   }
 }
 
-inline void subtract_pivot_row(Work& w, int step, int col, bool is_searched) {
+inline void subtract_pivot_row(LockstepWork& w, int step, int col, bool is_searched) {
   const PivotRow p = pivot_row_of(w, step, col);
   if (p.is_zero) return;
   if (w.in_halves) return subtract_in_halves(w, {step, col, is_searched}, p);
@@ -242,7 +245,7 @@ inline void subtract_pivot_row(Work& w, int step, int col, bool is_searched) {
 }
 
 // One step in the columns that are eliminated; the others follow at the end, column by column.
-inline void take_pivot(Work& w, const Pivot& pivot, double norm) {
+inline void take_pivot(LockstepWork& w, const Pivot& pivot, double norm) {
   Significance& significance = w.significance;
   significance.weakest = std::min(significance.weakest, pivot.significance);
   significance.smallest_pivot = std::min(significance.smallest_pivot, pivot.size / norm);
@@ -260,7 +263,7 @@ inline void take_pivot(Work& w, const Pivot& pivot, double norm) {
   ++w.rank;
 }
 
-inline void measure_sums(Work& w, int first, int end) {
+inline void measure_sums(LockstepWork& w, int first, int end) {
   for (int g = w.rank / lane_count; g < w.groups; ++g) {
     Lanes& most = lanes(w.largest_sums[index(g)]);
     for (int j = first; j < end; ++j) most = larger(column_of(w, w.sums, j)[g], most);
@@ -273,7 +276,7 @@ struct Zeros {
 };
 
 // Entries that count as zero, of rows that are counted with 1 and not with 0.
-inline void drop(Work& w, int col, int group, const Lanes& counted, Zeros& zeros) {
+inline void drop(LockstepWork& w, int col, int group, const Lanes& counted, Zeros& zeros) {
   const Lanes* v = entry(w, col, group);
   const Lanes seen = trial_perturbation * lanes(w.largest_sums[index(group)]);
   zeros.strongest = larger(counted * significance_of(v), zeros.strongest);
@@ -286,7 +289,7 @@ inline void note(const Zeros& zeros, Significance& significance) {
 }
 
 // All steps in one of the columns that are not eliminated.
-inline void follow(Work& w, int col) {
+inline void follow(LockstepWork& w, int col) {
   for (int step = 0; step < w.rank; ++step) {
     exchange_rows(w, step, w.exchanged[index(step)], col);
     subtract_pivot_row(w, step, col, false);
@@ -294,7 +297,7 @@ inline void follow(Work& w, int col) {
 }
 
 // What is left in the columns that were eliminated.
-inline void drop_columns(Work& w, Zeros& zeros) {
+inline void drop_columns(LockstepWork& w, Zeros& zeros) {
   measure_sums(w, 0, w.scale == ZeroScale::whole_rows ? w.cols : w.width);
   for (int j = 0; j < w.width; ++j)
     for (int g = w.rank / lane_count; g < w.groups && w.used[index(j)] == 0; ++g)
@@ -302,7 +305,7 @@ inline void drop_columns(Work& w, Zeros& zeros) {
 }
 
 // 1 for the rows of a group that have no values in the columns that are not eliminated: by q, or by the tolerance.
-inline bool find_rows_without_values(Work& w, int group, LaneBlock& found) {
+inline bool find_rows_without_values(LockstepWork& w, int group, LaneBlock& found) {
   LaneBlock most;
   for (int j = w.width; j < w.cols; ++j) {
     const Lanes* v = entry(w, j, group);
@@ -320,7 +323,7 @@ inline bool find_rows_without_values(Work& w, int group, LaneBlock& found) {
 }
 
 // Rows without pivots and without any value become zero.
-inline void drop_rows(Work& w, Zeros& zeros) {
+inline void drop_rows(LockstepWork& w, Zeros& zeros) {
   measure_sums(w, 0, w.cols);
   for (int g = w.rank / lane_count; g < w.groups; ++g) {
     LaneBlock dropped;
@@ -334,13 +337,13 @@ inline void drop_rows(Work& w, Zeros& zeros) {
 }
 
 // What has become infinite, or worse, decides nothing.
-inline void doubt_overflow(Work& w) {
+inline void doubt_overflow(LockstepWork& w) {
   LaneMask found{};
   for (const LaneBlock& sums : w.sums) note_not_finite(lanes(sums), found);
   if (any(found)) w.significance.weakest = 0.0;
 }
 
-inline void eliminate(Work& w) {
+inline void eliminate(LockstepWork& w) {
   const double norm = begin(w);
   for (w.rank = 0; w.rank < std::min(w.rows, w.width);) {
     const Pivot pivot = choose_pivot(w, w.tolerance * norm);

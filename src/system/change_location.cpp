@@ -6,32 +6,24 @@
 #include <cmath>
 
 #include "problem/failure.h"
+#include "system/location_accuracy.h"
 
 namespace sfdae::core {
 
 namespace {
 
 // A kept value that falls by this factor at a point inside a step has vanished there.
-constexpr double dip = 1e-3;
+constexpr double dip_within_step = 1e-3;
 // By this factor nothing is left of it, whatever other units of time make of what is.
 constexpr double vanished = 1e-6;
-
-// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
-// Ranks by a tolerance above a tenth would mean nothing.
-constexpr double vanishing = 30.0;
-constexpr double largest_tolerance = 0.1;
-
-// Points are told apart down to this part of the interval searched, or to eight roundings of t.
-constexpr double resolution = 1e-9;
-constexpr double roundings = 8.0;
 
 // Narrows changes down with a system of its own, so that the integration's points stay.
 class Probe {
  public:
   Probe(LinearSystem& system, double left, double right)
       : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
-        resolution_(std::max(resolution * std::fabs(right - left),
-                             roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
+        resolution_(std::max(location_resolution * std::fabs(right - left),
+                             location_roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
     // A row that vanishes must not be scaled up again.
     if (system.reduction().row_ratio(system.point()) <= moderate_row_ratio) rows_ = RowScaling::common;
     system_.reduction().set_rows(rows_);
@@ -75,7 +67,7 @@ class Probe {
   // Values at a point where kept() nearly vanishes: what vanishes there counts as zero.
   LocatedChange isolated(double before, double t) {
     AnalysisSettings settings = system_.settings();
-    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_at(t), largest_tolerance));
+    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing_factor * kept_at(t), largest_rank_tolerance));
     settings.rows = rows_;
     return {before, t, find_local_values(system_.problem(), t, settings, system_.arena()), 0.0};
   }
@@ -104,7 +96,7 @@ std::optional<LocatedChange> follow_orientation(Probe& probe, double left, doubl
     if (!probe.holds_at(right)) return probe.bisect_failure(left, right);
     if (probe.system().orientation_kept()) return std::nullopt;
   }
-  if (probe.kept_at(left) > dip * kept_left) return std::nullopt;
+  if (probe.kept_at(left) > dip_within_step * kept_left) return std::nullopt;
   LocatedChange change = probe.isolated(left, 0.5 * (left + right));
   // What has changed its sign has vanished, whatever other units of time make of what is left of it.
   if (change.new_values == probe.system().analysis().values) change.new_values = {};
@@ -131,7 +123,7 @@ std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right)
     }
   }
   const double kept = std::min(k1, k2);
-  if (kept > dip * level) return std::nullopt;
+  if (kept > dip_within_step * level) return std::nullopt;
   LocatedChange change = probe.isolated(a, k1 < k2 ? t1 : t2);
   if (kept <= vanished * level && change.new_values == probe.system().analysis().values) change.new_values = {};
   return change;

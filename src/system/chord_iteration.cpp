@@ -9,7 +9,7 @@ namespace sfdae::core {
 namespace {
 
 // Changes that are as good as none, whatever the rate: a billionth of what the tolerances allow.
-constexpr double negligible = 1e-9;
+constexpr double negligible_correction = 1e-9;
 // A matrix that needs more iterations, or contracts less, is renewed for the next point: the same work as a new one,
 // about, for the problems of the test set.
 constexpr int many_iterations = 3;
@@ -24,17 +24,17 @@ constexpr double far_below = 0.1;
 
 bool ChordIteration::has_converged(const ChordTarget& target, int iteration, double norm, double before) {
   if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
-  is_slow_ = iteration >= many_iterations || (iteration > 0 && rate_ > slow_rate && norm > negligible);
+  is_slow_ = iteration >= many_iterations || (iteration > 0 && rate_ > slow_rate && norm > negligible_correction);
   const double rate = std::clamp(rate_, iteration == 0 ? least_first_rate : target.least_rate, largest_rate);
   if (iteration > 1 && norm <= far_below * target.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
-  if (is_in_doubt_ && iteration < 2) return norm <= negligible;
-  if (iteration == 0 && target.needs_two) return norm <= negligible;
-  return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible;
+  if (is_in_doubt_ && iteration < 2) return norm <= negligible_correction;
+  if (iteration == 0 && target.needs_two) return norm <= negligible_correction;
+  return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible_correction;
 }
 
 bool ChordIteration::has_certainly_converged(const ChordTarget& target, int iteration, double norm) const {
-  if (norm <= negligible) return true;
+  if (norm <= negligible_correction) return true;
   const double rate = std::max(rate_, target.least_rate);
   return iteration > 1 && rate <= slowest && rate / (1.0 - rate) * norm <= target.tolerance;
 }

@@ -21,10 +21,10 @@ using Vector = std::vector<double>;
 // in balanced units have 1e-6 and more. (Chosen.)
 constexpr double least_pivot = 1e-13;
 // Of what is added up in an equation: rounding errors leave less. (Chosen.)
-constexpr double contradiction = 1e-7;
+constexpr double impulse_contradiction = 1e-7;
 
 // Of the largest of theta: what is added up in an equation is measured by that at least. (Chosen.)
-constexpr double negligible = 1e-4;
+constexpr double negligible_part = 1e-4;
 
 // The unknowns: z, then those of theta_1, ..., theta_mu that are no inputs.
 struct Unknowns {
@@ -89,7 +89,7 @@ Vector solve(LeastSquares problem, double t) {
 void demand_solution(const TaylorData& data, int mu, ConstView theta, double rounding) {
   const Vector left = residuals_of_impulses(data, mu, theta, rounding);
   for (std::size_t i = 0; i < left.size(); ++i)
-    if (!(left[i] <= contradiction))
+    if (!(left[i] <= impulse_contradiction))
       throw Failure(
           SFDAE_NO_CONSISTENT_VALUES,
           format(
@@ -159,7 +159,7 @@ Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta, do
         }
     }
     for (int row = 0; row < m; ++row) {
-      const double scale = std::max(size[index(row)], negligible * largest);
+      const double scale = std::max(size[index(row)], negligible_part * largest);
       const double beyond = std::max(std::fabs(left[index(row)]) - rounding, 0.0);
       if (scale > 0.0) result[index(p * m + row)] = beyond / scale;
     }

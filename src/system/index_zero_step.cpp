@@ -17,7 +17,7 @@ namespace {
 // the 2 n^2 of a solution.
 constexpr double unknowns_per_iteration = 9.0;
 // Steps that need more are better made smaller; as for other nonlinear systems.
-constexpr int most_iterations = 12;
+constexpr int most_newton_iterations = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
@@ -232,7 +232,7 @@ PointStatus IndexZeroStep::solve(const IterationTask& task, const Shared& shared
   const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
   double before = 0.0;
   chord.begin();
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_newton_iterations; ++iteration) {
     const PointStatus status = evaluate(task, jet);
     if (status != PointStatus::ok) return status;
     matrix_.solve(change_.data());

@@ -20,9 +20,9 @@ using Vector = std::vector<double>;
 
 // Of what is added up in an equation, or of what moves: rounding errors, and errors of what moves, leave less where the jump moves
 // as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
-constexpr double contradiction = 1e-6;
+constexpr double jump_contradiction = 1e-6;
 // Changes of x after the jump, relative, that count as none.
-constexpr double converged = 1e-10;
+constexpr double converged_derivative = 1e-10;
 constexpr int most_corrections = 3;
 
 void add_absolute(ConstView A, ConstView X, View sums) {
@@ -71,7 +71,7 @@ bool JumpDerivatives::solve_jump(const LinearizedConstraints::Known& known, cons
     const double size = std::max(constraints.size_of(solution.jet), known.units.largest(moving.before, n));
     const Jump jump =
         jump_by_impulses({constraints.point(), solution.data, mu, no_inputs, size}, change, &solution.theta);
-    if (known.units.largest(jump.x.data(), n) <= converged * size) return true;
+    if (known.units.largest(jump.x.data(), n) <= converged_derivative * size) return true;
     constraints.move_by(jump.x, solution.jet);
     solver.solve(solution.jet, mu);
   }
@@ -195,7 +195,7 @@ bool JumpDerivatives::holds_aside(const LinearizedConstraints::Known& known, con
     Slopes slopes;
     if (!find_slopes(known, aside, moving, slopes)) continue;
     const Left left{aside.data, slopes.by_x, slopes.by_parameters, slopes.by_time, moving.shifts};
-    return worst_of(left, mu, motion.dx, motion.dtheta, motion.sizes) <= contradiction;
+    return worst_of(left, mu, motion.dx, motion.dtheta, motion.sizes) <= jump_contradiction;
   }
   return false;
 }
@@ -244,7 +244,7 @@ bool JumpDerivatives::find(const LinearizedConstraints::Known& known, const Jet&
   multiply(1.0, Op::plain, T2, Op::plain, y.view().top(z), 1.0, dtheta_0);
   copy(y.view().block(z, 0, mu * n, count), motion.dtheta.view().block(n, 0, mu * n, count));
   const Left left{solution.data, slopes.by_x, slopes.by_parameters, slopes.by_time, moving.shifts};
-  if (!(worst_of(left, mu, motion.dx, motion.dtheta, motion.sizes) <= contradiction)) return false;
+  if (!(worst_of(left, mu, motion.dx, motion.dtheta, motion.sizes) <= jump_contradiction)) return false;
   if (!holds_aside(known, solution, moving, motion)) return false;
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < n; ++i) after(i, j) = motion.dx(i, j) * known.units[i];

@@ -22,11 +22,11 @@ constexpr double beside = 1e-6;
 // Of the step, or the way to the singular point: where it is looked at what vanishes.
 constexpr double beside_point = 0.02;
 // Of times: a step about a singular point is not shorter than so many roundings.
-constexpr double roundings = 1024.0;
+constexpr double roundings_about_point = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
 // (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do
 // so.
-constexpr double dip = 1e-3, first_dip = 5e-2;
+constexpr double confirmed_dip = 1e-3, first_dip = 5e-2;
 // Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
 constexpr int failures_before_look = 4, most_failures = 64;
 // Steps that fail are so much shorter than the way to a singular point where none of them leads there.
@@ -35,7 +35,7 @@ constexpr double many_steps = 100.0;
 constexpr double steadiness = 0.1;
 // Consistent values that keep more than this have not fallen. Chosen between what is kept where there is a singular
 // point, 1e-3 and less with few exceptions up to 0.6, and 0.98 of false alarms.
-constexpr double not_fallen = 0.7;
+constexpr double kept_value_not_fallen = 0.7;
 // Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
@@ -127,7 +127,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
   search_.course().set_attempt(system_.jet(), system_.stages());
   take_samples();
   if (samples_ == 0) return std::nullopt;
-  search_.set_dip(is_short(t_last) ? dip : first_dip);
+  search_.set_dip(is_short(t_last) ? confirmed_dip : first_dip);
   const SingularitySample* older = samples_ < 2 ? nullptr : &older_;
   const SingularitySample* last = &last_;
   bool was_turned = false;
@@ -155,10 +155,10 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed(bool is_turned) {
     Fall& fall = falls_[i];
     const double now = end_.values[i];
     if (now < fall.lowest) fall.lowest = now, fall.at_lowest = jet;
-    const bool has_dipped = fall.highest > 0.0 && fall.lowest <= dip * std::min(fall.highest, now);
+    const bool has_dipped = fall.highest > 0.0 && fall.lowest <= confirmed_dip * std::min(fall.highest, now);
     if (now < fall.highest && !has_dipped) continue;
-    const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= dip &&
-                              search_.kept(jet, fall.at_lowest) <= dip && has_passed_zero(fall, jet);
+    const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= confirmed_dip &&
+                              search_.kept(jet, fall.at_lowest) <= confirmed_dip && has_passed_zero(fall, jet);
     const double t = fall.at_lowest.t;
     fall.highest = fall.lowest = now;
     fall.has_turned = false;
@@ -192,7 +192,8 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
 // Whether the step is short enough for what is found in it to be reported.
 bool NonlinearChangeWatch::is_short(double t_last) const {
   const double t = system_.jet().t, step = std::fabs(t - t_last);
-  if (step <= roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain) return true;
+  if (step <= roundings_about_point * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain)
+    return true;
   return suspect_ && suspect_->is_near(t) && step <= short_enough * suspect_->step;
 }
 
@@ -204,7 +205,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   if (is_never_singular()) return std::nullopt;
   if (is_final) {
     const std::optional<double> kept = kept_consistently(t);
-    if (kept ? *kept > not_fallen : is_late) return std::nullopt;
+    if (kept ? *kept > kept_value_not_fallen : is_late) return std::nullopt;
   }
   if (!suspect_ || !suspect_->is_near(t)) suspect_ = {t, step};
   LocatedChange change;
@@ -215,7 +216,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   change.part = search_.fallen_part_at(t - direction_ * beside_point * step);
   change.new_values = search_.values_at(t);
   if (change.new_values == system_.analysis().values) change.new_values = {};
-  change.t_before = t - direction_ * std::max(beside * suspect_->step, roundings * unit_roundoff * std::fabs(t));
+  change.t_before =
+      t - direction_ * std::max(beside * suspect_->step, roundings_about_point * unit_roundoff * std::fabs(t));
   return change;
 }
 
@@ -266,10 +268,10 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
     ++failures_;
     return std::nullopt;
   }
-  search_.set_dip(dip);
+  search_.set_dip(confirmed_dip);
   const std::optional<double> t = search_.find_ahead(h);
   std::optional<LocatedChange> change;
-  if (t && is_confirmed_ahead(*t, h) && kept_consistently(*t).value_or(0.0) <= not_fallen) {
+  if (t && is_confirmed_ahead(*t, h) && kept_consistently(*t).value_or(0.0) <= kept_value_not_fallen) {
     change.emplace();
     change->t_before = search_.course().newest().t;
     change->t = *t;
@@ -304,8 +306,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   if (earlier.t == t) return std::nullopt;
   const double kept = search_.kept(earlier, jet), kept_since_start = search_.kept(first_, jet);
   const bool is_falling = kept <= still_falling;
-  if (kept_since_start > (is_falling ? fallen : dip)) return std::nullopt;
-  if (search_.kept_consistently_at_end(first_, jet).value_or(0.0) > not_fallen) return std::nullopt;
+  if (kept_since_start > (is_falling ? fallen : confirmed_dip)) return std::nullopt;
+  if (search_.kept_consistently_at_end(first_, jet).value_or(0.0) > kept_value_not_fallen) return std::nullopt;
   if (witness().is_regular_at(jet, first_, first_)) return std::nullopt;
   change.part = search_.fallen_part(jet);
   // As a square root, which is how determinants vanish where solutions end; or here, in steps that are tiny.

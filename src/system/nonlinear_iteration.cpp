@@ -15,7 +15,7 @@ namespace {
 
 // Relative residuals of redundant equations that count as a contradiction: as small as the default of the option
 // consistency_tol. What loosely converged points leave is larger at times, which is why they are iterated further.
-constexpr double contradiction = 1e-8;
+constexpr double largest_inconsistency = 1e-8;
 
 // What remains of a change once rounding errors of F are taken off: these will not become less.
 double above_noise(double change, double noise) { return std::max(0.0, std::fabs(change) - noise); }
@@ -44,7 +44,7 @@ void NonlinearIteration::resize() {
   mixing_.resize(size);
 }
 
-bool NonlinearIteration::has_contradiction() const { return inconsistency_ > contradiction; }
+bool NonlinearIteration::has_contradiction() const { return inconsistency_ > largest_inconsistency; }
 
 PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet) {
   // Steps that need more are better made smaller; without a step there is no other way. Chosen, not measured.

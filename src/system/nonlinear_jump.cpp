@@ -18,8 +18,8 @@ namespace {
 using Vector = std::vector<double>;
 
 // Changes of the iteration relative to x: it converges quadratically, and ends with the second of them.
-constexpr double converged = 1e-7, no_change = 1e-14;
-constexpr int most_iterations = 50;
+constexpr double converged_change = 1e-7, no_change = 1e-14;
+constexpr int most_jump_iterations = 50;
 // Changes that grow by more are overshoots: a part of the last one is made instead, a quarter of it first, down to this one. (Chosen.)
 constexpr double most_growth = 2.0, shortest = 1e-3;
 // Of what is added up in an equation at another point: its factors are not the same there. Iterations leave less.
@@ -31,7 +31,7 @@ struct Found : JumpPoint {
   double rounding = 0.0;  // in the equations of impulses
 };
 
-Vector difference(const Vector& a, const double* b) {
+Vector jump_from(const Vector& a, const double* b) {
   Vector result(a);
   for (std::size_t i = 0; i < a.size(); ++i) result[i] -= b[i];
   return result;
@@ -59,7 +59,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
   Jet last = found.jet;
   Vector step;
   double part = 1.0, last_change = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_jump_iterations; ++iteration) {
     constraints.linearize(found.jet);
     if (!constraints.has_known_ranks()) break;
     InputsAfter inputs{problem.prescribed(), {}};
@@ -70,7 +70,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     for (int i = 0; i < found.jet.n; ++i) size = std::max(size, std::fabs(before[index(i)]) / known.units[i]);
     found.rounding = rounding_of_impulses(point, size);
     found.jump =
-        jump_by_impulses({point, found.data, mu, inputs, size}, difference(before, found.jet.x.data()), &found.theta);
+        jump_by_impulses({point, found.data, mu, inputs, size}, jump_from(before, found.jet.x.data()), &found.theta);
     const double change = relative_change(found.jump.x, constraints, found.jet, known.units);
     if (change > most_growth * last_change && part > shortest) {
       part *= 0.25;
@@ -84,7 +84,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     last = found.jet, step = found.jump.x, last_change = change, part = 1.0;
     constraints.move_by(found.jump.x, found.jet);
     if (change > no_change) solver.solve(found.jet, mu);
-    if (change > converged) continue;
+    if (change > converged_change) continue;
     found.jump.x.assign(found.jet.x.data(), found.jet.x.data() + problem.n());
     return found;
   }

@@ -12,17 +12,11 @@ using namespace lane_algebra;
 
 namespace {
 
-using Work = NonlinearLaneWork;
-
-void clear(Lanes* values, int count) {
-  for (int k = 0; k < count; ++k) values[k] = Lanes{};
-}
-
 void copy(const Lanes* from, int count, Lanes* to) {
   for (int k = 0; k < count; ++k) to[k] = from[k];
 }
 
-void take_all_slopes(Work& work) {
+void take_all_slopes(NonlinearLaneWork& work) {
   const int n = work.n();
   const double rate = 1.0 / work.h;
   for (int k = 0; k < n; ++k) {
@@ -35,7 +29,7 @@ void take_all_slopes(Work& work) {
 }
 
 // As ArrayLinearization::evaluate_array and evaluate_differential.
-void scale_residuals(Work& work) {
+void scale_residuals(NonlinearLaneWork& work) {
   const TaylorData& data = work.data;
   const int m = work.m();
   const double tau = data.time_scale;
@@ -49,7 +43,7 @@ void scale_residuals(Work& work) {
 }
 
 // As StoredElimination::transform.
-void transform(Work& work) {
+void transform(NonlinearLaneWork& work) {
   const StoredElimination& elimination = work.elimination;
   const int m = work.m(), most = (elimination.level() + 1) * m;
   Lanes *now = work.scratch, *next = now + most, *const stacked = next + most + m;
@@ -79,7 +73,7 @@ void transform(Work& work) {
 }
 
 // xp, as ConstraintFactors::solve; no row is redundant.
-void solve_constraints(Work& work) {
+void solve_constraints(NonlinearLaneWork& work) {
   const ConstraintFactors& constraints = work.form.constraints();
   const int rank = constraints.rank();
   Lanes* const xp = work.changes;
@@ -90,7 +84,7 @@ void solve_constraints(Work& work) {
 }
 
 // g0 := sign Z1^T E xp; image: room for m entries.
-void take_moved(const Work& work, double sign, Lanes* image, Lanes* g0) {
+void take_moved(const NonlinearLaneWork& work, double sign, Lanes* image, Lanes* g0) {
   clear(image, work.m());
   add_product(1.0, plain(work.data.E(0)), work.changes, image);
   clear(g0, work.form.d);
@@ -98,7 +92,7 @@ void take_moved(const Work& work, double sign, Lanes* image, Lanes* g0) {
 }
 
 // r := Z1^T (A xp + f_step) - tau/h sum_j D_ij Z1^T E xp_j
-void take_right_hand_sides(Work& work) {
+void take_right_hand_sides(NonlinearLaneWork& work) {
   const TaylorData& data = work.data;
   const NullSpaceForm& form = work.form;
   Lanes* const g0 = work.scratch + work.m();
@@ -114,7 +108,7 @@ void take_right_hand_sides(Work& work) {
   }
 }
 
-void reduce_all(Work& work) {
+void reduce_all(NonlinearLaneWork& work) {
   scale_residuals(work);
   transform(work);
   solve_constraints(work);
@@ -122,7 +116,7 @@ void reduce_all(Work& work) {
 }
 
 // y_j, j = i + 1, as StoredElimination::recover where the equations of a stage are solved for it beforehand.
-void recover_combined(Work& work, const StoredElimination::StageView& stage, int i) {
+void recover_combined(NonlinearLaneWork& work, const StoredElimination::StageView& stage, int i) {
   const int m = work.m(), n = work.n();
   Lanes* const known = work.scratch;
   copy(work.f + i * m, m, known);
@@ -134,7 +128,7 @@ void recover_combined(Work& work, const StoredElimination::StageView& stage, int
 }
 
 // The same as StoredElimination::solve_stage.
-void recover_stage(Work& work, const StoredElimination::StageView& stage, int i) {
+void recover_stage(NonlinearLaneWork& work, const StoredElimination::StageView& stage, int i) {
   const TaylorData& data = work.data;
   const int m = work.m(), n = work.n(), rank = stage.rank;
   const Lanes* const x = work.changes;
@@ -163,7 +157,7 @@ void recover_stage(Work& work, const StoredElimination::StageView& stage, int i)
 }
 
 // x = xp + T2 z and the y that belongs to it.
-void recover(Work& work) {
+void recover(NonlinearLaneWork& work) {
   const StoredElimination& elimination = work.elimination;
   add_product(1.0, plain(work.form.T2()), work.z, work.changes);
   for (int i = 0; i <= elimination.level(); ++i) {
@@ -173,7 +167,7 @@ void recover(Work& work) {
   }
 }
 
-void change_all(Work& work) {
+void change_all(NonlinearLaneWork& work) {
   const int count = (work.elimination.level() + 2) * work.n();
   recover(work);
   LaneMask bad{};
@@ -187,17 +181,17 @@ void change_all(Work& work) {
   work.norm = largest_above_noise(work.changes, count, work.noise, work.norms);
 }
 
-void reduce_all_scaled(Work& work) {
+void reduce_all_scaled(NonlinearLaneWork& work) {
   transform(work);
   solve_constraints(work);
   take_moved(work, -1.0, work.scratch, work.r);
 }
 
-SFDAE_LANE_KERNEL(take_all_slopes, Work)
-SFDAE_LANE_KERNEL(reduce_all, Work)
-SFDAE_LANE_KERNEL(change_all, Work)
-SFDAE_LANE_KERNEL(reduce_all_scaled, Work)
-SFDAE_LANE_KERNEL(recover, Work)
+SFDAE_LANE_KERNEL(take_all_slopes, NonlinearLaneWork)
+SFDAE_LANE_KERNEL(reduce_all, NonlinearLaneWork)
+SFDAE_LANE_KERNEL(change_all, NonlinearLaneWork)
+SFDAE_LANE_KERNEL(reduce_all_scaled, NonlinearLaneWork)
+SFDAE_LANE_KERNEL(recover, NonlinearLaneWork)
 
 }  // namespace
 

@@ -13,18 +13,12 @@
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
+#include "system/location_accuracy.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
-// Ranks by a tolerance above a tenth would mean nothing.
-constexpr double vanishing = 30.0;
-constexpr double largest_tolerance = 0.1;
-// Points are told apart down to this part of the interval searched, or to eight roundings of t.
-constexpr double resolution = 1e-9;
-constexpr double roundings = 8.0;
 // Consistent values that differ from the interpolated ones by more, relative, are those of another point.
 constexpr double nearness = 1e-3;
 // Where no step succeeds they may only say that nothing has vanished, which they do as well from where the errors of a run
@@ -169,7 +163,8 @@ double SingularitySearch::kept(const Jet& reference, const Jet& jet) {
 
 bool SingularitySearch::is_resolved(double left, double right) const {
   return std::fabs(right - left) <=
-         std::max(resolution * span_, roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)));
+         std::max(location_resolution * span_,
+                  location_roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)));
 }
 
 std::optional<double> SingularitySearch::find_turn(double left, double right) {
@@ -328,7 +323,8 @@ CharacteristicValues SingularitySearch::values_at(double t) {
   CharacteristicValues values;
   use_consistent(interpolated(t), nearness, [&](ConsistentJets& jets, const Jet& consistent) {
     AnalysisSettings settings = problem_.settings();
-    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_of(consistent), largest_tolerance));
+    settings.rank_tol =
+        std::max(settings.rank_tol, std::min(vanishing_factor * kept_of(consistent), largest_rank_tolerance));
     // Rows that vanish must not be scaled up, unless they are of very different size anyway.
     const auto [least, most] = std::minmax_element(rows_.begin(), rows_.end());
     if (*most <= moderate_row_ratio * *least) settings.rows = RowScaling::common;

@@ -11,7 +11,7 @@ namespace {
 
 // A determinant that keeps more than this of the smaller one at the ends has not fallen, as values kept have not
 // (docs/decisions/31-nonlinear-singular-points.md).
-constexpr double not_fallen = 0.7;
+constexpr double determinant_not_fallen = 0.7;
 
 }  // namespace
 
@@ -50,7 +50,8 @@ bool StructuralWitness::keeps_signs(const Jet& jet, const Jet& before, const Jet
 bool StructuralWitness::is_regular_at(const Jet& jet, const Jet& before, const Jet& after) {
   if (!keeps_signs(jet, before, after)) return false;
   for (std::size_t k = 0; k < here_.size(); ++k)
-    if (!(here_[k].log2 >= std::min(before_[k].log2, after_[k].log2) + std::log2(not_fallen))) return false;
+    if (!(here_[k].log2 >= std::min(before_[k].log2, after_[k].log2) + std::log2(determinant_not_fallen)))
+      return false;
   return true;
 }
 
