@@ -14,7 +14,7 @@
 namespace sfdae::cli {
 
 struct EventResult {
-  bool needs_start = false;  // equations or values of the integration have changed
+  bool needs_start = false;  // the integration has to start anew
   bool is_terminated = false;
   std::string message;             // of terminate
   std::vector<std::string> acted;  // when clauses
@@ -50,6 +50,7 @@ class EventIteration {
   Discrete& discrete_;
   std::vector<std::string>& warnings_;
   std::vector<double> solved_key_;
+  bool has_solved_ = false;        // equations, at this event
   std::vector<char> is_reported_;  // of reactions: assertions that are warnings
   bool has_warned_of_jump_ = false;
 };

@@ -451,5 +451,53 @@ TEST(Events, BranchesEndWithTheirDomains) {
   }
 }
 
+// Internal steps end within rounding of times at which something is due, more often than one may think: everything
+// happens nevertheless. z is the integral of n = floor(rate time + offset) + k, where k counts the times 0.03 + 0.12 i.
+TEST(Events, NothingIsLostWithinRoundingOfSteps) {
+  for (const auto& [decay, rate, offset] :
+       {std::make_tuple(0.747, 3.0, 0.37), {0.408, 10.0, 0.0}, {0.3, -4.0, 0.61}, {1.3, 25.0, 0.25}})
+    for (const double stop : {0.9, 1.3, 1.8, 2.1, 3.3}) {
+      SCOPED_TRACE(testing::Message() << rate << ", " << stop);
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0, .fixed = true}), z = b.real("z", {.start = 0.0, .fixed = true});
+      const Term k = b.integer("k", {.start = 0.0, .fixed = true}), n = b.integer("n");
+      const Term next = b.discrete("next", {.start = 0.03, .fixed = true});
+      b.equation(der(x), -decay * x);
+      b.equation(n, function(Operation::floor, rate * time_now() + offset) + k);
+      b.equation(der(z), n);
+      b.when({{{time_now() >= pre(next)}, {assign(next, pre(next) + 0.12), assign(k, pre(k) + 1.0)}}});
+      const Result result = solve(b.model, until(stop));
+      EXPECT_SOLVED(result);
+      const auto jumps = [&](double t) {
+        return std::floor(rate * t + offset) + std::max(0.0, std::floor((t - 0.03) / 0.12) + 1.0);
+      };
+      for (std::size_t row = 0; row < result.trajectory.t.size(); ++row) {
+        const double t = result.trajectory.t[row], from = jumps(t - 1e-9), to = jumps(t + 1e-9),
+                     found = value(result, "n", row);
+        EXPECT_TRUE(found == from || found == to) << "n = " << found << " at t = " << t << " where it is " << to;
+      }
+      EXPECT_LE(largest_error(result, "x", [d = decay](double t) { return std::exp(-d * t); }), 1e-6);
+    }
+}
+
+// floor(rem(time, ...)) has other values for a moment in the iteration of an event, then those from before.
+TEST(Events, EquationsThatReturnInAnEventAreIntegratedAnew) {
+  for (const double begin : {-1.0, -0.3}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), y = b.real("y", {.start = 0.2, .fixed = true}),
+               far = b.boolean("far");
+    const Term sawtooth = Term::of(Operation::rem, 0.25 - time_now(), 0.7);
+    b.equation(der(x), function(Operation::floor, sawtooth) + 1.0);
+    b.equation(der(y), -y);
+    b.equation(far, y > 0.1);
+    Settings settings = until(1.1);
+    settings.start = begin;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    // floor is 0 until t = 0.25, -1 from there on to 0.95 and beyond.
+    EXPECT_LE(largest_error(result, "x", [&](double t) { return std::min(t, 0.25) - begin; }), 1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
