@@ -181,9 +181,10 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     }
   }
   if (is_reinitialized) {
+    Values before = values;
     modes_.to_values(point, values);
     solve_keeping_states(values, point, fixed);
-    switches_.forget_passed();  // arguments are elsewhere now
+    switches_.forget_moved(before, values);
   }
   return is_reinitialized;
 }

@@ -23,7 +23,7 @@ double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind:
 
 Switches::Switches(const System& system, double interval)
     : system_(system), rounding_(interval), arguments_(system.formulas) {
-  forget_passed();
+  passed_at_.assign(system.switches.size(), std::numeric_limits<double>::quiet_NaN());
   for (const Switch& it : system.switches) arguments_.add(it.g);
   for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
   for (int s = 0; s < static_cast<int>(system.switches.size()); ++s) {
@@ -36,8 +36,14 @@ Switches::Switches(const System& system, double interval)
   }
 }
 
-void Switches::forget_passed() {
-  passed_at_.assign(system_.switches.size(), std::numeric_limits<double>::quiet_NaN());
+void Switches::forget_moved(Values& before, Values& after) {
+  std::vector<double> arguments_before;
+  arguments_.run(before);
+  for (std::size_t s = 0; s < passed_at_.size(); ++s) arguments_before.push_back(arguments_[static_cast<int>(s)]);
+  arguments_.run(after);
+  for (std::size_t s = 0; s < passed_at_.size(); ++s)
+    if (!(std::fabs(arguments_[static_cast<int>(s)] - arguments_before[s]) <= held * sizes_[s]))
+      passed_at_[s] = std::numeric_limits<double>::quiet_NaN();
 }
 
 double Switches::literal(const Switch& it, double g) const {

@@ -31,7 +31,8 @@ class Switches {
   // The switch of a root has the value that holds after its function has risen (+1) or fallen (-1).
   void pass(int root, int direction, Values& values);
   void set(int number, double value, Values& values);
-  void forget_passed();
+  // After reinit: switches whose arguments have moved take their values from them.
+  void forget_moved(Values& before, Values& after);
   int switch_of(int root) const { return roots_[at(root)].number; }
 
   // A switch that contradicts its argument clearly, which is an event that its root function did not show: -1 for
