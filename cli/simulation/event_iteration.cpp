@@ -132,7 +132,8 @@ void EventIteration::settle(Values& values, sfdae::Point& point) {
     before.switches = values.switches;
     discrete_.update(values);
     if (modes_.equations_key(values) != solved_key_) solve(values, point);
-    if (!switches_.update(values, round >= max_at_once)) return;
+    const bool takes_literally = is_at_start_ && round < max_at_once;
+    if (!(takes_literally ? switches_.set_literally(values) : switches_.update(values, round >= max_at_once))) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
                 "no values agree with all relations at t = " + to_text(values.t) +
@@ -187,6 +188,13 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     switches_.forget_moved(before, values);
   }
   return is_reinitialized;
+}
+
+EventResult EventIteration::run_at_start(Values& values, sfdae::Point& point) {
+  is_at_start_ = true;
+  const EventResult result = run(values, point, modes_.equations_key(values));
+  is_at_start_ = false;
+  return result;
 }
 
 EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::vector<double>& key) {
