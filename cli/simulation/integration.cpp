@@ -172,6 +172,7 @@ void Integration::start(Reached& at) {
 
 int Integration::step(Reached& at, double target) {
   if (!is_started_) start(at);
+  target = std::min(target, end_of_step(at));
   const long max_steps = parts_.settings.max_steps > 0 ? parts_.settings.max_steps : default_max_steps;
   if (++num_steps_ > max_steps)
     throw Failure(
@@ -185,6 +186,13 @@ int Integration::step(Reached& at, double target) {
   });
   parts_.modes.to_values(at.point, at.values);
   return status;
+}
+
+// An output within an internal step comes before its end, which is looked at, too: what repair() finds there is not
+// within reach of interpolation any more after the next step.
+double Integration::end_of_step(const Reached& at) const {
+  const double end = parts_.switches.num_roots() > 0 ? mode_->solver.statistics().t_internal : at.values.t;
+  return rounding_.is_due(end, at.values.t) ? parts_.settings.stop : end;
 }
 
 void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {

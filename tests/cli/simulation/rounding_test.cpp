@@ -214,5 +214,25 @@ TEST(Rounding, SignOfContinuousEquationsMakesNoEvents) {
   EXPECT_EQ(last(result, "y"), 1.0);
 }
 
+// An argument that is zero for some time leaves zero within a step that contains an output before that.
+TEST(Rounding, ArgumentsThatLeaveZeroWithinSteps) {
+  for (const double stop : {1.0, 1.1, 1.2, 1.3, 1.4, 1.5})
+    for (const double begin : {-1.0, -0.9}) {
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0, .fixed = true}), w = b.real("w", {.start = 0.0, .fixed = true}),
+                 y = b.integer("y");
+      b.equation(der(x), -x);
+      b.equation(der(w), y);
+      b.equation(y, function(Operation::floor, Term::of(Operation::min, -0.5 * time_now(), 0.0)));
+      Settings settings = until(stop);
+      settings.start = begin;
+      settings.num_outputs = 40;
+      const Result result = solve(b.model, settings);
+      EXPECT_SOLVED(result);
+      EXPECT_LE(largest_error(result, "w", [](double t) { return -std::max(t, 0.0); }), 1e-9)
+          << stop << ", " << begin;
+    }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
