@@ -14,6 +14,8 @@ namespace {
 constexpr double close_events = 1e-9;
 constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
 constexpr long default_max_steps = 100000;
+// A zero that a step cannot pass is reached, relative to the nominal size. (Chosen.)
+constexpr double reached = 1e-10;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
 
@@ -77,7 +79,17 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
     int status = SFDAE_OK;
     if (!is_there) {
       const Values before = values;
-      status = step(at, target);
+      const sfdae::Point point_before = point;
+      try {
+        status = step(at, target);
+      } catch (const Failure& failure) {
+        values = before, point = point_before;
+        const std::vector<int> ends = branches_that_end(at);
+        if (failure.status() != SFDAE_NOT_FINITE || ends.empty()) throw;
+        if (!happens(at, ends, "")) return;
+        if (is_started_) throw;  // the equations are the same
+        continue;
+      }
       if (repair(at, before, is_first_step_)) {
         if (is_over_) return;
         continue;
@@ -186,6 +198,25 @@ int Integration::step(Reached& at, double target) {
   });
   parts_.modes.to_values(at.point, at.values);
   return status;
+}
+
+// Equations may end with the branch that they stand in, as sqrt(x) does while x > 0. No step leads beyond the zero
+// then, and steps get smaller until they end just before it. Returns the directions of the roots reached, or nothing.
+std::vector<int> Integration::branches_that_end(Reached& at) {
+  std::vector<double> g(cli::at(parts_.switches.num_roots()));
+  if (!is_started_ || g.empty()) return {};
+  const std::vector<double> distances = parts_.switches.distances(at.values);
+  parts_.switches.evaluate_roots(at.values, g.data());
+  std::vector<int> result(g.size(), 0);
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const int number = parts_.switches.switch_of(static_cast<int>(i));
+    const Switch& it = parts_.system.switches[cli::at(number)];
+    const bool is_reached =
+        std::fabs(g[i]) <= reached * it.nominal && std::fabs(g[i]) < std::fabs(roots_at_start_[i]);
+    if (it.kind == Switch::Kind::relation && is_reached && distances[cli::at(number)] == 0.0)
+      result[i] = g[i] > 0.0 ? -1 : 1;
+  }
+  return std::any_of(result.begin(), result.end(), [](int it) { return it != 0; }) ? result : std::vector<int>();
 }
 
 // An output within an internal step comes before its end, which is looked at, too: what repair() finds there is not

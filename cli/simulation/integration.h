@@ -50,6 +50,7 @@ class Integration {
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
   bool repair(Reached& at, const Values& before, bool is_first);
+  std::vector<int> branches_that_end(Reached& at);
   double end_of_step(const Reached& at) const;
   void interpolate(const Reached& at, double t, Values& values, sfdae::Point& point);
   bool set_due_samples(Values& values);

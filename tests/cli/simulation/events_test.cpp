@@ -519,5 +519,41 @@ TEST(Events, ReinitOfAnotherStateActsOnce) {
   }
 }
 
+// Where differential equations end with the branch that they stand in, no step leads beyond the event: z' = sqrt(x)
+// while x > 0.
+TEST(Events, DifferentialEquationsEndWithTheirBranches) {
+  for (const double offset : {0.0, 0.1, 0.3, 0.43})
+    for (const double slope : {2.0, 1.7, 30.0}) {
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0 + offset, .fixed = true}),
+                 z = b.real("z", {.start = 0.0, .fixed = true});
+      b.equation(der(x), -slope);
+      b.equation(der(z), choose(x > 0.0, function(Operation::sqrt, x), -1.0));
+      const Result result = solve(b.model, until(1.0, 1e-6));
+      EXPECT_SOLVED(result);
+      const double end = (1.0 + offset) / slope, whole = 2.0 / 3.0 * std::pow(1.0 + offset, 1.5) / slope;
+      const auto exact = [&](double t) {
+        const double left = 1.0 + offset - slope * t;
+        return left > 0.0 ? whole - 2.0 / 3.0 * std::pow(left, 1.5) / slope : whole - (t - end);
+      };
+      EXPECT_LE(largest_error(result, "z", exact), 1e-5) << offset << ", " << slope;
+      EXPECT_EQ(result.events.size(), 1u);
+    }
+}
+
+// An equation that ends elsewhere still ends the run.
+TEST(Events, EquationsThatEndWithoutAnEventAreNamed) {
+  for (const double threshold : {0.5, 0.0, -0.1}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0, .fixed = true}), z = b.real("z", {.start = 0.0, .fixed = true});
+    b.equation(der(x), -2.0);
+    b.equation(der(z), choose(x > threshold, 1.0, 2.0) + function(Operation::sqrt, x));
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_OUTCOME(result, Outcome::not_finished);
+    EXPECT_CONTAINS(result.message, "sqrt of -");
+    EXPECT_NEAR(result.trajectory.t.back(), 0.5, 0.03);
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
