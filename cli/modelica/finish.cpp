@@ -235,7 +235,7 @@ class Finish {
       const bool is_discrete = (!is_real(one.left) && !is_real(one.right)) ||
                                (!varies_continuously(one.left) && !varies_continuously(one.right));
       const std::array<int, 2> candidates = {candidate(one.left), candidate(one.right)};
-      if (!is_discrete || is_number(one.left, 0.0)) continue;
+      if (!is_discrete || (is_number(one.left, 0.0) && candidates[1] < 0)) continue;
       if (is_real(one.left) && candidates[0] < 0 && candidates[1] < 0) continue;  // between parameters
       for (const int candidate : candidates)
         if (candidate >= 0) of_variable[candidate].push_back(equations.size());

@@ -75,6 +75,7 @@ class Classification {
     const bool is_left = target(equation.left) == variable;
     const Formula side = is_left ? equation.left : equation.right, other = is_left ? equation.right : equation.left;
     const Operation operation = formulas[side].operation;
+    if (formulas.depends(other, on_continuous)) fail_continuous(system_.model.variables[at(variable)], equation.at);
     return {variable, operation == Operation::variable ? other : formulas.apply(operation, other), equation.at};
   }
 
@@ -90,6 +91,13 @@ class Classification {
                        "this equation of discrete quantities determines none: all are determined elsewhere");
     }
     result_.continuous.push_back({residual, equation.at});
+  }
+
+  [[noreturn]] void fail_continuous(const Variable& variable, Location at) const {
+    throw ModelError(system_.model.file, at,
+                     "the discrete variable " + variable.name +
+                         " would change without an event; write what it is equal to without noEvent, or assign it in "
+                         "a when clause");
   }
 
   [[noreturn]] void fail_undetermined(const Variable& variable) const {

@@ -63,6 +63,7 @@ void EventIteration::solve(Values& values, sfdae::Point& point) {
     has_warned_of_jump_ = true;
   }
   solved_key_ = modes_.equations_key(values);
+  has_solved_ = true;
   modes_.to_values(point, values);
 }
 
@@ -76,6 +77,7 @@ void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, c
     calls_.run(*mode, Phase::integration, "reinit at t = " + to_text(values.t),
                [&] { return mode->make_consistent(point, fixed); });
   solved_key_ = modes_.equations_key(values);
+  has_solved_ = true;
   modes_.to_values(point, values);
 }
 
@@ -130,7 +132,8 @@ void EventIteration::settle(Values& values, sfdae::Point& point) {
     before.switches = values.switches;
     discrete_.update(values);
     if (modes_.equations_key(values) != solved_key_) solve(values, point);
-    if (!switches_.update(values, round >= max_at_once)) return;
+    const bool takes_literally = is_at_start_ && round < max_at_once;
+    if (!(takes_literally ? switches_.set_literally(values) : switches_.update(values, round >= max_at_once))) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
                 "no values agree with all relations at t = " + to_text(values.t) +
@@ -179,29 +182,38 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     }
   }
   if (is_reinitialized) {
+    Values before = values;
     modes_.to_values(point, values);
     solve_keeping_states(values, point, fixed);
-    switches_.forget_passed();  // arguments are elsewhere now
+    switches_.forget_moved(before, values);
   }
   return is_reinitialized;
+}
+
+EventResult EventIteration::run_at_start(Values& values, sfdae::Point& point) {
+  is_at_start_ = true;
+  const EventResult result = run(values, point, modes_.equations_key(values));
+  is_at_start_ = false;
+  return result;
 }
 
 EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::vector<double>& key) {
   EventResult result;
   solved_key_ = key;
+  has_solved_ = false;
   discrete_.complete(values);
   discrete_.set_previous(values);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     settle(values, point);
     const bool is_reinitialized = react(values, point, result);
-    result.needs_start = result.needs_start || is_reinitialized;
     const bool had_sample = std::find(values.samples.begin(), values.samples.end(), 1.0) != values.samples.end();
     const bool is_stable = !is_reinitialized && !had_sample && !discrete_.differs_from_previous(values);
     std::fill(values.samples.begin(), values.samples.end(), 0.0);
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
-    result.needs_start = result.needs_start || modes_.equations_key(values) != key;
+    // The solver of the integration may have solved equations here, even if those before hold again.
+    result.needs_start = has_solved_ || modes_.equations_key(values) != key;
     return result;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,

@@ -14,7 +14,7 @@
 namespace sfdae::cli {
 
 struct EventResult {
-  bool needs_start = false;  // equations or values of the integration have changed
+  bool needs_start = false;  // the integration has to start anew
   bool is_terminated = false;
   std::string message;             // of terminate
   std::vector<std::string> acted;  // when clauses
@@ -28,6 +28,10 @@ class EventIteration {
   // In: values and point before the event, switches that change there changed already, samples that are due set.
   // key: of the equations that have been integrated. Throws Failure.
   EventResult run(Values& values, sfdae::Point& point, const std::vector<double>& key);
+
+  // After initial values have been found: what becomes active as pre() takes the values found. Relations hold as they
+  // stand, those of time are not yet what they are afterwards. Throws Failure.
+  EventResult run_at_start(Values& values, sfdae::Point& point);
 
   // Checks assertions; those that are warnings are reported once. Throws Failure.
   void check_assertions(Values& values);
@@ -50,6 +54,8 @@ class EventIteration {
   Discrete& discrete_;
   std::vector<std::string>& warnings_;
   std::vector<double> solved_key_;
+  bool has_solved_ = false;  // equations, at this event
+  bool is_at_start_ = false;
   std::vector<char> is_reported_;  // of reactions: assertions that are warnings
   bool has_warned_of_jump_ = false;
 };

@@ -17,8 +17,20 @@ Formula Import::operator()(const Expression& expression, Context context) {
   return result;
 }
 
-Formula Import::imported(const Node& node, Context context) {
+namespace {
+
+// The operands of what changes at events only change at events only, or their zeros are events.
+Context of_operands(Operation operation, Context context) {
+  const bool is_stepwise = is_rounding(operation) || is_relation(operation) || operation == Operation::equal ||
+                           operation == Operation::not_equal;
+  return context == Context::events && is_stepwise ? Context::stepwise : context;
+}
+
+}  // namespace
+
+Formula Import::imported(const Node& node, Context given) {
   Formulas& formulas = system_.formulas;
+  const Context context = of_operands(node.operation, given);
   const auto operand = [&](std::size_t k) { return (*this)(node.operands.at(k), context); };
   switch (node.operation) {
     case Operation::number: return formulas.number(node.value);
@@ -32,7 +44,7 @@ Formula Import::imported(const Node& node, Context context) {
     case Operation::terminal: return formulas.flag(node.operation);
     case Operation::sample: return sample(node, operand(0), operand(1));
     case Operation::no_event:
-      return (*this)(node.operands.at(0), context == Context::events ? Context::literal : context);
+      return (*this)(node.operands.at(0), context == Context::instant ? context : Context::literal);
     case Operation::choose: {  // a branch that is never taken need not make sense
       const Formula condition = operand(0);
       if (formulas.is_number(condition)) return operand(formulas[condition].value != 0.0 ? 1 : 2);
@@ -42,6 +54,7 @@ Formula Import::imported(const Node& node, Context context) {
     default: break;
   }
   const Formula a = operand(0), b = num_operands(node.operation) == 2 ? operand(1) : -1;
+  if (node.operation == Operation::sign) return sign(node, a, context);
   if (is_rounding(node.operation)) return rounding(node, a, b, context);
   return is_relation(node.operation) ? relation(node, a, b, context) : formulas.apply(node.operation, a, b);
 }
@@ -69,7 +82,8 @@ Formula Import::derivative(const Node& node) {
 
 Formula Import::relation(const Node& node, Formula a, Formula b, Context context) {
   Formulas& formulas = system_.formulas;
-  if (context != Context::events || !(formulas.depends(a, on_continuous) || formulas.depends(b, on_continuous)))
+  const bool makes_events = context == Context::events || context == Context::stepwise;
+  if (!makes_events || !(formulas.depends(a, on_continuous) || formulas.depends(b, on_continuous)))
     return formulas.apply(node.operation, a, b);
   const Formula g = formulas.subtract(a, b);
   if (formulas.is_number(g)) return formulas.number(applied(node.operation, formulas[g].value, 0.0, 0.0));
@@ -77,6 +91,19 @@ Formula Import::relation(const Node& node, Formula a, Formula b, Context context
   it.operation = node.operation;
   it.g = g;
   return frozen(node, it, node.operation);
+}
+
+// sign makes no events by itself (Modelica Language Specification 3.6, section 3.7.1).
+Formula Import::sign(const Node& node, Formula a, Context context) {
+  Formulas& formulas = system_.formulas;
+  if (context != Context::stepwise || !formulas.depends(a, on_continuous)) return formulas.apply(node.operation, a);
+  const Formula zero = formulas.number(0.0);
+  const auto zero_node = std::make_shared<const Node>(Node{Operation::number, 0.0, -1, {}, node.at});
+  const auto side = [&](Operation operation) {
+    return relation({operation, 0.0, -1, {node.operands.at(0), zero_node}, node.at}, a, zero, context);
+  };
+  const Formula below = formulas.apply(Operation::choose, side(Operation::less), formulas.number(-1.0), zero);
+  return formulas.apply(Operation::choose, side(Operation::greater), formulas.number(1.0), below);
 }
 
 Formula Import::frozen(const Node& node, Switch it, Operation operation) {

@@ -14,9 +14,10 @@ namespace sfdae::cli {
 
 // What relations of continuous quantities are.
 enum class Context {
-  events,   // switches
-  literal,  // as they stand, since within noEvent; but what jumps to other integers is a switch
-  instant   // as they stand, in what is evaluated at events only
+  events,    // switches
+  stepwise,  // switches, and so is sign: a value is needed that changes at events only
+  literal,   // as they stand, since within noEvent; but what jumps to other integers is a switch
+  instant    // as they stand, in what is evaluated at events only
 };
 
 class Import {
@@ -31,6 +32,7 @@ class Import {
   Formula variable(const Node& node);
   Formula derivative(const Node& node);
   Formula relation(const Node& node, Formula a, Formula b, Context context);
+  Formula sign(const Node& node, Formula a, Context context);
   Formula jump(const Node& node, Switch::Kind kind, Formula argument, Context context);
   Formula rounding(const Node& node, Formula a, Formula b, Context context);
   Formula sample(const Node& node, Formula start, Formula interval);
@@ -39,7 +41,7 @@ class Import {
 
   System& system_;
   const Parameters& parameters_;
-  std::array<std::unordered_map<const Node*, Formula>, 3> known_;
+  std::array<std::unordered_map<const Node*, Formula>, 4> known_;
   std::map<std::tuple<Switch::Kind, Operation, Formula, Formula>, int> known_switches_;
 };
 

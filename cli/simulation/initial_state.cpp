@@ -63,9 +63,6 @@ void InitialState::find(double t, Values& values, std::vector<std::string>& warn
   warnings.insert(warnings.end(), initialization.warnings().begin(), initialization.warnings().end());
   values.is_initial = false;
   discrete_.complete(values);
-  discrete_.set_previous(values);
-  discrete_.update(values);
-  discrete_.set_previous(values);
 }
 
 }  // namespace sfdae::cli

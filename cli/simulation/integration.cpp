@@ -10,12 +10,12 @@ namespace sfdae::cli {
 
 namespace {
 
-// Times that are one but for rounding, relative; near 0 relative to this part of the interval.
-constexpr double same_time = 1e-14, part_of_interval = 0.01;
 // Events that follow each other within this part of the interval, so many of them, accumulate.
 constexpr double close_events = 1e-9;
 constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
 constexpr long default_max_steps = 100000;
+// A zero that a step cannot pass is reached, relative to the nominal size. (Chosen.)
+constexpr double reached = 1e-10;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
 
@@ -43,20 +43,13 @@ std::string change_in_words(const System& system, int number, double value) {
 
 Integration::Integration(const Parts& parts)
     : parts_(parts),
+      rounding_(parts.settings.stop - parts.settings.start),
       root_values_(parts.system),
       next_sample_(parts.system.samples.size(), 0),
       needs_derivatives_(uses_derivatives(parts.system)),
       last_event_(parts.settings.start),
       close_changes_(parts.system.switches.size(), 0) {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
-}
-
-double Integration::rounding_of_time(double t) const {
-  return same_time * std::max(std::fabs(t), part_of_interval * (parts_.settings.stop - parts_.settings.start));
-}
-
-bool Integration::is_same_time(double a, double b) const {
-  return std::fabs(a - b) <= rounding_of_time(std::max(std::fabs(a), std::fabs(b)));
 }
 
 double Integration::output_time(long number) const {
@@ -82,20 +75,32 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
     const double output = output_time(next_output_);
     const std::optional<double> time_event = next_time_event(values);
     const double target = time_event ? std::min(*time_event, output) : output;
-    const bool is_time_event = time_event && (*time_event <= target || is_same_time(*time_event, target));
-    const Values before = values;
+    const bool is_there = rounding_.is_due(target, values.t);
     int status = SFDAE_OK;
-    if (is_same_time(target, values.t)) values.t = point.t = target;
-    else status = step(at, target);
-    if (repair(at, before, is_first_step_)) {
-      if (is_over_) return;
-      continue;
+    if (!is_there) {
+      const Values before = values;
+      const sfdae::Point point_before = point;
+      try {
+        status = step(at, target);
+      } catch (const Failure& failure) {
+        values = before, point = point_before;
+        const std::vector<int> ends = branches_that_end(at);
+        if (failure.status() != SFDAE_NOT_FINITE || ends.empty()) throw;
+        if (!happens(at, ends, "")) return;
+        if (is_started_) throw;  // the equations are the same
+        continue;
+      }
+      if (repair(at, before, is_first_step_)) {
+        if (is_over_) return;
+        continue;
+      }
     }
-    if (status == SFDAE_EVENT) {
-      const std::vector<int> roots = mode_->solver.events();
+    move_to_due(at, target);
+    const bool is_time_due = time_event && rounding_.is_due(*time_event, values.t);
+    if (is_time_due) move_to_due(at, *time_event);
+    if (status == SFDAE_EVENT || is_time_due) {
+      const std::vector<int> roots = status == SFDAE_EVENT ? mode_->solver.events() : std::vector<int>();
       if (!happens(at, roots, "")) return;
-    } else if (status == SFDAE_OK && is_time_event) {
-      if (!happens(at, {}, "")) return;
     } else if (parts_.settings.keeps_steps) {
       add_row(at);
     }
@@ -103,6 +108,12 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
     add_due_output(at);
   }
   finish(at);
+}
+
+// What is within rounding of the time reached happens there, at its own time: an internal step may end a little before.
+void Integration::move_to_due(Reached& at, double t) const {
+  if (t <= at.values.t || !rounding_.is_due(t, at.values.t)) return;
+  at.values.t = at.point.t = std::min(t, parts_.settings.stop);
 }
 
 void Integration::add_row(Reached& at) {
@@ -115,12 +126,12 @@ void Integration::add_due_output(Reached& at) {
   std::optional<double> last;
   for (; next_output_ <= parts_.settings.num_outputs; ++next_output_) {
     const double output = output_time(next_output_);
-    if (output > at.values.t && !is_same_time(output, at.values.t)) break;
+    if (!rounding_.is_due(output, at.values.t)) break;
     last = output;
     num_steps_ = 0;
   }
-  if (!last || is_same_time(parts_.result.trajectory.t.back(), at.values.t)) return;
-  if (*last > at.values.t) at.values.t = at.point.t = *last;
+  if (!last || rounding_.is_same(parts_.result.trajectory.t.back(), at.values.t)) return;
+  move_to_due(at, *last);
   add_row(at);
 }
 
@@ -168,10 +179,12 @@ void Integration::start(Reached& at) {
   roots_at_start_.resize(cli::at(parts_.switches.num_roots()));
   root_values_ = at.values;
   parts_.switches.evaluate_roots(root_values_, roots_at_start_.data());
+  distances_at_start_ = parts_.switches.distances(root_values_);
 }
 
 int Integration::step(Reached& at, double target) {
   if (!is_started_) start(at);
+  target = std::min(target, end_of_step(at));
   const long max_steps = parts_.settings.max_steps > 0 ? parts_.settings.max_steps : default_max_steps;
   if (++num_steps_ > max_steps)
     throw Failure(
@@ -185,6 +198,32 @@ int Integration::step(Reached& at, double target) {
   });
   parts_.modes.to_values(at.point, at.values);
   return status;
+}
+
+// Equations may end with the branch that they stand in, as sqrt(x) does while x > 0. No step leads beyond the zero
+// then, and steps get smaller until they end just before it. Returns the directions of the roots reached, or nothing.
+std::vector<int> Integration::branches_that_end(Reached& at) {
+  std::vector<double> g(cli::at(parts_.switches.num_roots()));
+  if (!is_started_ || g.empty()) return {};
+  const std::vector<double> distances = parts_.switches.distances(at.values);
+  parts_.switches.evaluate_roots(at.values, g.data());
+  std::vector<int> result(g.size(), 0);
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const int number = parts_.switches.switch_of(static_cast<int>(i));
+    const Switch& it = parts_.system.switches[cli::at(number)];
+    const bool is_reached =
+        std::fabs(g[i]) <= reached * it.nominal && std::fabs(g[i]) < std::fabs(roots_at_start_[i]);
+    if (it.kind == Switch::Kind::relation && is_reached && distances[cli::at(number)] == 0.0)
+      result[i] = g[i] > 0.0 ? -1 : 1;
+  }
+  return std::any_of(result.begin(), result.end(), [](int it) { return it != 0; }) ? result : std::vector<int>();
+}
+
+// An output within an internal step comes before its end, which is looked at, too: what repair() finds there is not
+// within reach of interpolation any more after the next step.
+double Integration::end_of_step(const Reached& at) const {
+  const double end = parts_.switches.num_roots() > 0 ? mode_->solver.statistics().t_internal : at.values.t;
+  return rounding_.is_due(end, at.values.t) ? parts_.settings.stop : end;
 }
 
 void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {
@@ -203,15 +242,16 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   Values high = at.values;
   sfdae::Point high_point = at.point;
   if (is_first) interpolate(at, 0.5 * (start_ + at.values.t), high, high_point);
-  const int number = parts_.switches.contradiction(high, !is_first, roots_at_start_);
+  const int number = parts_.switches.contradiction(high, !is_first, distances_at_start_);
   if (number < 0) return false;
   double low = is_first ? start_ : before.t;
   const double first_step = high.t - low;
-  for (int k = 0; k < 60 && !is_same_time(low, high.t); ++k) {
+  for (int k = 0; k < 60 && !rounding_.is_same(low, high.t); ++k) {
     Values middle = at.values;
     sfdae::Point middle_point;
     interpolate(at, 0.5 * (low + high.t), middle, middle_point);
-    if (parts_.switches.contradiction(middle, false, roots_at_start_) >= 0) high = middle, high_point = middle_point;
+    if (parts_.switches.contradiction(middle, false, distances_at_start_) >= 0)
+      high = middle, high_point = middle_point;
     else low = middle.t;
   }
   const double wanted = parts_.switches.wanted(high, number);
@@ -233,9 +273,7 @@ bool Integration::set_due_samples(Values& values) {
     const Sample& sample = parts_.system.samples[i];
     const auto time_of = [&](long number) { return sample.start + static_cast<double>(number) * sample.interval; };
     values.samples[i] = 0.0;
-    const double rounding = rounding_of_time(std::max(std::fabs(values.t), std::fabs(sample.start)));
-    while (time_of(next_sample_[i]) < values.t - rounding) ++next_sample_[i];
-    if (time_of(next_sample_[i]) > values.t + rounding) continue;
+    if (time_of(next_sample_[i]) > values.t + rounding_.of(values.t, sample.start)) continue;
     values.samples[i] = 1.0;
     ++next_sample_[i];
     has_due = true;
@@ -258,10 +296,8 @@ bool Integration::settle_at_start(Reached& at) {
   const double t0 = at.values.t;
   for (std::size_t i = 0; i < next_sample_.size(); ++i) {
     const Sample& sample = parts_.system.samples[i];
-    next_sample_[i] =
-        std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
-                                                 rounding_of_time(std::max(std::fabs(t0), std::fabs(sample.start))) /
-                                                     sample.interval)));
+    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
+                                                               rounding_.of(t0, sample.start) / sample.interval)));
   }
   key_ = parts_.modes.equations_key(at.values);
   Values probe = at.values;
@@ -308,7 +344,7 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
 // such as sqrt(x) while x > 0, may be undefined: values a little earlier then replace the limit.
 void Integration::add_row_before(const Reached& at, const Values& before) {
   Values row = before;
-  double back = rounding_of_time(before.t);
+  double back = rounding_.of(before.t);
   for (int k = 0; k < 4 && is_started_ && !parts_.output.is_defined(row); ++k, back *= 100.0) {
     Values earlier = before;
     sfdae::Point point;

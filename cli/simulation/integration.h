@@ -50,22 +50,24 @@ class Integration {
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
   bool repair(Reached& at, const Values& before, bool is_first);
+  std::vector<int> branches_that_end(Reached& at);
+  double end_of_step(const Reached& at) const;
   void interpolate(const Reached& at, double t, Values& values, sfdae::Point& point);
   bool set_due_samples(Values& values);
   std::optional<double> next_time_event(Values& values);
   double output_time(long number) const;
-  double rounding_of_time(double t) const;
-  bool is_same_time(double a, double b) const;
+  void move_to_due(Reached& at, double t) const;
   bool roots_jump(Values before, Values after);
   void count_event(const std::string& text, const Values& before, const Values& after);
   void add_statistics();
   std::string describe(const std::vector<int>& roots, const Values& before, const Values& after) const;
 
   Parts parts_;
+  TimeRounding rounding_;
   std::shared_ptr<Mode> mode_;
   std::vector<double> key_;  // of its equations
   Values root_values_;       // with what event functions are evaluated
-  std::vector<double> roots_at_start_;
+  std::vector<double> roots_at_start_, distances_at_start_;
   std::vector<long> next_sample_;
   sfdae::Statistics baseline_{};  // of the mode before the piece under way
   bool is_piece_open_ = false;    // its statistics have not been added

@@ -104,10 +104,19 @@ class Preparation {
     return system_.formulas.depends(formula, on_free | on_discrete) ? formula : number;
   }
 
+  // Whether an equation with this side may determine a discrete variable: v, not v, -v.
+  bool is_of_discrete(const Expression& side) const {
+    const bool has_operand = side->operation == Operation::not_ || side->operation == Operation::negate;
+    const Node& node = has_operand ? *side->operands.at(0) : *side;
+    return node.operation == Operation::variable && determined_[at(node.index)] == Determined::discretely;
+  }
+
   void import_equations() {
     std::vector<ImportedEquation> equations;
     for (const Equation& equation : model().equations) {
-      const Formula left = import_(equation.left), right = import_(equation.right);
+      const bool is_stepwise = is_of_discrete(equation.left) || is_of_discrete(equation.right);
+      const Context context = is_stepwise ? Context::stepwise : Context::events;
+      const Formula left = import_(equation.left, context), right = import_(equation.right, context);
       equations.push_back({left, right, equation.at});
     }
     ClassifiedEquations classified = classify(system_, equations, determined_);

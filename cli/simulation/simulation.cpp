@@ -120,13 +120,16 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
     InitialState(*system, initial_modes, calls, switches, discrete).find(settings.start, values, result.warnings);
     warn_of_changed_guesses(*system, parameters, values, result.warnings);
     modes.to_point(values, point);
-    events.check_assertions(values);
+    const EventResult at_start = events.run_at_start(values, point);
     if (only_analysis) {
       const std::shared_ptr<Mode> mode = modes.at_values(values);
       const int status = calls.run(*mode, Phase::analysis, "index analysis",
                                    [&] { return mode->solver.start(point, settings.stop); });
       if (status == SFDAE_NOT_UNIQUE) result.warnings.push_back(calls.message());
       output.add(values);
+    } else if (at_start.is_terminated) {
+      output.add(values);
+      result.message = at_start.message;
     } else {
       Integration({*system, settings, modes, calls, switches, discrete, events, output, result}).run(values, point);
     }

@@ -15,8 +15,6 @@ namespace {
 constexpr double held = 1e-7;
 // What is clearly not zero on the solution, relative to the largest value met and to the nominal size.
 constexpr double clear_of_largest = 1e-13, clear_of_nominal = 1e-14;
-// Times that are one but for rounding, relative; near 0 relative to this part of the interval.
-constexpr double same_time = 4e-15, part_of_interval = 0.01;
 
 double lower_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k > 0.0 ? k : k - 1.0; }
 double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k >= 0.0 ? k + 1.0 : k; }
@@ -24,8 +22,8 @@ double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind:
 }  // namespace
 
 Switches::Switches(const System& system, double interval)
-    : system_(system), interval_(interval), arguments_(system.formulas) {
-  forget_passed();
+    : system_(system), rounding_(interval), arguments_(system.formulas) {
+  passed_at_.assign(system.switches.size(), std::numeric_limits<double>::quiet_NaN());
   for (const Switch& it : system.switches) arguments_.add(it.g);
   for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
   for (int s = 0; s < static_cast<int>(system.switches.size()); ++s) {
@@ -38,8 +36,14 @@ Switches::Switches(const System& system, double interval)
   }
 }
 
-void Switches::forget_passed() {
-  passed_at_.assign(system_.switches.size(), std::numeric_limits<double>::quiet_NaN());
+void Switches::forget_moved(Values& before, Values& after) {
+  std::vector<double> arguments_before;
+  arguments_.run(before);
+  for (std::size_t s = 0; s < passed_at_.size(); ++s) arguments_before.push_back(arguments_[static_cast<int>(s)]);
+  arguments_.run(after);
+  for (std::size_t s = 0; s < passed_at_.size(); ++s)
+    if (!(std::fabs(arguments_[static_cast<int>(s)] - arguments_before[s]) <= held * sizes_[s]))
+      passed_at_[s] = std::numeric_limits<double>::quiet_NaN();
 }
 
 double Switches::literal(const Switch& it, double g) const {
@@ -50,9 +54,27 @@ double Switches::literal(const Switch& it, double g) const {
   }
 }
 
-// The rounding error of t and of the time at which g = slope t + offset is zero.
-double Switches::rounding_of_time(const Switch& it, double t, double offset) const {
-  return same_time * (std::fabs(t) + std::fabs(offset / it.slope) + part_of_interval * interval_);
+// When a switch by time leaves the value that it has. A relation that has its value after the zero keeps it.
+std::optional<double> Switches::time_of_change(int number, double value) const {
+  const Switch& it = system_.switches[at(number)];
+  if (it.kind == Switch::Kind::relation && applied(it.operation, it.slope, 0.0, 0.0) == value) return std::nullopt;
+  const double target = it.kind == Switch::Kind::relation ? 0.0
+                        : it.slope > 0.0                  ? upper_bound(it, value)
+                                                          : lower_bound(it, value);
+  const double t = (target - offset(number)) / it.slope + 0.0;  // -0 becomes 0
+  return std::isfinite(t) ? std::optional(t) : std::nullopt;
+}
+
+// The value of a switch by time after t, whatever it has now. What time_of_change() says is due has happened then: a
+// switch that changed neither now nor later would be wrong to the end.
+double Switches::value_after(int number, double t) const {
+  const Switch& it = system_.switches[at(number)];
+  const double after = t + rounding_.of(t, offset(number) / it.slope);
+  const double value = literal(it, it.slope * after + offset(number));
+  const std::optional<double> change = time_of_change(number, value);
+  if (!change || *change > after) return value;
+  if (it.kind == Switch::Kind::relation) return applied(it.operation, it.slope, 0.0, 0.0);
+  return it.slope > 0.0 ? value + 1.0 : value - 1.0;
 }
 
 // How far the argument is from where the value holds; 0: it holds.
@@ -83,18 +105,14 @@ bool Switches::update(Values& values, bool only_first) {
   bool has_changed = false;
   for (int s = 0; s < count; ++s) {
     const Switch& it = system_.switches[at(s)];
-    double g = arguments_[s];
+    const double g = arguments_[s], value = values.switches[at(s)];
+    if (std::isnan(it.is_by_time ? offset(s) : g)) continue;
+    const double wanted = it.is_by_time ? value_after(s, values.t) : literal(it, g);
     const bool has_passed = passed_at_[at(s)] == values.t;
     // Arguments that are constant between events have no errors of location.
-    double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
-    if (std::isnan(g)) continue;
-    if (it.is_by_time) {
-      g += it.slope * rounding_of_time(it, values.t, arguments_[count + s]);
-      tolerance = 0.0;
-    }
-    const double value = values.switches[at(s)];
-    if (literal(it, g) == value || outside(it, g, value) < tolerance) continue;
-    set(s, literal(it, g), values);
+    const double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
+    if (wanted == value || (!it.is_by_time && outside(it, g, value) < tolerance)) continue;
+    set(s, wanted, values);
     has_changed = true;
     if (only_first) return true;
   }
@@ -127,22 +145,29 @@ void Switches::pass(int root, int direction, Values& values) {
   set(number, value, values);
 }
 
-int Switches::contradiction(Values& values, bool is_solution, const std::vector<double>& roots_at_start) {
+int Switches::contradiction(Values& values, bool is_solution, const std::vector<double>& at_start) {
   if (roots_.empty()) return -1;
   arguments_.run(values);
-  for (std::size_t i = 0; i < roots_.size(); ++i) {
-    const int number = roots_[i].number;
+  for (const Root& root : roots_) {
+    const int number = root.number;
     const Switch& it = system_.switches[at(number)];
     const double g = arguments_[number];
     if (std::isnan(g)) continue;
     double& size = sizes_[at(number)];
     if (is_solution && std::isfinite(g)) size = std::max(size, std::fabs(g));
     const double distance = outside(it, g, values.switches[at(number)]);
-    const bool was_there = it.kind == Switch::Kind::relation && g * roots_at_start[i] > 0.0 &&
-                           distance <= 2.0 * std::fabs(roots_at_start[i]);
+    const bool was_there = it.kind == Switch::Kind::relation && distance <= 2.0 * at_start[at(number)];
     if (!was_there && distance > clear_of_largest * size + clear_of_nominal * it.nominal) return number;
   }
   return -1;
+}
+
+std::vector<double> Switches::distances(Values& values) {
+  std::vector<double> result(system_.switches.size(), 0.0);
+  arguments_.run(values);
+  for (std::size_t s = 0; s < result.size(); ++s)
+    result[s] = outside(system_.switches[s], arguments_[static_cast<int>(s)], values.switches[s]);
+  return result;
 }
 
 double Switches::wanted(Values& values, int number) {
@@ -154,16 +179,10 @@ std::optional<double> Switches::next_time(Values& values) {
   std::optional<double> next;
   if (system_.switches.empty()) return next;
   arguments_.run(values);
-  const int count = static_cast<int>(system_.switches.size());
-  for (int s = 0; s < count; ++s) {
-    const Switch& it = system_.switches[at(s)];
-    if (!it.is_by_time) continue;
-    const double value = values.switches[at(s)], offset = arguments_[count + s];
-    const double target = it.kind == Switch::Kind::relation ? 0.0
-                          : it.slope > 0.0                  ? upper_bound(it, value)
-                                                            : lower_bound(it, value);
-    const double t = (target - offset) / it.slope + 0.0;  // -0 becomes 0
-    if (t > values.t + rounding_of_time(it, values.t, offset) && (!next || t < *next)) next = t;
+  for (int s = 0; s < static_cast<int>(system_.switches.size()); ++s) {
+    if (!system_.switches[at(s)].is_by_time) continue;
+    const std::optional<double> t = time_of_change(s, values.switches[at(s)]);
+    if (t && (!next || *t < *next)) next = t;
   }
   return next;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/tape.h"
+#include "simulation/time_rounding.h"
 
 namespace sfdae::cli {
 
@@ -30,18 +31,22 @@ class Switches {
   // The switch of a root has the value that holds after its function has risen (+1) or fallen (-1).
   void pass(int root, int direction, Values& values);
   void set(int number, double value, Values& values);
-  void forget_passed();
+  // After reinit: switches whose arguments have moved take their values from them.
+  void forget_moved(Values& before, Values& after);
   int switch_of(int root) const { return roots_[at(root)].number; }
 
   // A switch that contradicts its argument clearly, which is an event that its root function did not show: -1 for
-  // none. Learns the sizes of arguments where is_solution. roots_at_start: of the piece; what was as far on the wrong
-  // side there was rounding.
-  int contradiction(Values& values, bool is_solution, const std::vector<double>& roots_at_start);
+  // none. Learns the sizes of arguments where is_solution. at_start: distances() at the start of the piece; what was
+  // as far on the wrong side there was rounding.
+  int contradiction(Values& values, bool is_solution, const std::vector<double>& at_start);
+
+  // How far the argument of each switch is from where its value holds, 0: it holds.
+  std::vector<double> distances(Values& values);
 
   // The value that a switch should have.
   double wanted(Values& values, int number);
 
-  // The next time after t at which one by time changes.
+  // The next time at which one by time leaves its value. Not after t: it is due, and update() changes it.
   std::optional<double> next_time(Values& values);
 
  private:
@@ -52,10 +57,12 @@ class Switches {
 
   double literal(const Switch& it, double g) const;
   double outside(const Switch& it, double g, double value) const;
-  double rounding_of_time(const Switch& it, double t, double offset) const;
+  double offset(int number) const { return arguments_[static_cast<int>(system_.switches.size()) + number]; }
+  std::optional<double> time_of_change(int number, double value) const;
+  double value_after(int number, double t) const;
 
   const System& system_;
-  double interval_;
+  TimeRounding rounding_;
   Tape arguments_;  // g of every switch, then offsets of those by time
   std::vector<Root> roots_;
   std::vector<double> sizes_;

@@ -173,6 +173,13 @@ TEST(Rejections, OfEquations) {
   EXPECT_EQ(error_of(package("", "parameter Real 'x' = 1; Boolean 'b' = 'x' == 1.0;")), "");
   expect_error("", "Boolean 'b', 'c'; equation 'b' = true; 'c' and 'b' = time > 1;", "'c' and",
                "determines no variable");
+  // false and 0 on the left are values, too: 'p' does not change that of the relation.
+  for (const char* const text : {"Boolean 'b'; equation false = 'b';", "Integer 'n'; equation 0 = 'n';",
+                                 "constant Real 'c'[2] = {0.5, 0.6}; parameter Integer 'p' = 3; Boolean 'b' = "
+                                 "'c'[1 + mod('p', 2)] < -0.6;",
+                                 "constant Real 'c'[2] = {0.5, 0.6}; parameter Integer 'p' = 3; Boolean 'b'; "
+                                 "equation ('c'[1 + mod('p', 2)] < -0.6) = 'b';"})
+    EXPECT_EQ(error_of(package("", text)), "") << text;
   expect_error("", "Integer 'n'; equation 'n' = 1.5 * time;", "'n'; equation", "no discrete equation");
   expect_error("", "discrete Real 'd' = time;", "'d' = time", "no discrete equation");
   expect_error("", "Integer 'n'; Real 'x'; equation 2 * 'n' = 'x'; 'x' = time;", "'n'; Real", "no discrete equation");

@@ -451,5 +451,109 @@ TEST(Events, BranchesEndWithTheirDomains) {
   }
 }
 
+// Internal steps end within rounding of times at which something is due, often where roots limit them to a hundredth of
+// the interval: everything happens nevertheless. k counts the times 0.03 + 0.12 i.
+TEST(Events, NothingIsLostWithinRoundingOfSteps) {
+  for (const auto& [rate, offset] : {std::make_pair(3.0, 0.37), {0.5, 0.37}, {20.0, 0.1}, {-10.0, 0.2}})
+    for (const double stop : {0.9, 1.3, 2.1, 2.7}) {
+      SCOPED_TRACE(testing::Message() << rate << ", " << stop);
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0, .fixed = true}), far = b.boolean("far"), n = b.integer("n");
+      const Term k = b.integer("k", {.start = 0.0, .fixed = true});
+      const Term next = b.discrete("next", {.start = 0.03, .fixed = true});
+      b.equation(der(x), -0.747 * x);
+      b.equation(far, x > 10.0);
+      b.equation(n, function(Operation::floor, rate * time_now() + offset));
+      b.when({{{time_now() >= pre(next)}, {assign(next, pre(next) + 0.12), assign(k, pre(k) + 1.0)}}});
+      Settings settings = until(stop);
+      settings.num_outputs = 40;
+      const Result result = solve(b.model, settings);
+      EXPECT_SOLVED(result);
+      const auto check = [&](const std::string& name, std::size_t row, const std::function<double(double)>& exact) {
+        const double t = result.trajectory.t[row], from = exact(t - 1e-9), to = exact(t + 1e-9);
+        const double found = value(result, name, row);
+        EXPECT_TRUE(found == from || found == to) << name << " = " << found << " at t = " << t << ", exact: " << to;
+      };
+      for (std::size_t row = 0; row < result.trajectory.t.size(); ++row) {
+        check("n", row, [r = rate, o = offset](double t) { return std::floor(r * t + o); });
+        check("k", row, [](double t) { return std::max(0.0, std::floor((t - 0.03) / 0.12) + 1.0); });
+      }
+    }
+}
+
+// floor(rem(time, ...)) has other values for a moment in the iteration of an event, then those from before.
+TEST(Events, EquationsThatReturnInAnEventAreIntegratedAnew) {
+  for (const double begin : {-1.0, -0.3}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), y = b.real("y", {.start = 0.2, .fixed = true}),
+               far = b.boolean("far");
+    const Term sawtooth = Term::of(Operation::rem, 0.25 - time_now(), 0.7);
+    b.equation(der(x), function(Operation::floor, sawtooth) + 1.0);
+    b.equation(der(y), -y);
+    b.equation(far, y > 0.1);
+    Settings settings = until(1.1);
+    settings.start = begin;
+    const Result result = solve(b.model, settings);
+    EXPECT_SOLVED(result);
+    // floor is 0 until t = 0.25, -1 from there on to 0.95 and beyond.
+    EXPECT_LE(largest_error(result, "x", [&](double t) { return std::min(t, 0.25) - begin; }), 1e-7);
+  }
+}
+
+// The argument of the relation is not what reinit changes: it stays where it is, and acts once.
+TEST(Events, ReinitOfAnotherStateActsOnce) {
+  for (double threshold = 0.05; threshold < 0.36; threshold += 0.01) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), v = b.real("v", {.start = 0.3, .fixed = true}),
+               z = b.real("z", {.start = 1.0, .fixed = true}), n = b.integer("n", {.start = 0.0, .fixed = true});
+    b.equation(der(x), function(Operation::cos, 1.487 * time_now()) - 0.9 * x);
+    b.equation(der(v), -v - 0.2 * n);
+    b.equation(der(z), 0.5);
+    b.when({{{x - 0.3 * v > threshold}, {assign(n, pre(n) + 1.0), reinit(z, -0.277 * pre(z))}}});
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(last(result, "n"), 1.0) << threshold;
+    ASSERT_EQ(result.events.size(), 1u) << threshold;
+    const double t = result.events[0].t;
+    EXPECT_NEAR(last(result, "z"), -0.277 * (1.0 + 0.5 * t) + 0.5 * (1.0 - t), 1e-8) << threshold;
+  }
+}
+
+// Where differential equations end with the branch that they stand in, no step leads beyond the event: z' = sqrt(x)
+// while x > 0.
+TEST(Events, DifferentialEquationsEndWithTheirBranches) {
+  for (const double offset : {0.0, 0.1, 0.3, 0.43})
+    for (const double slope : {2.0, 1.7, 30.0}) {
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0 + offset, .fixed = true}),
+                 z = b.real("z", {.start = 0.0, .fixed = true});
+      b.equation(der(x), -slope);
+      b.equation(der(z), choose(x > 0.0, function(Operation::sqrt, x), -1.0));
+      const Result result = solve(b.model, until(1.0, 1e-6));
+      EXPECT_SOLVED(result);
+      const double end = (1.0 + offset) / slope, whole = 2.0 / 3.0 * std::pow(1.0 + offset, 1.5) / slope;
+      const auto exact = [&](double t) {
+        const double left = 1.0 + offset - slope * t;
+        return left > 0.0 ? whole - 2.0 / 3.0 * std::pow(left, 1.5) / slope : whole - (t - end);
+      };
+      EXPECT_LE(largest_error(result, "z", exact), 1e-5) << offset << ", " << slope;
+      EXPECT_EQ(result.events.size(), 1u);
+    }
+}
+
+// An equation that ends elsewhere still ends the run.
+TEST(Events, EquationsThatEndWithoutAnEventAreNamed) {
+  for (const double threshold : {0.5, 0.0, -0.1}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 1.0, .fixed = true}), z = b.real("z", {.start = 0.0, .fixed = true});
+    b.equation(der(x), -2.0);
+    b.equation(der(z), choose(x > threshold, 1.0, 2.0) + function(Operation::sqrt, x));
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_OUTCOME(result, Outcome::not_finished);
+    EXPECT_CONTAINS(result.message, "sqrt of -");
+    EXPECT_NEAR(result.trajectory.t.back(), 0.5, 0.03);
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test

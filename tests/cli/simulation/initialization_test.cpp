@@ -360,5 +360,63 @@ TEST(Initialization, ParametersOutsideOfTheirLimitsAreNamed) {
   EXPECT_EQ(warnings.find("inside"), std::string::npos) << warnings;
 }
 
+// pre(b) becomes b after the initial values have been found; when clauses that it makes active then are carried out,
+// and the row at the start satisfies all equations.
+TEST(Initialization, WhenClausesActAsPreTakesItsInitialValue) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true}), flag = b.boolean("b", {.start = 0.0, .fixed = true}),
+             n = b.integer("n", {.start = 0.0, .fixed = true}), d = b.discrete("d", {.start = 1.0, .fixed = true}),
+             y = b.real("y"), z = b.real("z");
+  b.equation(der(x), 1.0);
+  b.equation(flag, x < 2.0);
+  b.equation(y, x + 0.5 * z);
+  b.equation(z, d - 0.3 * y);
+  b.when({{{both(pre(flag), time_now() < 0.7)}, {assign(n, pre(n) + 1.0), assign(d, 3.0), reinit(x, 0.5)}}});
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.trajectory.t[1] > 0.0, true) << "one row at the start";
+  EXPECT_EQ(first(result, "n"), 1.0);
+  EXPECT_EQ(last(result, "n"), 1.0);
+  EXPECT_LE(largest_error(result, "x", [](double t) { return 0.5 + t; }), 1e-8);
+  EXPECT_LE(largest_error(result, "y", [](double t) { return (2.0 + t) / 1.15; }), 1e-8);
+  EXPECT_LE(largest_error(result, "z", [](double t) { return 3.0 - 0.3 * (2.0 + t) / 1.15; }), 1e-8);
+  EXPECT_NEAR(first(analyze(b.model, until(1.0)), "x"), 0.5, 1e-10);
+}
+
+// What reinit changes there may change relations, and these other when clauses.
+TEST(Initialization, WhenClausesAtTheStartChangeRelations) {
+  for (const double target : {0.5, 3.0, 5.0}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+               flag = b.boolean("b", {.start = 0.0, .fixed = true}),
+               n = b.integer("n", {.start = 0.0, .fixed = true});
+    b.equation(der(x), 1.0);
+    b.equation(der(y), choose(x > 2.0, 1.0, -1.0));
+    b.equation(flag, x < 10.0);
+    b.when({{{pre(flag)}, {reinit(x, target)}}});
+    b.when({{{x > 4.0}, {assign(n, pre(n) + 1.0)}}});
+    const Result result = solve(b.model, until(0.9));
+    EXPECT_SOLVED(result);
+    EXPECT_EQ(first(result, "n"), target > 4.0 ? 1.0 : 0.0);
+    EXPECT_NEAR(first(result, "x"), target, 1e-12);
+    EXPECT_NEAR(last(result, "x"), target + 0.9, 1e-8);
+    EXPECT_NEAR(last(result, "y"), target > 2.0 ? 0.9 : -0.9, 1e-8);
+    EXPECT_EQ(last(result, "n"), target > 4.0 ? 1.0 : 0.0);
+  }
+}
+
+// A simulation may end there.
+TEST(Initialization, TerminateActsAtTheStart) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true}), flag = b.boolean("b", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.equation(flag, x < 10.0);
+  b.when({{{pre(flag)}, {terminate("at once")}}});
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.message, "at once");
+  EXPECT_EQ(result.trajectory.t.back(), 0.0);
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test

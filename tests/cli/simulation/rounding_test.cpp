@@ -157,5 +157,82 @@ TEST(Rounding, DiscreteVariablesMayStandAloneInDifferentialEquations) {
   EXPECT_NEAR(last(result, "x"), 7.0, 1e-10);
 }
 
+// sign makes events where values are needed that change at events only: of a state, of time, in other operations.
+TEST(Rounding, SignMakesEventsForDiscreteValues) {
+  const auto sign = [](const Term& a) { return function(Operation::sign, a); };
+  Builder b;
+  const Term x = b.real("x", {.start = -1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true}),
+             z = b.real("z"), n = b.integer("n"), m = b.integer("m"), up = b.boolean("up");
+  const Term k = b.integer("k", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 2.0);
+  b.equation(n, sign(x));
+  b.equation(-m, 1.0 + 2.0 * sign(0.3 - time_now()));
+  b.equation(z, Term::of(Operation::div, 0.958 * sign(x), -0.6));
+  b.equation(up, sign(x) - 0.5 > 0.0);
+  b.equation(der(y), choose(equal(sign(x), -1.0), 1.0, 3.0));
+  b.when({{{sign(x) > 0.0}, {assign(k, pre(k) + 1.0)}}});
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  for (std::size_t row = 0; row < result.trajectory.t.size(); ++row) {
+    const double t = result.trajectory.t[row];
+    if (std::fabs(t - 0.3) > 1e-9) {
+      EXPECT_EQ(value(result, "m", row), t < 0.3 ? -3.0 : 1.0) << t;
+    }
+    if (std::fabs(t - 0.5) < 1e-9) continue;
+    EXPECT_EQ(value(result, "n", row), t < 0.5 ? -1.0 : 1.0) << t;
+    EXPECT_EQ(value(result, "z", row), t < 0.5 ? 1.0 : -1.0) << t;
+    EXPECT_EQ(value(result, "up", row), t < 0.5 ? 0.0 : 1.0) << t;
+    EXPECT_EQ(value(result, "k", row), t < 0.5 ? 0.0 : 1.0) << t;
+  }
+  EXPECT_LE(largest_error(result, "y", [](double t) { return t < 0.5 ? t : 3.0 * t - 1.0; }), 1e-7);
+}
+
+// It is 0 while its argument is.
+TEST(Rounding, SignIsZeroForSomeTime) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true}), n = b.integer("n");
+  b.equation(der(x), choose(time_now() > 0.4, choose(time_now() > 0.8, -3.0, 1.0), 0.0));
+  b.equation(n, function(Operation::sign, x));
+  const Result result = solve(b.model, until(1.2));
+  EXPECT_SOLVED(result);
+  for (std::size_t row = 0; row < result.trajectory.t.size(); ++row) {
+    const double t = result.trajectory.t[row], zero = 0.8 + 0.4 / 3.0;
+    if (std::fabs(t - 0.4) < 1e-6 || std::fabs(t - zero) < 1e-6) continue;
+    EXPECT_EQ(value(result, "n", row), t < 0.4 ? 0.0 : t < zero ? 1.0 : -1.0) << t;
+  }
+}
+
+// In equations of continuous variables it makes none.
+TEST(Rounding, SignOfContinuousEquationsMakesNoEvents) {
+  Builder b;
+  const Term x = b.real("x", {.start = -1.0, .fixed = true}), y = b.real("y");
+  b.equation(der(x), 2.0);
+  b.equation(y, function(Operation::sign, x));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_TRUE(result.events.empty());
+  EXPECT_EQ(last(result, "y"), 1.0);
+}
+
+// An argument that is zero for some time leaves zero within a step that contains an output before that.
+TEST(Rounding, ArgumentsThatLeaveZeroWithinSteps) {
+  for (const double stop : {1.0, 1.1, 1.2, 1.3, 1.4, 1.5})
+    for (const double begin : {-1.0, -0.9}) {
+      Builder b;
+      const Term x = b.real("x", {.start = 1.0, .fixed = true}), w = b.real("w", {.start = 0.0, .fixed = true}),
+                 y = b.integer("y");
+      b.equation(der(x), -x);
+      b.equation(der(w), y);
+      b.equation(y, function(Operation::floor, Term::of(Operation::min, -0.5 * time_now(), 0.0)));
+      Settings settings = until(stop);
+      settings.start = begin;
+      settings.num_outputs = 40;
+      const Result result = solve(b.model, settings);
+      EXPECT_SOLVED(result);
+      EXPECT_LE(largest_error(result, "w", [](double t) { return -std::max(t, 0.0); }), 1e-9)
+          << stop << ", " << begin;
+    }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test

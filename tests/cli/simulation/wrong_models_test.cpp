@@ -187,5 +187,18 @@ TEST(WrongModels, IntegersThatAreNotWholeAreNamed) {
       "a is 1.84147 at t = 0, but its type is not Real and needs a whole number (model.mo:5: a = p + sin(p))");
 }
 
+// A discrete variable would keep the value from the start.
+TEST(WrongModels, DiscreteEquationsWithoutEvents) {
+  const Term t = time_now();
+  for (const Term& value : {no_event(t > 0.5), no_event(function(Operation::sign, t - 0.5) > 0.0),
+                            choose(no_event(t > 0.5), t > 0.2, t > 0.7)}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), flag = b.boolean("flag");
+    b.equation(der(x), 1.0);
+    b.equation(flag, value);
+    EXPECT_CONTAINS(complaint(b.model), "model.mo:4:1: the discrete variable flag would change without an event");
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::cli::test
