@@ -11,7 +11,7 @@ namespace sfdae::core {
 struct Contradictions {
   // Whether the integration goes on in spite of the inconsistency, which is noted then.
   bool tolerate(double inconsistency, const IntegrationOptions& options) {
-    if (!(inconsistency > options.consistency_tol)) return true;
+    if (inconsistency <= options.consistency_tol) return true;  // not NaN
     if (!options.ignore_inconsistency) return false;
     ignored_in_call = true;
     largest = std::max(largest, inconsistency);

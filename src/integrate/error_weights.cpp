@@ -21,6 +21,9 @@ constexpr double no_tolerance = 1e200;
 // Relative speeds that are none: times to change would overflow.
 constexpr double standstill = 1e-300;
 
+// An error that is not a number is one that no tolerance allows; std::max would drop it, and the step would be accepted.
+double worst_if_unknown(double error) { return std::isnan(error) ? no_tolerance : error; }
+
 }  // namespace
 
 double ErrorWeights::reduction(double tol) const {
@@ -81,14 +84,15 @@ double ErrorWeights::relative_tolerance(int i, double size) const {
 
 double ErrorWeights::norm(const double* e) const {
   double largest = 0.0;
-  for (std::size_t i = 0; i < inverse_.size(); ++i) largest = std::max(largest, std::fabs(e[i]) * inverse_[i]);
+  for (std::size_t i = 0; i < inverse_.size(); ++i)
+    largest = std::max(largest, worst_if_unknown(std::fabs(e[i]) * inverse_[i]));
   return largest;
 }
 
 double ErrorWeights::norm(const double* e, double exponent) const {
   double largest = 0.0;
   for (std::size_t i = 0; i < inverse_.size(); ++i) {
-    const double error = std::fabs(e[i]) * inverse_[i];
+    const double error = worst_if_unknown(std::fabs(e[i]) * inverse_[i]);
     // Most components do not come near the largest, and the power is expensive.
     if (!(error > largest)) continue;
     const double relative = relative_.empty() ? rtol_[i] : relative_[i];

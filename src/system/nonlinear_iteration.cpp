@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -18,7 +19,11 @@ namespace {
 constexpr double largest_inconsistency = 1e-8;
 
 // What remains of a change once rounding errors of F are taken off: these will not become less.
-double above_noise(double change, double noise) { return std::max(0.0, std::fabs(change) - noise); }
+// A change that is not a number is not small: std::max would drop it.
+double above_noise(double change, double noise) {
+  const double rest = std::fabs(change) - noise;
+  return std::isnan(rest) ? std::numeric_limits<double>::infinity() : std::max(0.0, rest);
+}
 
 // z of M z = b - c tau g0 and, for the free part, -tau Uz^T T2^T (c x + x_rest).
 void step_rhs(const IterationTask& task, const ArrayLinearization& linearization, const Jet& jet, double* z,

@@ -27,6 +27,23 @@ TEST(ErrorWeights, NormIsTheLargestErrorInTermsOfReducedTolerances) {
   EXPECT_DOUBLE_EQ(weights.tolerance(0, x), 3e-6);
 }
 
+// An error estimate that could not be computed must not accept a step, wherever it stands among others.
+TEST(ErrorWeights, AnErrorThatIsNotANumberIsTooLarge) {
+  ErrorWeights weights;
+  weights.set({{1e-6, 1e-3, 1e-6}, {1e-6, 1e-6, 1e-3}}, Tightening::sixth_root);
+  const double x[] = {2.0, 0.0, 1.0};
+  weights.update(x);
+  for (int place = 0; place < 3; ++place) {
+    for (const double other : {0.0, 1e-9, 1.0}) {
+      double e[] = {other, other, other};
+      e[place] = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_GT(weights.norm(e), 1e100) << place;
+      EXPECT_GT(weights.norm(e, 0.7), 1e100) << place;
+      EXPECT_TRUE(std::isfinite(weights.norm(e)) && std::isfinite(weights.norm(e, 0.7))) << place;
+    }
+  }
+}
+
 TEST(ErrorWeights, LooseTolerancesAreNotReduced) {
   ErrorWeights weights;
   weights.set({{0.1}, {0.0}}, Tightening::sixth_root);
