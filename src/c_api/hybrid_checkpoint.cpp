@@ -93,18 +93,20 @@ double hash_of_transitions(const sfdae_hybrid& hybrid) {
   WordHash hash;
   for (const HybridTransition& transition : hybrid.transitions) {
     const sfdae_transition& given = transition.given;
-    hash.add_all({given.from, given.to, given.kind, given.direction});
+    const int numbers[] = {given.from, given.to, given.kind, given.direction};
+    hash.add_all(numbers);
     hash.add(&given.time, 1);
   }
   return hash.value_as_real();
 }
 
-// The equations and options of all modes but the sliding ones, which follow from the others.
+// The equations and options of all modes but two kinds: sliding modes follow from others, and the checkpoint of the solver
+// that is running has its own identity, with the method that the mode was entered with.
 template <class Use>
-void for_each_identity(const sfdae_hybrid& hybrid, Use use) {
+void for_each_identity(const sfdae_hybrid& hybrid, int running, Use use) {
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
     const HybridMode& mode = hybrid.modes[index(k)];
-    if (mode.surface != nullptr) continue;
+    if (k == running || mode.surface != nullptr) continue;
     const SolverOptions& options = mode.solver->options;
     use(k, identity_of(mode.solver->model, options.model, options.integration.method));
   }
@@ -113,17 +115,18 @@ void for_each_identity(const sfdae_hybrid& hybrid, Use use) {
 void write_identity(const sfdae_hybrid& hybrid, Archive& archive) {
   double transitions = hash_of_transitions(hybrid);
   archive.real(transitions);
-  for_each_identity(hybrid, [&](int, const CheckpointIdentity& identity) { identity.write(archive); });
+  for_each_identity(hybrid, hybrid.run.mode,
+                    [&](int, const CheckpointIdentity& identity) { identity.write(archive); });
 }
 
-// Throws Failure where modes or transitions are others.
-void demand_same(const sfdae_hybrid& hybrid, Archive& archive) {
+// Throws Failure if modes or transitions are others. running: the mode that the checkpoint was made in.
+void demand_same(const sfdae_hybrid& hybrid, int running, Archive& archive) {
   double transitions = 0.0;
   archive.real(transitions);
   if (transitions != hash_of_transitions(hybrid))
     throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                   "the checkpoint was made with other transitions: add those that it was made with, in their order.");
-  for_each_identity(hybrid, [&](int mode, const CheckpointIdentity& identity) {
+  for_each_identity(hybrid, running, [&](int mode, const CheckpointIdentity& identity) {
     try {
       identity.demand_same(archive);
     } catch (const Failure& failure) {
@@ -146,8 +149,8 @@ HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std
   state.run = {};
   Archive archive = Archive::reader(checkpoint, length);
   archive_state(archive, state, index(hybrid.width()));
-  demand_same(hybrid, archive);
   if (state.run.mode < 0 || state.run.mode >= static_cast<int>(hybrid.modes.size())) throw DamagedArchive();
+  demand_same(hybrid, state.run.mode, archive);
   own = archive.size();
   return state;
 }

@@ -256,4 +256,23 @@ TEST(CheckpointIdentity, HybridSystemsCompareAllModesAndTransitions) {
   expect_part("other transitions", other_kind.refusal(checkpoint));
 }
 
+// A method set while a mode is running counts from the next start on: the checkpoint is that of the method in use.
+TEST(CheckpointIdentity, HybridSystemsGoOnWithTheMethodOfTheRunningMode) {
+  TwoModes first(1, SFDAE_TRANSITION_CONDITION), same(1, SFDAE_TRANSITION_CONDITION);
+  sfdae::Point point{0, {1, 1}, {}}, restored;
+  first.hybrid.start(0, point, 2);
+  first.hybrid.advance(0.25, point);
+  sfdae::Options radau;
+  radau.method = SFDAE_METHOD_RADAU;
+  first.down.set_options(radau);
+  EXPECT_EQ(same.refusal(first.hybrid.save_checkpoint()), "accepted");
+  first.hybrid.advance(0.5, point);
+  same.hybrid.advance(0.5, restored);
+  EXPECT_EQ(point.x, restored.x);
+  // Another method in a mode to come is refused.
+  TwoModes other(1, SFDAE_TRANSITION_CONDITION);
+  other.up.set_options(radau);
+  expect_part("mode 1 (up): the checkpoint was made with method", other.refusal(first.hybrid.save_checkpoint()));
+}
+
 }  // namespace
