@@ -24,7 +24,8 @@ void add_call(const FunctionCall& call, WordHash& hash) {
 }  // namespace
 
 void add_equations(const Record& record, WordHash& hash) {
-  hash.add_all({record.m(), record.n(), record.num_nodes()});
+  const int sizes[] = {record.m(), record.n(), record.num_nodes()};
+  hash.add_all(sizes);
   for (int i = 0; i < record.num_nodes(); ++i) {
     const Node node = record.node(i);
     hash.add(static_cast<std::uint64_t>(node.operation));
@@ -34,7 +35,8 @@ void add_equations(const Record& record, WordHash& hash) {
       const double value = record.constant(node.a);
       hash.add(&value, 1);
     } else {
-      hash.add_all({node.a, node.b, node.c});
+      const int operands[] = {node.a, node.b, node.c};
+      hash.add_all(operands);
     }
   }
   for (const Parameter& parameter : record.parameters()) add_text(parameter.name, hash);

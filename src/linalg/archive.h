@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sfdae::core {
@@ -26,7 +27,7 @@ class WordHash {
     for (std::size_t i = 0; i < count; ++i) add(std::bit_cast<std::uint64_t>(values[i]));
   }
   // The integers and how many there are.
-  void add_all(const std::vector<int>& values) {
+  void add_all(std::span<const int> values) {
     add(values.size());
     for (const int value : values) add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
   }

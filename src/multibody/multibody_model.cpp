@@ -45,8 +45,9 @@ void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& giv
 
 void MultibodyModel::add_equations(WordHash& hash) {
   const MultibodySizes& sizes = problem_->sizes();
-  hash.add_all(
-      {sizes.positions, sizes.velocities, sizes.holonomic, sizes.nonholonomic, static_cast<int>(coordinates_)});
+  const int numbers[] = {sizes.positions, sizes.velocities, sizes.holonomic, sizes.nonholonomic,
+                         static_cast<int>(coordinates_)};
+  hash.add_all(numbers);
   if (recorded_ == nullptr) return;
   if (!equations_) {
     equations_.emplace();
