@@ -54,8 +54,9 @@ class Descriptor {
     matrices.C = p > 0 ? C.data() : nullptr;
     matrices.D = D.columns() > 0 ? D.data() : nullptr;
     matrices.rank_tol = rank_tol;
-    const int status = fits ? sfdae_create_descriptor(&matrices, &descriptor_) : SFDAE_ILLEGAL_ARGUMENT;
-    if (status < 0) throw Error(status, "sizes of E, A, B, C, D do not fit, or numbers are not finite");
+    if (!fits) throw Error(SFDAE_ILLEGAL_ARGUMENT, "sizes of E, A, B, C, D do not fit");
+    const int status = sfdae_create_descriptor(&matrices, &descriptor_);
+    if (status < 0) throw Error(status, sfdae_message(nullptr));
   }
   /// Takes a C handle over.
   explicit Descriptor(sfdae_descriptor* descriptor) noexcept : descriptor_(descriptor) {}

@@ -74,7 +74,7 @@ class Descriptor:
         box = ffi.new("sfdae_descriptor**")
         status = lib.sfdae_create_descriptor(c, box)
         if status < 0:
-            raise Error(Status(status), "there are no equations, or numbers are not finite")
+            raise Error(Status(status), ffi.string(lib.sfdae_message(ffi.NULL)).decode())
         self._take(box)
 
     def _take(self, box: Any) -> None:
