@@ -9,7 +9,7 @@
 #   scripts/install-dependencies.sh test    for scripts/test.sh
 #   scripts/install-dependencies.sh all     for scripts/test.sh --all (default)
 #
-# A second argument --list prints what is missing and installs nothing. Where nothing is missing it says nothing and needs neither
+# A second argument --list prints what is missing and installs nothing. If nothing is missing, it says nothing and needs neither
 # network nor root.
 set -euo pipefail
 

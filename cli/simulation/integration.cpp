@@ -110,7 +110,8 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
   finish(at);
 }
 
-// What is within rounding of the time reached happens there, at its own time: an internal step may end a little before.
+// An output or event within rounding of the time reached happens there, at its own time: an internal step may end a little
+// before.
 void Integration::move_to_due(Reached& at, double t) const {
   if (t <= at.values.t || !rounding_.is_due(t, at.values.t)) return;
   at.values.t = at.point.t = std::min(t, parts_.settings.stop);
@@ -121,7 +122,7 @@ void Integration::add_row(Reached& at) {
   parts_.output.add(at.values);
 }
 
-// Whatever ended the step there: the target, a step of the method, or an event at which nothing happened.
+// Outputs are due whether the target, a step of the method or an event without effect ended the step there.
 void Integration::add_due_output(Reached& at) {
   std::optional<double> last;
   for (; next_output_ <= parts_.settings.num_outputs; ++next_output_) {

@@ -104,7 +104,7 @@ class Preparation {
     return system_.formulas.depends(formula, on_free | on_discrete) ? formula : number;
   }
 
-  // Whether an equation with this side may determine a discrete variable: v, not v, -v.
+  // True if an equation with this side may determine a discrete variable: v, not v, -v.
   bool is_of_discrete(const Expression& side) const {
     const bool has_operand = side->operation == Operation::not_ || side->operation == Operation::negate;
     const Node& node = has_operand ? *side->operands.at(0) : *side;

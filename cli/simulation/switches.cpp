@@ -65,8 +65,8 @@ std::optional<double> Switches::time_of_change(int number, double value) const {
   return std::isfinite(t) ? std::optional(t) : std::nullopt;
 }
 
-// The value of a switch by time after t, whatever it has now. What time_of_change() says is due has happened then: a
-// switch that changed neither now nor later would be wrong to the end.
+// The value of a switch by time after t, independent of its present value. A change that time_of_change() calls due has
+// happened then: a switch that changed neither now nor later would be wrong to the end.
 double Switches::value_after(int number, double t) const {
   const Switch& it = system_.switches[at(number)];
   const double after = t + rounding_.of(t, offset(number) / it.slope);

@@ -18,7 +18,7 @@ class TimeRounding {
   }
   bool is_same(double a, double b) const { return std::fabs(a - b) <= of(a, b); }
 
-  // Whether what is planned for t happens at the time reached, or should have happened before.
+  // True if an event planned for t happens at the time reached, or should have happened before.
   bool is_due(double t, double reached) const { return t <= reached || is_same(t, reached); }
 
  private:

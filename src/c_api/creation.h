@@ -8,7 +8,7 @@
 
 namespace sfdae::core {
 
-// What sfdae_message(NULL) returns to this thread.
+// The text that sfdae_message(NULL) returns to this thread.
 using CreationMessage = char[sizeof(sfdae_solver::message)];
 CreationMessage& creation_message();
 

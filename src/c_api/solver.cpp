@@ -215,7 +215,7 @@ CheckpointIdentity identity_of_integration(sfdae_solver& solver) {
   return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
 }
 
-// Where the identity of the checkpoint, which has to be that of this solver, ends. Throws Failure.
+// The number of doubles that the identity of the checkpoint takes; it has to be that of this solver. Throws Failure.
 std::size_t end_of_identity(sfdae_solver& solver, const SavedCheckpoint& saved) {
   Archive archive = Archive::reader(saved.values, saved.length);
   try {

@@ -1,4 +1,4 @@
-// What a checkpoint and the solver that restores it must have in common.
+// The identity of a checkpoint: all that the solver that restores it must have in common with it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -45,8 +45,8 @@ class EventSigns {
     const std::vector<double>& after;
     const std::vector<double>& at;
   };
-  // Disarms the functions watched that have lost their signs; they fire unless the zero belongs to the start. Whether any
-  // fires.
+  // Disarms the functions watched that have lost their signs; they fire unless the zero belongs to the start. Returns
+  // true if any fires.
   bool disarm(const std::vector<int>& watched, const Surroundings& g, bool is_at_start);
 
   // +1 rising, -1 falling, for the event found last; 0 else.

@@ -143,7 +143,7 @@ TEST(CheckpointIdentity, NamesOptionsWithBothValues) {
     sfdae::Solver other(decay(1), changed);
     expect_part(part, refusal(other, checkpoint));
   }
-  // What may differ.
+  // Tolerances and limits may differ.
   sfdae::Options looser = options;
   looser.rtol = looser.atol = 1e-3;
   looser.max_steps = 17;

@@ -171,7 +171,7 @@ def test_files_whose_names_look_like_unknowns_keep_them(tmp_path):
     assert " in equation (" in message and "box[0].mo:6)" in message
 
 
-# What users would not expect is an error, or a warning.
+# Results that users would not expect are errors or warnings.
 
 @pytest.mark.parametrize("value, operation", [("sqrt('x')", "sqrt(-0.04)"), ("1 + log('x')", "log(-0.04)"),
                                               ("1 / ('x' - 'x')", "0"), ("1 / 0", "1/0"), ("log(-1)", "log(-1)")])

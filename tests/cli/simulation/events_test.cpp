@@ -436,7 +436,7 @@ TEST(Events, NoOutputIsLost) {
   }
 }
 
-// Where sqrt(x) ends, the row before the event is just outside of its domain: the limit stands there.
+// At the event where sqrt(x) ends, the row before it is just outside of its domain: the limit stands there.
 TEST(Events, BranchesEndWithTheirDomains) {
   for (const double offset : {0.0, 0.1, 0.3}) {
     Builder b;
@@ -519,7 +519,7 @@ TEST(Events, ReinitOfAnotherStateActsOnce) {
   }
 }
 
-// Where differential equations end with the branch that they stand in, no step leads beyond the event: z' = sqrt(x)
+// If differential equations end with the branch that they stand in, no step leads beyond the event: z' = sqrt(x)
 // while x > 0.
 TEST(Events, DifferentialEquationsEndWithTheirBranches) {
   for (const double offset : {0.0, 0.1, 0.3, 0.43})

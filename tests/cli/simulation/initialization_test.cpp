@@ -383,7 +383,7 @@ TEST(Initialization, WhenClausesActAsPreTakesItsInitialValue) {
   EXPECT_NEAR(first(analyze(b.model, until(1.0)), "x"), 0.5, 1e-10);
 }
 
-// What reinit changes there may change relations, and these other when clauses.
+// A value that reinit changes there may change relations, and these other when clauses.
 TEST(Initialization, WhenClausesAtTheStartChangeRelations) {
   for (const double target : {0.5, 3.0, 5.0}) {
     Builder b;

@@ -146,7 +146,7 @@ TEST(Rounding, UndefinedValuesOfOtherBranchesDoNoHarm) {
   EXPECT_NEAR(last(result, "x"), 1.0, 1e-10);
 }
 
-// What a discrete equation determines is no unknown of a differential equation that stands before it.
+// A variable that a discrete equation determines is no unknown of a differential equation that stands before it.
 TEST(Rounding, DiscreteVariablesMayStandAloneInDifferentialEquations) {
   Builder b;
   const Term n = b.integer("n"), x = b.real("x", {.start = 0.0, .fixed = true});
