@@ -1,11 +1,12 @@
-// What sensitivities of hybrid systems cost beside x: milliseconds of processor time of a run without them, with one parameter, with
-// ten where there are so many, with all, and with the adjoint.
+// What sensitivities of hybrid systems cost beside x: milliseconds of processor time of a run without them, with one
+// parameter, with ten where there are so many, with all, and with the adjoint.
 //
-// Rectifier: a capacitor at a source through a diode, strangeness index 1 while that conducts and 0 else, 400 transitions at events.
-// Pairs of modes: d differential equations x' = A sin(x), whose A are parameters, and a constraint that is solved for an
-// unknown of its own in one mode (mu = 0), and restricts x in the other (mu = 1), which jumps by impulses; 8 transitions at times.
-// Run it with OPENBLAS_NUM_THREADS=1. Arguments: nothing; or a problem (0, ..., 3), a method (0: BDF, 1: Radau) and a count
-// (-1: all, -2: all with the adjoint), of which one run is done, to be profiled or counted.
+// Rectifier: a capacitor at a source through a diode, strangeness index 1 while that conducts and 0 else, 400
+// transitions at events. Pairs of modes: d differential equations x' = A sin(x), whose A are parameters, and a
+// constraint that is solved for an unknown of its own in one mode (mu = 0), and restricts x in the other (mu = 1),
+// which jumps by impulses; 8 transitions at times. Run it with OPENBLAS_NUM_THREADS=1. Arguments: nothing; or a
+// problem (0, ..., 3), a method (0: BDF, 1: Radau) and a count (-1: all, -2: all with the adjoint), of which one run
+// is done, to be profiled or counted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-// The Brusselator by lines as recorded equations and by a function with sparsity patterns: processor time of starts and of integrations
-// with BDF to t = 10, rtol = atol = 1e-6, each the least of three runs that take turns; evaluations of F; memory at the peak, of one form
-// in a process. Run it with OPENBLAS_NUM_THREADS=1.
+// The Brusselator by lines as recorded equations and by a function with sparsity patterns: processor time of starts
+// and of integrations with BDF to t = 10, rtol = atol = 1e-6, each the least of three runs that take turns;
+// evaluations of F; memory at the peak, of one form in a process. Run it with OPENBLAS_NUM_THREADS=1.
 //
 //   pattern_cost <cells> [recorded|dense|compressed|differences]      one form: memory
 //

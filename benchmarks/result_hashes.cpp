@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One hash for each of several hundred runs, of everything that a user sees of it, bit for bit: for comparing two states
-// of the library that have to give the same results (scripts/compare-results.sh does it for two revisions).
+// One hash for each of several hundred runs, of everything that a user sees of it, bit for bit: for comparing two
+// states of the library that have to give the same results (scripts/compare-results.sh does it for two revisions).
 //
 //   result_hashes [--words FILE]                 name and hash of every run, one line each
 //   result_hashes [--words FILE] --only NAME     of one run
 //   result_hashes [--words FILE] --text NAME     what is hashed, as text with 17 digits
 //   result_hashes --list                         names
 //
-// FILE has lines `old => new`: words to be replaced in messages and reports before they are hashed. Hashes depend on the
-// machine, its BLAS and the compiler. The runs cost_... are meant for counting instructions, see cost_runs.cpp.
+// FILE has lines `old => new`: words to be replaced in messages and reports before they are hashed. Hashes depend on
+// the machine, its BLAS and the compiler. The runs cost_... are meant for counting instructions, see cost_runs.cpp.
 // Set OPENBLAS_NUM_THREADS=1.
 #include <cstdio>
 #include <cstring>

@@ -1,11 +1,12 @@
-// What sensitivities cost beside x: microseconds of processor time of an integration without them, with one parameter, with ten
-// and with the adjoint.
+// What sensitivities cost beside x: microseconds of processor time of an integration without them, with one
+// parameter, with ten and with the adjoint.
 //
 // Columns: method, steps, the time of x alone, what one and ten sensitivities add, relative, and what the gradient of a
 // functional of the end values by ten parameters adds, kept steps included; with all of them,
 // and with 60, so that the others are made again. Run it with OPENBLAS_NUM_THREADS=1. Arguments:
-// nothing; or "large": problems of 20 to 400 unknowns, forward sensitivities alone; or a problem (0, ..., 9), a method (0: BDF,
-// 1: Radau) and a count (-1, -2: the adjoint), of which one integration is done, to be profiled or counted.
+// nothing; or "large": problems of 20 to 400 unknowns, forward sensitivities alone; or a problem (0, ..., 9), a
+// method (0: BDF, 1: Radau) and a count (-1, -2: the adjoint), of which one integration is done, to be profiled or
+// counted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -78,7 +79,8 @@ Problem stiff(int n) {
   return {std::to_string(n) + " stiff equations", std::move(problem), std::vector<double>(std::size_t(n), 0.1), 5.0};
 }
 
-// Two species that react in cells of a line and diffuse, 2 cells unknowns; the first parameters are those of the reaction.
+// Two species that react in cells of a line and diffuse, 2 cells unknowns; the first parameters are those of the
+// reaction.
 Problem brusselator(int cells) {
   sfdae::NonlinearProblem problem(2 * cells, 2 * cells);
   problem.equations = [cells](const Expression& t, auto x, auto xdot, auto F) {

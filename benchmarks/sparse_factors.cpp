@@ -1,5 +1,6 @@
-// Sparse factorizations: a band and KLU, on matrices of a reaction-diffusion equation on a line, of the Laplacian on a square,
-// and of a flow (a saddle point). Milliseconds: analysis, first factorization, one with other values, solution.
+// Sparse factorizations: a band and KLU, on matrices of a reaction-diffusion equation on a line, of the Laplacian on
+// a square, and of a flow (a saddle point). Milliseconds: analysis, first factorization, one with other values,
+// solution.
 //
 //   OPENBLAS_NUM_THREADS=1 sparse_factors [csv]
 // SPDX-License-Identifier: BSD-3-Clause

@@ -54,8 +54,8 @@ inline StartProblem heat(int n) {
   return start;
 }
 
-// Stokes' equations u' = nu Laplace u - B p + f, B^T u = 0, on a square of cells x cells with velocities on the sides of
-// the cells and a lid that moves; p = 0 in the first cell. Strangeness index 1, n = 2 cells (cells - 1) + cells^2.
+// Stokes' equations u' = nu Laplace u - B p + f, B^T u = 0, on a square of cells x cells with velocities on the sides
+// of the cells and a lid that moves; p = 0 in the first cell. Strangeness index 1, n = 2 cells (cells - 1) + cells^2.
 inline StartProblem stokes(int cells) {
   const int N = cells, sides = N * (N - 1), n = 2 * sides + N * N;
   StartProblem start{sfdae::NonlinearProblem(n, n), std::vector<double>(sfdae::core::index(n), 0.0), {}};

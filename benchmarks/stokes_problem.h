@@ -1,6 +1,6 @@
-// Flow in a closed square by Stokes's equations on a staggered grid of k x k cells: velocities u on their vertical sides, v
-// on their horizontal ones, pressures p inside. u' = nu L u - G p + f, D u = 0; the pressure of the first cell is 0 in place of its
-// continuity, which follows from the others. n = 2 k (k - 1) + k^2.
+// Flow in a closed square by Stokes's equations on a staggered grid of k x k cells: velocities u on their vertical
+// sides, v on their horizontal ones, pressures p inside. u' = nu L u - G p + f, D u = 0; the pressure of the first
+// cell is 0 in place of its continuity, which follows from the others. n = 2 k (k - 1) + k^2.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -106,7 +106,8 @@ inline SparseProblem stokes_problem(int k) {
   return problem;
 }
 
-// Differentiated by hand; at t = 0 all values and slopes are zero but those that the force demands at once, cos 0 f: none.
+// Differentiated by hand; at t = 0 all values and slopes are zero but those that the force demands at once, cos 0 f:
+// none.
 inline SparsePeer stokes_peer(int k) {
   SparsePeer peer;
   const Stokes stokes = Stokes(k).differentiated();

@@ -1,7 +1,8 @@
 // Large and high-index recorded problems by their minimal extension: processor time of starts (recording, analysis,
-// consistent values) and of integrations with BDF, rtol = atol = 1e-6, medians of three runs. Each case is run in a process of
-// its own, whose peak of memory is told without what the program takes before. The Brusselator and Stokes's equations (size: cells
-// a side; IDA: differentiated by hand) beside IDA with band matrices and KLU, both with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
+// consistent values) and of integrations with BDF, rtol = atol = 1e-6, medians of three runs. Each case is run in a
+// process of its own, whose peak of memory is told without what the program takes before. The Brusselator and
+// Stokes's equations (size: cells a side; IDA: differentiated by hand) beside IDA with band matrices and KLU, both
+// with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
 // 1e-8, as their start fails at 1e-9). Run it with OPENBLAS_NUM_THREADS=1.
 //
 //   structure_cost csv > structure_cost.csv     for the plots that structure_cost.gp makes

@@ -23,7 +23,8 @@ struct SparseProblem {
 
 constexpr double pi = 3.14159265358979323846;
 
-// u' = 1 + u^2 v - 4 u + a u_xx, v' = 3 u - u^2 v + a v_xx, a = 1/50, u = 1, v = 3 at both ends, by lines [HW96, IV.10].
+// u' = 1 + u^2 v - 4 u + a u_xx, v' = 3 u - u^2 v + a v_xx, a = 1/50, u = 1, v = 3 at both ends, by lines [HW96,
+// IV.10].
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 template <class V>
@@ -86,10 +87,10 @@ inline SparsePeer brusselator_peer(int cells) {
   return peer;
 }
 
-// Modified nodal analysis: a source of voltage with a capacitor across (its current is of index 2), sections of an inductor,
-// a resistor in line and a capacitor to ground, and at the end an inductor in series with a source of current (the voltage
-// between them is of index 2). The time constant R C of the whole line is 1; R^2 = L / C of a section. Unknowns: v_0, the
-// current of the source, i, m, v of each section, m between L and R, and i, v of the end.
+// Modified nodal analysis: a source of voltage with a capacitor across (its current is of index 2), sections of an
+// inductor, a resistor in line and a capacitor to ground, and at the end an inductor in series with a source of
+// current (the voltage between them is of index 2). The time constant R C of the whole line is 1; R^2 = L / C of a
+// section. Unknowns: v_0, the current of the source, i, m, v of each section, m between L and R, and i, v of the end.
 inline SparseProblem ladder_problem(int sections) {
   SparseProblem problem;
   problem.record = [sections](const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
@@ -115,8 +116,8 @@ inline SparseProblem ladder_problem(int sections) {
 }
 
 // Two-stage transistor amplifiers [HW96, VII.1], driven by the same signal and, a little, by the output before:
-// more of it would sharpen edges from stage to stage, without end. Nodal equations: three capacitors are between nodes that are
-// dynamic unknowns for the structure and not for numbers.
+// more of it would sharpen edges from stage to stage, without end. Nodal equations: three capacitors are between
+// nodes that are dynamic unknowns for the structure and not for numbers.
 inline void amplifier(const Expression& source, const Expression* x, const Expression* xdot, Expression* F) {
   constexpr double Ub = 6.0, alpha = 0.99, R0 = 1000.0, R = 9000.0;
   const auto diode = [](const Expression& voltage) { return 1e-6 * (exp(voltage / 0.026) - 1.0); };
@@ -174,8 +175,8 @@ inline SparseProblem amplifier_problem_with_currents(int count) {
   return amplifiers(count, 11, amplifier_with_currents);
 }
 
-// Masses 1/N at the ends of rigid links of length 1/N that hang from the origin, in absolute coordinates; T_k: tensions.
-// Unknowns of a link: x, y, their velocities, T. It starts from rest at 0.5 rad from the vertical.
+// Masses 1/N at the ends of rigid links of length 1/N that hang from the origin, in absolute coordinates; T_k:
+// tensions. Unknowns of a link: x, y, their velocities, T. It starts from rest at 0.5 rad from the vertical.
 inline SparseProblem link_problem(int links) {
   SparseProblem problem;
   problem.record = [links](const Expression&, const Expression* x, const Expression* xdot, Expression* F) {
@@ -201,8 +202,8 @@ inline SparseProblem link_problem(int links) {
   return problem;
 }
 
-// Pendula, the tension of each of which is what the next one's length depends on: index 2 P + 1. Unknowns of one: x, y, u, v,
-// l. The first starts from the horizontal; the values of the others are found near the same.
+// Pendula, the tension of each of which is what the next one's length depends on: index 2 P + 1. Unknowns of one: x,
+// y, u, v, l. The first starts from the horizontal; the values of the others are found near the same.
 inline SparseProblem pendula_problem(int pendula) {
   SparseProblem problem;
   problem.record = [pendula](const Expression&, const Expression* x, const Expression* xdot, Expression* F) {

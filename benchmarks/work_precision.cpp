@@ -1,6 +1,6 @@
 // Work against precision of whole solves, as comma-separated values on standard output:
-// problem, tol, steps, rejected, reductions, error in tolerances (steps), error in tolerances (outputs), absolute error,
-// microseconds of the library (user's callbacks subtracted).
+// problem, tol, steps, rejected, reductions, error in tolerances (steps), error in tolerances (outputs), absolute
+// error, microseconds of the library (user's callbacks subtracted).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
 #include <cmath>

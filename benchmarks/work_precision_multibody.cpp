@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work against precision on mechanical systems, as comma-separated values on standard output, as those of
 // work_precision_nonlinear. Solvers: IDA on forms of lower index made by hand, the library on the same equations as a
-// multibody system, the equations of the test set as they are with their derivative array ("general") and by their minimal
-// extension ("structured"), and those of the multibody system with the constraints alone differentiated twice ("extended").
-// The least time for 4, 6 and 8 digits follows on standard error. A five-bar is solved by the library alone.
+// multibody system, the equations of the test set as they are with their derivative array ("general") and by their
+// minimal extension ("structured"), and those of the multibody system with the constraints alone differentiated twice
+// ("extended"). The least time for 4, 6 and 8 digits follows on standard error. A five-bar is solved by the library
+// alone.
 //
 //   work_precision_multibody [problem...] > results.csv
 //   work_precision_multibody chain                     cost of a step of pendulums of many links
@@ -110,7 +111,8 @@ void run_test_set(const TestProblem& problem, Results& results) {
   });
 }
 
-// The raw equations of a five-bar, 10 unknowns, beside its multibody form; the reference is that of the latter at 1e-13.
+// The raw equations of a five-bar, 10 unknowns, beside its multibody form; the reference is that of the latter at
+// 1e-13.
 void run_five_bar(Results& results) {
   const sfdae_test::FiveBar system;
   TestProblem problem{.name = "five_bar", .m = 10, .n = 10, .t0 = 0.0, .tf = 2.0, .x0 = sfdae_test::five_bar_start()};

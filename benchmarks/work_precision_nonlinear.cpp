@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work against precision on the nonlinear test set, as comma-separated values on standard output:
 // problem, solver, form, tol, correct digits of the counted components, milliseconds of processor time (best of several
-// runs), steps, evaluations of F, factorizations, failure. The least time for 4, 6 and 8 digits follows on standard error.
+// runs), steps, evaluations of F, factorizations, failure. The least time for 4, 6 and 8 digits follows on standard
+// error.
 //
 //   work_precision_nonlinear [problem...] > results.csv
 //   gnuplot -e "results='results.csv'" benchmarks/work_precision_nonlinear.gp

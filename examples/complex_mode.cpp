@@ -4,8 +4,8 @@
 //
 //     a' = (i w + g) a,   0 = |a|^2 - (1 + t) + i im g,
 //
-// with a = sqrt(1 + t) e^(i w t), g = 1 / (2 (1 + t)); the equation that determines re g is hidden: strangeness index 1.
-// And E z' = A z with complex matrices: z1' = i z2, 0 = z1 - (1 + i) z2.
+// with a = sqrt(1 + t) e^(i w t), g = 1 / (2 (1 + t)); the equation that determines re g is hidden: strangeness index
+// 1. And E z' = A z with complex matrices: z1' = i z2, 0 = z1 - (1 + i) z2.
 // Check: both against their solutions.
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,8 @@
  * all obey constraints, most of them hidden. At the start positions and velocities are known, the multipliers are not:
  * the solver finds them and leaves the others as they are.
  *
- * Prints the diagnostics report, a table and statistics; writes constrained_chain.csv, which constrained_chain.gp draws.
+ * Prints the diagnostics report, a table and statistics; writes constrained_chain.csv, which constrained_chain.gp
+ * draws.
  */
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,8 @@
 //
 //     s' = a, p' = b, q' = c,   M a' = u + (p - s) r,   m b' = -(p - s) r,   m c' = -q r - m g,   (p - s)^2 + q^2 = l^2
 //
-// r is the force of the rope by its length. Strangeness index 2, at rest with the load hanging below: what of u becomes s?
+// r is the force of the rope by its length. Strangeness index 2, at rest with the load hanging below: what of u
+// becomes s?
 //
 //     s / u = (s^2 + g / l) / (M s^2 (s^2 + (1 + m / M) g / l)):   poles 0, 0, +-i w1,   zeros +-i w0
 #include <sfdae/sfdae.hpp>

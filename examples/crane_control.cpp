@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How to push a crane so that trolley and load are at rest one metre further after six seconds: gradients by the adjoint.
+// How to push a crane so that trolley and load are at rest one metre further after six seconds: gradients by the
+// adjoint.
 //
 //     s' = a, p' = b, q' = c,   M a' = u + (p - s) r,   m b' = -(p - s) r,   m c' = -q r - m g,   (p - s)^2 + q^2 = l^2
 //
-// with the force u(t) = sum_j u_j sin(j pi t / 6), j = 1 ... 8. Four conditions on the end values, gradients of four functionals:
-// Newton's method, with the smallest step that solves its linear equations (LAPACK's dgels).
+// with the force u(t) = sum_j u_j sin(j pi t / 6), j = 1 ... 8. Four conditions on the end values, gradients of four
+// functionals: Newton's method, with the smallest step that solves its linear equations (LAPACK's dgels).
 #include <cmath>
 #include <iostream>
 #include <vector>

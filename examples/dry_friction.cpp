@@ -2,8 +2,8 @@
 //
 // A block of 2 kg slides over a floor with the friction 0.3 N, N being the force of the floor, an unknown:
 //     x' = u,  y' = v,  2 u' = F(t) - 0.3 N sign(u),  2 v' = N - 2 g,  y = 0.
-// It is thrown at 1.5 m/s, comes to rest, and is pulled with the force F = 2 t newtons. The switch at u = 0 finds the motion
-// along it, at rest: there the friction is what keeps it there, at most 0.3 N.
+// It is thrown at 1.5 m/s, comes to rest, and is pulled with the force F = 2 t newtons. The switch at u = 0 finds the
+// motion along it, at rest: there the friction is what keeps it there, at most 0.3 N.
 //
 // Check: position and times in closed form.
 #include <cmath>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A model for other solvers: the pendulum, strangeness index 2, as C source of a strangeness-free system F(t, z, z') = 0,
+ * A model for other solvers: the pendulum, strangeness index 2, as C source of a strangeness-free system F(t, z, z')
+ * = 0,
  *
  *     x0' = x2,   x1' = x3,   x2' = -x0 x4,   x3' = -x1 x4 - g,   0 = x0^2 + x1^2 - 1
  *

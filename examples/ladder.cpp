@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A cable as a ladder of 200 sections, in SI units: 601 unknowns, which sparse matrices make a matter of a fraction of a
-// second. Coils with resistance, capacitors, a source v_0 and a load Z; section k = 1, ..., N:
+// A cable as a ladder of 200 sections, in SI units: 601 unknowns, which sparse matrices make a matter of a fraction
+// of a second. Coils with resistance, capacitors, a source v_0 and a load Z; section k = 1, ..., N:
 //
 //     v_0 = V sin(w t),   u_k = v_k-1 - R i_k,   L i_k' = u_k - v_k,   C v_k' = i_k - i_k+1,   i_N+1 = v_N / Z
 //
-// Strangeness index 0, d = 2 N, a = N + 1. Check: transients die out like exp(-R t / (2 L)), and what remains is known by
-// complex arithmetic, from the load back to the source, which is the continued fraction of the ladder.
+// Strangeness index 0, d = 2 N, a = N + 1. Check: transients die out like exp(-R t / (2 L)), and what remains is
+// known by complex arithmetic, from the load back to the source, which is the continued fraction of the ladder.
 #include <algorithm>
 #include <cmath>
 #include <complex>

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Lyapunov exponents and the Sacker-Sell spectrum of a linear DAE E x' = A(t) x by continuous QR, which is a DAE itself:
-// solutions X = Q R with Q^T Q = I and R upper triangular fulfil
+// Lyapunov exponents and the Sacker-Sell spectrum of a linear DAE E x' = A(t) x by continuous QR, which is a DAE
+// itself: solutions X = Q R with Q^T Q = I and R upper triangular fulfil
 //
 //     E Q' = A Q - E Q B,   Q^T Q = I,   l' = diag B,      B = R' R^-1 upper triangular.
 //
-// Orthogonality is a constraint that the library keeps, where codes for differential equations let it drift. Exponents are
-// l_i(t) / t for large t; the spectral interval i is that of the averages (l_i(t + H) - l_i(t)) / H for long windows H, after
-// a transient. The problem: x = G(t) y with a rotation G by t and z = x1 + x2,
+// Orthogonality is a constraint that the library keeps, where codes for differential equations let it drift.
+// Exponents are l_i(t) / t for large t; the spectral interval i is that of the averages (l_i(t + H) - l_i(t)) / H for
+// long windows H, after a transient. The problem: x = G(t) y with a rotation G by t and z = x1 + x2,
 //
 //     y' = [-5 + cos t, sin t; 0, cos 2t] y:   exponents 0 and -5, and the intervals are these points.
 //
 // Usage: lyapunov [tend]. Check: exponents and averages, both of which approach their limits like 1 / t.
 //
-// [LM09] V. H. Linh, V. Mehrmann: Lyapunov, Bohl and Sacker-Sell spectral intervals for differential-algebraic equations.
+// [LM09] V. H. Linh, V. Mehrmann: Lyapunov, Bohl and Sacker-Sell spectral intervals for differential-algebraic
+// equations.
 //      J. Dynam. Differential Equations 21 (2009), 153-194.
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
  *
  *     u_i' = (u_i-1 - 2 u_i + u_i+1) / h^2 + w_i - u_i^3,   0 = w_i - u_i^3,   u_0 = u_N+1 = 0
  *
- * The callback writes F alone. It says which entries F_x and F_x' have; they are differences of F then, of groups of unknowns
- * that no equation shares: a Jacobian takes some 12 evaluations of F. Strangeness index 0, d = a = N. Check:
+ * The callback writes F alone. It says which entries F_x and F_x' have; they are differences of F then, of groups of
+ * unknowns that no equation shares: a Jacobian takes some 12 evaluations of F. Strangeness index 0, d = a = N. Check:
  * u_i = exp(-4 t sin^2(pi h / 2) / h^2) sin(pi i h).
  */
 #include <math.h>

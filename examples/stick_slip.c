@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A mass of 1 on a belt of speed w = 1/2, held by a spring of stiffness 1, with dry friction F, at most 1, and 0.6 where
+ * A mass of 1 on a belt of speed w = 1/2, held by a spring of stiffness 1, with dry friction F, at most 1, and 0.6
+ * where
  * it slips:   x' = v,  v' = -x + F,   0: F = 0.6 (slips back),   1: v = w (sticks),   2: F = -0.6 (slips forward)
  *
  * Check: from x = 0.2, where it begins to stick, the motion has the period 0.8 / w + 2 pi - 2 atan(0.4 / w). */

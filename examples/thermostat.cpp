@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A room with a thermostat: the heating q is switched off when the temperature has risen to 22 and on when it has fallen
-// to 20.
+// A room with a thermostat: the heating q is switched off when the temperature has risen to 22 and on when it has
+// fallen to 20.
 //
 //     T' = -k (T - 5) + q,   0 = q - (on ? p : 0)         strangeness index 0, d = 1, a = 1
 //
-// Events: T - 22 rising, T - 20 falling. Check: from T = 20, heated, T approaches 5 + p / k exponentially, else 5, so that
-// heating takes log((p / k - 15) / (p / k - 17)) / k, and cooling log(17 / 15) / k.
+// Events: T - 22 rising, T - 20 falling. Check: from T = 20, heated, T approaches 5 + p / k exponentially, else 5, so
+// that heating takes log((p / k - 15) / (p / k - 17)) / k, and cooling log(17 / 15) / k.
 
 #include <algorithm>
 #include <cmath>

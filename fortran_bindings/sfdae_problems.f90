@@ -245,7 +245,8 @@ module sfdae_problems
     character(kind=c_char), allocatable :: names(:, :)
     !> Of these.
     type(c_ptr), allocatable :: name_addresses(:)
-    !> As C wants them: of E and A, or of F_x and F_x'. An array, as gfortran 12 does not free all of several components.
+    !> As C wants them: of E and A, or of F_x and F_x'. An array, as gfortran 12 does not free all of several
+    !> components.
     type(sparsity_pattern), allocatable :: patterns(:)
     integer(c_int) :: matrices = sfdae_matrices_dense
   end type problem_callbacks

@@ -898,7 +898,8 @@ contains
     if (status == sfdae_ok) status = c_get_sensitivities(self%handle, t, s, sdot_address)
   end subroutine solver_get_sensitivities
 
-  !> Gradients of functionals, with dae_sensitivities%adjoint: sum over k of S(t(k))^T w_k, one column for each functional.
+  !> Gradients of functionals, with dae_sensitivities%adjoint: sum over k of S(t(k))^T w_k, one column for each
+  !> functional.
   recursive subroutine solver_get_gradient(self, t, weights, gradient, status)
     class(dae_solver), intent(inout) :: self
     !> Points in time, from the start to where steps have led.

@@ -22,8 +22,8 @@ inline bool is_stepwise(Operation operation) {
   }
 }
 
-// Algebra has a type Term, number(value), make(operation, u), make(operation, u, v), choose(relation, u, v, a, b), which
-// is a where u and v fulfil the relation, else b, and is_zero(u).
+// Algebra has a type Term, number(value), make(operation, u), make(operation, u, v), choose(relation, u, v, a, b),
+// which is a where u and v fulfil the relation, else b, and is_zero(u).
 template <class Algebra>
 class ChainRule {
  public:

@@ -110,8 +110,8 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
   finish(at);
 }
 
-// An output or event within rounding of the time reached happens there, at its own time: an internal step may end a little
-// before.
+// An output or event within rounding of the time reached happens there, at its own time: an internal step may end a
+// little before.
 void Integration::move_to_due(Reached& at, double t) const {
   if (t <= at.values.t || !rounding_.is_due(t, at.values.t)) return;
   at.values.t = at.point.t = std::min(t, parts_.settings.stop);

@@ -25,8 +25,8 @@ struct Settings {
   bool keeps_aliases = true;  // values of eliminated unknowns are in the results
   long max_steps = 0;         // between two outputs; 0: the library's default
   // Models with more unknowns, after substitution, also lose states that others give explicitly; smaller ones keep all
-  // their constraints, so that the index analysis speaks of the equations as they stand. With 12 unknowns that takes less
-  // than 50 ms at index 3, with 40 seven times as long.
+  // their constraints, so that the index analysis speaks of the equations as they stand. With 12 unknowns that takes
+  // less than 50 ms at index 3, with 40 seven times as long.
   int reduce_above = 12;
   std::map<std::string, double> values;  // of parameters and start values, by name, instead of those of the model
   // Called now and then with the time, step size and order reached; false stops.

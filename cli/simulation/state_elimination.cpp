@@ -16,8 +16,8 @@ namespace {
 // Each round lowers the index by one where all constraints are explicit, and the last finds nothing: 12 is the highest
 // strangeness index that the library would be left with otherwise. Bodies take three rounds.
 constexpr int max_rounds = 13;
-// A state is eliminated by its coefficient only if it is no smaller than this part of the largest one, in nominal values:
-// errors of the others grow by no more than its inverse, which leaves 13 of 16 digits.
+// A state is eliminated by its coefficient only if it is no smaller than this part of the largest one, in nominal
+// values: errors of the others grow by no more than its inverse, which leaves 13 of 16 digits.
 constexpr double safe_pivot = 1e-3;
 // Formulas of more parts are left to the library; the last link of a chain of 20 pendulums has 122.
 constexpr std::size_t most_parts = 100000;

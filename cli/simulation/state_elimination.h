@@ -1,7 +1,7 @@
 // States that other states give explicitly: positions of bodies by angles of joints, relative angles by absolute ones.
-// Where constraints give x = f(states, t), f replaces x and its derivative by the chain rule x', which may give velocities
-// explicitly in turn. The index of what remains is lower, and far fewer unknowns are left: a tree of bodies becomes an
-// ordinary differential equation in the coordinates of its joints.
+// Where constraints give x = f(states, t), f replaces x and its derivative by the chain rule x', which may give
+// velocities explicitly in turn. The index of what remains is lower, and far fewer unknowns are left: a tree of
+// bodies becomes an ordinary differential equation in the coordinates of its joints.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -10,8 +10,8 @@ namespace sfdae::cli {
 namespace {
 
 // Relative to the size of an argument: what an event that was located to rounding, and the solution of equations there,
-// leave of zero. A diode that is off, of 1e-6 S, makes arguments of 1e-8 of currents that are rounding, 1e-14: by 1e-10 a
-// bridge switched on and off without end. What is held wrongly is found after the next step.
+// leave of zero. A diode that is off, of 1e-6 S, makes arguments of 1e-8 of currents that are rounding, 1e-14: by
+// 1e-10 a bridge switched on and off without end. What is held wrongly is found after the next step.
 constexpr double held = 1e-7;
 // What is clearly not zero on the solution, relative to the largest value met and to the nominal size.
 constexpr double clear_of_largest = 1e-13, clear_of_nominal = 1e-14;

@@ -47,8 +47,8 @@ int count_wide(const Parameters<Integer>& p) {
   return count;
 }
 
-// Whether the caller's INTEGERs may have 64 bits: the word behind each of those of 32 is a zero, in the same eight bytes.
-// That is no proof, but with INTEGERs of 64 bits it is so.
+// Whether the caller's INTEGERs may have 64 bits: the word behind each of those of 32 is a zero, in the same eight
+// bytes. That is no proof, but with INTEGERs of 64 bits it is so.
 #if defined(__GNUC__)
 __attribute__((no_sanitize("address", "undefined")))
 #endif

@@ -26,8 +26,8 @@ inline constexpr int function_failed = -1;  // at this T
 inline constexpr int order_not_available = -2;
 inline constexpr int wrong_integer_width = -140;  // the function was compiled with another width of INTEGER
 
-// What is in the upper half of INTEGERs of 32 bits, where a user's function compiled for 64 bits looks: zero, so that it
-// reads the right value; or all ones, so that it reads a negative number, as a test.
+// What is in the upper half of INTEGERs of 32 bits, where a user's function compiled for 64 bits looks: zero, so that
+// it reads the right value; or all ones, so that it reads a negative number, as a test.
 enum class HighWord { zero, ones_in_dimension, ones_in_leading, ones_in_order };
 
 // An INTEGER handed to a user's function. With 32 bits, the word behind it makes a function compiled for 64 bits read

@@ -3,10 +3,11 @@
 /** @file
  * sfdae - branches: singular points of solutions, what they are, and how to go on after them.
  *
- * Where constraints lose rank, or differential equations vanish, an integration ends with SFDAE_CHARACTERISTICS_CHANGED.
- * A solution may end there (a fold: it turns around), or go on smoothly while others branch off, as with a mechanism whose
- * bars come to lie in one line. sfdae_get_singular_point says which, as far as the solution in front of the point tells;
- * sfdae_pass_singular_points lets an integration go on where that can be confirmed.
+ * Where constraints lose rank, or differential equations vanish, an integration ends with
+ * SFDAE_CHARACTERISTICS_CHANGED. A solution may end there (a fold: it turns around), or go on smoothly while others
+ * branch off, as with a mechanism whose bars come to lie in one line. sfdae_get_singular_point says which, as far as
+ * the solution in front of the point tells; sfdae_pass_singular_points lets an integration go on where that can be
+ * confirmed.
  *
  * sfdae.h has the conventions. This header is not included by it.
  */
@@ -51,23 +52,24 @@ SFDAE_API int sfdae_singular_point_init(sfdae_singular_point* point, size_t size
  * none. kind comes from the points that the integration came through, of which a restored checkpoint has none. */
 SFDAE_API int sfdae_get_singular_point(const sfdae_solver* solver, sfdae_singular_point* result);
 
-/** Lets integrations go on after singular points, up to max_points of them from sfdae_start on (>= 0; 0, the default, ends
- * them at the first one). Where the solution is smooth in front of such a point, polynomials fitted to what is differentiated
- * there are extrapolated a little beyond it and made consistent, hidden constraints included. The point is passed if
+/** Lets integrations go on after singular points, up to max_points of them from sfdae_start on (>= 0; 0, the default,
+ * ends them at the first one). Where the solution is smooth in front of such a point, polynomials fitted to what is
+ * differentiated there are extrapolated a little beyond it and made consistent, hidden constraints included. The
+ * point is passed if
  *
- *  - there are such values with the known characteristic values, no farther from the polynomials than the errors expected of
- *    these, within some ten tolerances;
+ *  - there are such values with the known characteristic values, no farther from the polynomials than the errors
+ *    expected of these, within some ten tolerances;
  *  - x' by the equations there agrees with that of the polynomials accordingly.
  *
- * If not, the call ends with SFDAE_CHARACTERISTICS_CHANGED as it does without; the message says why. Nothing else is checked:
- * energy, for example, is yours to look at. Branches that touch each other to second order, within tolerances, cannot be told
- * apart: tight tolerances help. After the point the integration starts anew, with errors of extrapolation of about the
- * tolerances. Outputs between t_before and t_after are those of the polynomials, and straight lines for components that are
- * not smooth (multipliers may have a pole there).
+ * If not, the call ends with SFDAE_CHARACTERISTICS_CHANGED as it does without; the message says why. Nothing else is
+ * checked: energy, for example, is yours to look at. Branches that touch each other to second order, within
+ * tolerances, cannot be told apart: tight tolerances help. After the point the integration starts anew, with errors
+ * of extrapolation of about the tolerances. Outputs between t_before and t_after are those of the polynomials, and
+ * straight lines for components that are not smooth (multipliers may have a pole there).
  *
- * Steps are shorter near singular points, and steps of Radau take more time, with this than without. Counts from the next step
- * on and survives sfdae_start and sfdae_set_options; it holds for instances of ensembles; checkpoints do not contain it. Nothing is
- * passed while events are searched or sensitivities are carried along. */
+ * Steps are shorter near singular points, and steps of Radau take more time, with this than without. Counts from the
+ * next step on and survives sfdae_start and sfdae_set_options; it holds for instances of ensembles; checkpoints do
+ * not contain it. Nothing is passed while events are searched or sensitivities are carried along. */
 SFDAE_API int sfdae_pass_singular_points(sfdae_solver* solver, long max_points);
 
 #ifdef __cplusplus

@@ -2,9 +2,9 @@
 
 // Complex problems as real ones of twice the size, for C++17 and later. Not included by sfdae.hpp.
 //
-// Complex unknown j is the real unknowns 2 j (real part) and 2 j + 1 (imaginary part), equations go the same way: vectors
-// are arrays of std::complex<double> as they lie in memory, and entry a of a matrix is the block [re a, -im a; im a, re a].
-// Characteristic values d, a, u, v are those of the real problem, twice those of the complex one.
+// Complex unknown j is the real unknowns 2 j (real part) and 2 j + 1 (imaginary part), equations go the same way:
+// vectors are arrays of std::complex<double> as they lie in memory, and entry a of a matrix is the block [re a, -im
+// a; im a, re a]. Characteristic values d, a, u, v are those of the real problem, twice those of the complex one.
 #ifndef SFDAE_COMPLEX_HPP
 #define SFDAE_COMPLEX_HPP
 
@@ -78,7 +78,8 @@ inline ComplexExpression cos(const ComplexExpression& a) noexcept {
   return {cos(a.real()) * cosh(a.imag()), -(sin(a.real()) * sinh(a.imag()))};
 }
 
-/// F(t, x, x') = 0 with m complex equations in n complex unknowns: records F at t, x, xdot (n values each), m values to F.
+/// F(t, x, x') = 0 with m complex equations in n complex unknowns: records F at t, x, xdot (n values each), m values
+/// to F.
 using ComplexEquations =
     std::function<void(const Expression& t, const std::vector<ComplexExpression>& x,
                        const std::vector<ComplexExpression>& xdot, std::vector<ComplexExpression>& F)>;
@@ -123,7 +124,8 @@ inline std::vector<std::complex<double>> complex_form(const std::vector<double>&
   return result;
 }
 
-/// An m x n complex matrix, by columns, written to the 2 m x 2 n real matrix of a linear problem, or to one of its orders.
+/// An m x n complex matrix, by columns, written to the 2 m x 2 n real matrix of a linear problem, or to one of its
+/// orders.
 template <class RealMatrix>
 void write_real_form(const std::vector<std::complex<double>>& matrix, RealMatrix&& to) {
   const int m = to.rows() / 2, n = to.columns() / 2;

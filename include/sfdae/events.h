@@ -38,8 +38,8 @@ typedef int (*sfdae_event_function)(double t, const double* x, const double* xdo
  *    bends toward zero in between. A zero without change of sign is found only if g_i is exactly zero at one of
  *    these points. Jumps of g_i count as zeros. Movements smaller than the tolerances mean nothing. Linear
  *    problems without differential equations (d = 0) go to tout at once: at least 33 points are examined, each with
- *    one reduction. Where algebraic components vary much faster than the others, steps are searched at more points, with
- *    one reduction each; where a step hides that at the points looked at, events are missed: limit max_step.
+ *    one reduction. Where algebraic components vary much faster than the others, steps are searched at more points,
+ *    with one reduction each; where a step hides that at the points looked at, events are missed: limit max_step.
  *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly;
  *    failures there do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
  *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been

@@ -96,37 +96,37 @@ SFDAE_API sfdae_expression sfdae_not(sfdae_expression a);                     /*
 /** a if c > 0, else b; the other one need not be defined. */
 SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b);
 
-/** The derivative of the formula a by a variable: t, an unknown, the derivative of an unknown (all as they were handed to
- * the function that writes equations) or a parameter; all others are held. G^T lambda, say, entry j, of constraints g
- * without writing G = g_q: the derivative of lambda_1 g_1 + ... by q[j]. Of one formula a the derivatives by all
- * variables cost little more than that by one, if they are asked for one after the other. */
+/** The derivative of the formula a by a variable: t, an unknown, the derivative of an unknown (all as they were
+ * handed to the function that writes equations) or a parameter; all others are held. G^T lambda, say, entry j, of
+ * constraints g without writing G = g_q: the derivative of lambda_1 g_1 + ... by q[j]. Of one formula a the
+ * derivatives by all variables cost little more than that by one, if they are asked for one after the other. */
 SFDAE_API sfdae_expression sfdae_derivative(sfdae_expression a, sfdae_expression variable);
 
-/** The total derivative along time of a formula in t and x, in which x' appears: a_t + a_x x'. A mistake where a depends
- * on x' itself, whose derivative x'' is no variable, and in equations of mechanical systems, whose formulas do not know
- * q' and v'. */
+/** The total derivative along time of a formula in t and x, in which x' appears: a_t + a_x x'. A mistake where a
+ * depends on x' itself, whose derivative x'' is no variable, and in equations of mechanical systems, whose formulas
+ * do not know q' and v'. */
 SFDAE_API sfdae_expression sfdae_time_derivative(sfdae_expression a);
 
-/** A table: the value at a of the spline of degree 1, 3, 5 or 7 through `count` points (x[i], y[i]), which are copied; x
- * increasing, at least degree + 1 points. The spline has degree - 1 continuous derivatives, and passes through the
- * points; its knots are the x[i], for degrees above 1 without the first and last (degree - 1) / 2 inside ("not a knot"):
- * polynomials of that degree are reproduced. At a knot the derivative of order `degree` is that after it. Outside of the
- * data there is no value: evaluations fail, as log(-1) does. To hold the values at the ends write the table of
- * min(max(a, x[0]), x[count - 1]), for periodic data that of modulo(a - x[0], period) + x[0].
+/** A table: the value at a of the spline of degree 1, 3, 5 or 7 through `count` points (x[i], y[i]), which are
+ * copied; x increasing, at least degree + 1 points. The spline has degree - 1 continuous derivatives, and passes
+ * through the points; its knots are the x[i], for degrees above 1 without the first and last (degree - 1) / 2 inside
+ * ("not a knot"): polynomials of that degree are reproduced. At a knot the derivative of order `degree` is that after
+ * it. Outside of the data there is no value: evaluations fail, as log(-1) does. To hold the values at the ends write
+ * the table of min(max(a, x[0]), x[count - 1]), for periodic data that of modulo(a - x[0], period) + x[0].
  * Steps of an integration end where t, or a linear function of it (modulo a period, too), reaches a knot, so that no
- * kink of an input is stepped over. Where the first derivative (degree 1, the end of a period), the value (a condition) or
- * what x depends on (a degree up to mu) jumps, a step leads across that is as short as rounding errors of t; outputs there
- * are those after it. If what is differentiated would jump, as the velocities of a position drive of degree 1, the
- * integration ends with SFDAE_STEP_TOO_SMALL: x' is infinite there. */
+ * kink of an input is stepped over. Where the first derivative (degree 1, the end of a period), the value (a
+ * condition) or what x depends on (a degree up to mu) jumps, a step leads across that is as short as rounding errors
+ * of t; outputs there are those after it. If what is differentiated would jump, as the velocities of a position drive
+ * of degree 1, the integration ends with SFDAE_STEP_TOO_SMALL: x' is infinite there. */
 SFDAE_API sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const double* x, const double* y);
 
 /** Writes all partial derivatives of one order of a function of k arguments: order 0 the value; order 1 the gradient, k
- * entries; order 2 the k x k matrix of second derivatives; in general k^order entries, where that by the arguments i, j,
- * ... stands at i + j k + ... The array is filled with zeros before the call. Called with finite arguments, from several
- * threads at a time in ensembles; equal arguments have to give equal results. Orders asked for: those of the equations
- * that contain it and one more, for Jacobians. Returns 0 (ok), SFDAE_ORDER_NOT_AVAILABLE (the solver fails with
- * SFDAE_ORDER_MISSING where it needs that order), another positive value (cannot evaluate here: a smaller step is tried)
- * or a negative value (stop at once). */
+ * entries; order 2 the k x k matrix of second derivatives; in general k^order entries, where that by the arguments i,
+ * j, ... stands at i + j k + ... The array is filled with zeros before the call. Called with finite arguments, from
+ * several threads at a time in ensembles; equal arguments have to give equal results. Orders asked for: those of the
+ * equations that contain it and one more, for Jacobians. Returns 0 (ok), SFDAE_ORDER_NOT_AVAILABLE (the solver fails
+ * with SFDAE_ORDER_MISSING where it needs that order), another positive value (cannot evaluate here: a smaller step
+ * is tried) or a negative value (stop at once). */
 typedef int (*sfdae_external_function)(int order, const double* arguments, double* derivatives, void* user);
 
 /** The value of a function of the user's at `count` arguments, 1 ... 16, at least one of them recorded. Orders
@@ -187,21 +187,22 @@ typedef struct sfdae_nonlinear_problem {
    * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
 
-  /** With total_derivative only: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or none (default: NULL). As many
-   * equations as unknowns, none prescribed, no differentiations, are then solved by their structure and with sparse matrices as
-   * recorded equations are (sfdae_options.structure). What is beyond a pattern ends the call with SFDAE_WRONG_PATTERN: dense
-   * Jacobians are compared wherever they are evaluated. For the other forms unknowns are moved, a group at a time, and equations
-   * without any of them must not change: all groups at first, one with every tenth Jacobian later. */
+  /** With total_derivative only: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or none (default:
+   * NULL). As many equations as unknowns, none prescribed, no differentiations, are then solved by their structure
+   * and with sparse matrices as recorded equations are (sfdae_options.structure). What is beyond a pattern ends the
+   * call with SFDAE_WRONG_PATTERN: dense Jacobians are compared wherever they are evaluated. For the other forms
+   * unknowns are moved, a group at a time, and equations without any of them must not change: all groups at first,
+   * one with every tenth Jacobian later. */
   int F_x_entries;          /**< default 0 */
   const int* F_x_col_start; /**< n + 1 numbers */
   const int* F_x_row_index; /**< F_x_entries rows, 0 ... m - 1 */
   int F_xdot_entries;
   const int* F_xdot_col_start;
   const int* F_xdot_row_index;
-  /** SFDAE_MATRICES_DENSE (default), _COMPRESSED: F_x and F_xdot of the callback have so many entries, its total derivatives
-   * too; or _DIFFERENCES: the callback gets NULL for both. Differences serve where numbers confirm the structure, and nowhere
-   * else (SFDAE_RANK_UNCLEAR). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 where no equation has to be differentiated: x' at
-   * outputs then has errors of differences. */
+  /** SFDAE_MATRICES_DENSE (default), _COMPRESSED: F_x and F_xdot of the callback have so many entries, its total
+   * derivatives too; or _DIFFERENCES: the callback gets NULL for both. Differences serve where numbers confirm the
+   * structure, and nowhere else (SFDAE_RANK_UNCLEAR). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 where no
+   * equation has to be differentiated: x' at outputs then has errors of differences. */
   int matrices;
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
@@ -235,8 +236,8 @@ SFDAE_API int sfdae_get_parameter(const sfdae_solver* solver, const char* name, 
 #define SFDAE_STRUCTURE_MISLEADS 2  /**< it is singular: numbers cancel, counts and freedom mean nothing */
 #define SFDAE_STRUCTURE_UNCLEAR 3   /**< it is near a singular one */
 
-/** The structure of equations, recorded or with sparsity patterns: what follows from which unknowns and derivatives they
- * contain. Each is assigned an unknown of its own, so that the sum of the orders is largest. From that follow the
+/** The structure of equations, recorded or with sparsity patterns: what follows from which unknowns and derivatives
+ * they contain. Each is assigned an unknown of its own, so that the sum of the orders is largest. From that follow the
  * smallest counts c_i >= 0 and orders d_j such that, with equation i differentiated c_i times, x_j occurs up to its
  * derivative d_j. The system Jacobian has the entries dF_i / dx_j^(d_j - c_i). J. D. Pryce, BIT 41, 2001. */
 typedef struct sfdae_structure {
@@ -252,7 +253,8 @@ typedef struct sfdae_structure {
   /** Of all blocks, rows and columns scaled to 1; 0 if one is singular or none was looked at. */
   double smallest_pivot;
   /** Equations in whose place a sum of equations and derivatives of equations has been taken, with constant factors, as
-   * numbers cancel in it: what is said here is of the equations after that. (G. Tan, N. S. Nedialkov, J. D. Pryce, BIT 57,
+   * numbers cancel in it: what is said here is of the equations after that. (G. Tan, N. S. Nedialkov, J. D. Pryce,
+   * BIT 57,
    * 2017.) They depend on other equations in the system Jacobian: nodes on both sides of a capacitor, for example. */
   int num_replaced;
 } sfdae_structure;
@@ -260,8 +262,9 @@ typedef struct sfdae_structure {
 SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
 
 /** The structure of equations F(t, x, x') = 0 or E x' = A x + f, recorded or with patterns, as many as unknowns; the
- * numbers are those of the point accepted last, or of the analysis. Equations are replaced where the analysis has found that this
- * makes the structure right and sparse matrices are used (sfdae_options.structure). Arrays may be NULL; n entries each:
+ * numbers are those of the point accepted last, or of the analysis. Equations are replaced where the analysis has
+ * found that this makes the structure right and sparse matrices are used (sfdae_options.structure). Arrays may be
+ * NULL; n entries each:
  *  - differentiations: c_i;
  *  - orders: d_j;
  *  - assigned: the unknown of equation i;
@@ -277,24 +280,25 @@ SFDAE_API int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result,
 #define SFDAE_SOURCE_C 0       /**< C99 */
 #define SFDAE_SOURCE_FORTRAN 1 /**< a module NAME_model of Fortran 2008 */
 
-/** Writes source text, for use without the library, of a strangeness-free system F(t, z, z') = 0 that has the solutions of
- * recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns. Its equations are those recorded and those of
- * their derivatives that structure asks for (sfdae_get_structure: differentiations), n + sum of c_i; its unknowns z are x_j and
- * the derivatives of x_j up to d_j, but x_j' of the states, d of the x_j, which is z'. All other derivatives are algebraic
- * unknowns (dummy derivatives; S. E. Mattsson, G. Soederlind, SIAM J. Sci. Comput. 14, 1993). Equations that are strangeness-free
- * already come out as they are. The states are chosen at the point that the solver has reached, or that of the analysis, linear
- * equations before a start: at x = 0; F stays strangeness-free as long as they determine the other unknowns.
+/** Writes source text, for use without the library, of a strangeness-free system F(t, z, z') = 0 that has the
+ * solutions of recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns. Its equations are those
+ * recorded and those of their derivatives that structure asks for (sfdae_get_structure: differentiations), n + sum of
+ * c_i; its unknowns z are x_j and the derivatives of x_j up to d_j, but x_j' of the states, d of the x_j, which is
+ * z'. All other derivatives are algebraic unknowns (dummy derivatives; S. E. Mattsson, G. Soederlind, SIAM J. Sci.
+ * Comput. 14, 1993). Equations that are strangeness-free already come out as they are. The states are chosen at the
+ * point that the solver has reached, or that of the analysis, linear equations before a start: at x = 0; F stays
+ * strangeness-free as long as they determine the other unknowns.
  *
  * The text has constants NAME_size, NAME_num_states, NAME_num_parameters, NAME_mu, NAME_d, NAME_a, tables NAME_unknown,
- * NAME_order, NAME_is_state of z, and functions NAME_start (t, z, z' and parameters at the point), NAME_residual(t, z, zdot, p, r)
- * and NAME_jacobian(t, z, zdot, p, F_zdot, F_z), full matrices by columns. Comments say what is what.
+ * NAME_order, NAME_is_state of z, and functions NAME_start (t, z, z' and parameters at the point), NAME_residual(t,
+ * z, zdot, p, r) and NAME_jacobian(t, z, zdot, p, F_zdot, F_z), full matrices by columns. Comments say what is what.
  *
- * language: SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN. name: NAME, 1 ... 40 letters, digits and _, a letter first. At most length
- * characters, final zero included, are written to text (NULL with length 0 is allowed). *needed (may be NULL): length of the
- * whole text + 1. An integration goes on undisturbed.
- * Failures: SFDAE_NOT_STARTED before an analysis; SFDAE_ILLEGAL_ARGUMENT for arguments, for problems of other kinds and for
- * equations that call functions or tables; SFDAE_RANK_UNCLEAR and others if numbers do not confirm the structure of the
- * equations, not even with some of them replaced. */
+ * language: SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN. name: NAME, 1 ... 40 letters, digits and _, a letter first. At most
+ * length characters, final zero included, are written to text (NULL with length 0 is allowed). *needed (may be NULL):
+ * length of the whole text + 1. An integration goes on undisturbed.
+ * Failures: SFDAE_NOT_STARTED before an analysis; SFDAE_ILLEGAL_ARGUMENT for arguments, for problems of other kinds
+ * and for equations that call functions or tables; SFDAE_RANK_UNCLEAR and others if numbers do not confirm the
+ * structure of the equations, not even with some of them replaced. */
 SFDAE_API int sfdae_export_source(sfdae_solver* solver, int language, const char* name, char* text, size_t length,
                                   size_t* needed);
 

@@ -41,8 +41,8 @@ struct Transition {
   JumpFunction jump;         ///< empty: by impulses
 };
 
-/// Modes, transitions, and an integration across them. Movable. It has to be destroyed before its solvers: declare it after
-/// them.
+/// Modes, transitions, and an integration across them. Movable. It has to be destroyed before its solvers: declare it
+/// after them.
 class Hybrid {
  public:
   Hybrid() {
@@ -88,8 +88,8 @@ class Hybrid {
     return number;
   }
 
-  /// Adds the switch between a mode that holds where g < 0 and one that holds where g > 0, see sfdae_add_switch; the number
-  /// of the mode of the motion along g = 0.
+  /// Adds the switch between a mode that holds where g < 0 and one that holds where g > 0, see sfdae_add_switch; the
+  /// number of the mode of the motion along g = 0.
   int add_switch(int below, int above, SurfaceFunction surface, const std::string& name = "") {
     SurfaceCall call{std::move(surface), static_cast<int>(num_unknowns()), nullptr};
     int mode = 0;
@@ -166,8 +166,8 @@ class Hybrid {
     return dt;
   }
 
-  /// Gradients of functionals with weights at these times, see sfdae_get_hybrid_gradient: one column for each. weights: n rows, a
-  /// column for each time, for one functional after the other.
+  /// Gradients of functionals with weights at these times, see sfdae_get_hybrid_gradient: one column for each.
+  /// weights: n rows, a column for each time, for one functional after the other.
   Matrix gradient(const std::vector<double>& times, const Matrix& weights) {
     const int points = static_cast<int>(times.size());
     const int functionals = points > 0 ? weights.columns() / points : 0;

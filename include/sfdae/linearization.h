@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /** @file
- * sfdae - linearization at a point, as control engineers need it: descriptor systems with their poles, zeros and transfer
- * functions.
+ * sfdae - linearization at a point, as control engineers need it: descriptor systems with their poles, zeros and
+ * transfer functions.
  *
  *     E dx' = A dx + B du,   y = C dx + D du,     H(s) = C (s E - A)^-1 B + D
  *
- * E = F_x', A = -F_x, B = -F_u of F(t, x, x', u) = 0: the signs of E x' = A x + f, to which B u is added. Of linear problems E
- * and A are those at t.
+ * E = F_x', A = -F_x, B = -F_u of F(t, x, x', u) = 0: the signs of E x' = A x + f, to which B u is added. Of linear
+ * problems E and A are those at t.
  *
  *     sfdae_linearization_init(&choice, sizeof choice);
  *     choice.num_input_parameters = 1;    choice.input_parameters = names;
@@ -15,18 +15,19 @@
  *     sfdae_linearize(solver, &choice, &descriptor);
  *     sfdae_get_poles(descriptor, &spectrum, real, imaginary, NULL);
  *
- * What it means. E, A and B are frozen at the point: constant matrices. At an equilibrium, where F does not depend on t and
- * x' = 0, they are the linearization, for any strangeness index: the derivative array of (E, A) is that of F linearized, and
- * the finite eigenvalues are those of small deviations from the equilibrium. At other points of a solution the linearization
- * depends on t. The frozen matrices then describe what happens in times in which these do not change, fast poles, say. The
- * frozen pencil may have another index, other numbers of poles, or be singular, where that of the problem is regular: where
- * the number of poles is not the d of the analysis, sfdae_get_poles says so (SFDAE_CHARACTERISTICS_CHANGED). The pencil of
- * sfdae_get_strangeness_free, E = [E1; 0], A = [A1; A2], has d poles anywhere, the same ones at equilibria; but elsewhere
- * they depend on the choice of Z1, as A2' counts. So do the derivatives of u there, which it has lost: B has no meaning with
- * it. Hence the pencil is that of F, and sfdae_create_descriptor takes any other.
+ * What it means. E, A and B are frozen at the point: constant matrices. At an equilibrium, where F does not depend on
+ * t and x' = 0, they are the linearization, for any strangeness index: the derivative array of (E, A) is that of F
+ * linearized, and the finite eigenvalues are those of small deviations from the equilibrium. At other points of a
+ * solution the linearization depends on t. The frozen matrices then describe what happens in times in which these do
+ * not change, fast poles, say. The frozen pencil may have another index, other numbers of poles, or be singular,
+ * where that of the problem is regular: where the number of poles is not the d of the analysis, sfdae_get_poles says
+ * so (SFDAE_CHARACTERISTICS_CHANGED). The pencil of sfdae_get_strangeness_free, E = [E1; 0], A = [A1; A2], has d
+ * poles anywhere, the same ones at equilibria; but elsewhere they depend on the choice of Z1, as A2' counts. So do
+ * the derivatives of u there, which it has lost: B has no meaning with it. Hence the pencil is that of F, and
+ * sfdae_create_descriptor takes any other.
  *
- * Inputs are functions of time whose derivatives count for indices above 0 (or for E that are singular): they are in the
- * transfer function, which is then not bounded as s grows.
+ * Inputs are functions of time whose derivatives count for indices above 0 (or for E that are singular): they are in
+ * the transfer function, which is then not bounded as s grows.
  *
  * sfdae.h has the conventions, and includes this header.
  */
@@ -42,8 +43,9 @@ extern "C" {
 /** A descriptor system with m equations, n unknowns, q inputs and p outputs. It belongs to no solver. */
 typedef struct sfdae_descriptor sfdae_descriptor;
 
-/** Where a problem is linearized, and what are inputs and outputs. Call sfdae_linearization_init first, then set members.
- * Nothing is kept. n: unknowns, m: equations of the problem. Multibody systems are x = (q, v, lambda, kappa), m = n. */
+/** Where a problem is linearized, and what are inputs and outputs. Call sfdae_linearization_init first, then set
+ * members. Nothing is kept. n: unknowns, m: equations of the problem. Multibody systems are x = (q, v, lambda,
+ * kappa), m = n. */
 typedef struct sfdae_linearization {
   size_t size; /**< set by sfdae_linearization_init */
 
@@ -55,12 +57,12 @@ typedef struct sfdae_linearization {
    * analyzed before: F is linearized there. */
   const double* xdot;
 
-  /** Inputs: first parameters (sfdae_parameter) of recorded equations, which count as functions of time. Where equations
-   * contain the derivative of an input, write it as an unknown. */
+  /** Inputs: first parameters (sfdae_parameter) of recorded equations, which count as functions of time. Where
+   * equations contain the derivative of an input, write it as an unknown. */
   int num_input_parameters;
   const char* const* input_parameters; /**< their names, no two equal */
-  /** Then unknowns that are inputs: x_j = u is one more equation, E and A have one more row. Prescribed components that are
-   * not among them are held: dx_j = 0 is one more equation, after these. */
+  /** Then unknowns that are inputs: x_j = u is one more equation, E and A have one more row. Prescribed components
+   * that are not among them are held: dx_j = 0 is one more equation, after these. */
   int num_input_unknowns;
   const int* input_unknowns; /**< 0 <= j < n, no two equal */
   /** Then right-hand sides: B has these columns, f + B u of linear problems, F = B u of others. */
@@ -73,13 +75,13 @@ typedef struct sfdae_linearization {
   int num_output_rows;
   const double* output_rows; /**< num_output_rows x n */
 } sfdae_linearization;
-/** Sets every member to its default: no inputs, no outputs. size: sizeof(sfdae_linearization). SFDAE_ILLEGAL_ARGUMENT for
- * NULL. */
+/** Sets every member to its default: no inputs, no outputs. size: sizeof(sfdae_linearization). SFDAE_ILLEGAL_ARGUMENT
+ * for NULL. */
 SFDAE_API int sfdae_linearization_init(sfdae_linearization* choice, size_t size);
 
-/** Creates the descriptor system of a problem of any kind, linearized at a point. Nothing of an integration is disturbed; the
- * parameters have the values that they have in the solver. Callbacks that leave derivatives to differences: A has their
- * errors. On failure *descriptor is NULL, sfdae_message(solver) explains it.
+/** Creates the descriptor system of a problem of any kind, linearized at a point. Nothing of an integration is
+ * disturbed; the parameters have the values that they have in the solver. Callbacks that leave derivatives to
+ * differences: A has their errors. On failure *descriptor is NULL, sfdae_message(solver) explains it.
  * Failures: callbacks, those of sfdae_get_jet; SFDAE_ILLEGAL_ARGUMENT for more than 5000 equations or unknowns;
  * SFDAE_NOT_STARTED where the solution is needed and not known. */
 SFDAE_API int sfdae_linearize(sfdae_solver* solver, const sfdae_linearization* choice, sfdae_descriptor** descriptor);
@@ -101,8 +103,8 @@ typedef struct sfdae_descriptor_matrices {
 /** Sets every member to its default. size: sizeof(sfdae_descriptor_matrices). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_descriptor_matrices_init(sfdae_descriptor_matrices* matrices, size_t size);
 
-/** Creates a descriptor system of matrices, which are copied. SFDAE_ILLEGAL_ARGUMENT for sizes out of range, NULL and numbers
- * that are not finite; *descriptor is then NULL, and sfdae_message(NULL) says in words what is wrong. */
+/** Creates a descriptor system of matrices, which are copied. SFDAE_ILLEGAL_ARGUMENT for sizes out of range, NULL and
+ * numbers that are not finite; *descriptor is then NULL, and sfdae_message(NULL) says in words what is wrong. */
 SFDAE_API int sfdae_create_descriptor(const sfdae_descriptor_matrices* matrices, sfdae_descriptor** descriptor);
 
 /** Destroys it and sets *descriptor to NULL. NULL is fine. */
@@ -134,29 +136,31 @@ typedef struct sfdae_spectrum {
 /** Prepares a result of sfdae_get_poles and sfdae_get_zeros. size: sizeof(sfdae_spectrum). */
 SFDAE_API int sfdae_spectrum_init(sfdae_spectrum* spectrum, size_t size);
 
-/** Poles: the finite eigenvalues of lambda E - A, sorted by size, conjugate ones together, that with the positive imaginary
- * part first. real, imaginary: room for n values each, num_finite are written. errors (NULL: not wanted), n: estimates of
- * absolute errors, those that rounding errors of the entries of E and A cause; multiple poles have large ones.
- * The pencil is reduced like a linear problem, any index: QZ of the pencil as it is makes numbers of the size of eps^(-1/k),
- * which look like eigenvalues, of chains at infinity of length k. Small poles beside large ones keep their digits, and units
- * do not matter.
+/** Poles: the finite eigenvalues of lambda E - A, sorted by size, conjugate ones together, that with the positive
+ * imaginary part first. real, imaginary: room for n values each, num_finite are written. errors (NULL: not wanted), n:
+ * estimates of absolute errors, those that rounding errors of the entries of E and A cause; multiple poles have large
+ * ones. The pencil is reduced like a linear problem, any index: QZ of the pencil as it is makes numbers of the size
+ * of eps^(-1/k), which look like eigenvalues, of chains at infinity of length k. Small poles beside large ones keep
+ * their digits, and units do not matter.
  * Failures: SFDAE_SINGULAR if the pencil is singular (also if m and n differ); SFDAE_RANK_UNCLEAR, SFDAE_INDEX_TOO_HIGH
  * (above 12); SFDAE_CHARACTERISTICS_CHANGED if the problem was analyzed, nothing is prescribed or an input unknown, and
- * solutions have other numbers of differential equations d than the frozen pencil, which is not that of an equilibrium. */
+ * solutions have other numbers of differential equations d than the frozen pencil, which is not that of an
+ * equilibrium. */
 SFDAE_API int sfdae_get_poles(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                               double* errors);
 
 /** Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], (m + p) x (n + q), as
  * sfdae_get_poles returns poles, and *spectrum of that pencil. Those of systems that are not square, or whose pencil is
- * singular for another reason, are those of its regular part: numbers s at which its rank drops. Inputs that do not reach
- * a pole, and outputs that do not show it, make it a zero. There are at most n. Failures: SFDAE_RANK_UNCLEAR,
+ * singular for another reason, are those of its regular part: numbers s at which its rank drops. Inputs that do not
+ * reach a pole, and outputs that do not show it, make it a zero. There are at most n. Failures: SFDAE_RANK_UNCLEAR,
  * SFDAE_INDEX_TOO_HIGH. */
 SFDAE_API int sfdae_get_zeros(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                               double* errors);
 
-/** Transfer function H(s) = C (s E - A)^-1 B + D at `count` numbers s (i omega for frequency responses). real, imaginary:
- * their parts. H_real, H_imaginary: p x q x count, H of s[k] from k p q on. Where H was not computed they are not touched.
- * SFDAE_SINGULAR if an s is a pole but for rounding errors, or the pencil is singular: values before that are written. */
+/** Transfer function H(s) = C (s E - A)^-1 B + D at `count` numbers s (i omega for frequency responses). real,
+ * imaginary: their parts. H_real, H_imaginary: p x q x count, H of s[k] from k p q on. Where H was not computed they
+ * are not touched. SFDAE_SINGULAR if an s is a pole but for rounding errors, or the pencil is singular: values before
+ * that are written. */
 SFDAE_API int sfdae_get_transfer(sfdae_descriptor* descriptor, int count, const double* real, const double* imaginary,
                                  double* H_real, double* H_imaginary);
 

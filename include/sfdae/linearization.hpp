@@ -15,7 +15,8 @@
 
 namespace sfdae {
 
-/// Where a problem is linearized, and what are inputs and outputs, see sfdae_linearization. Empty vectors stand for NULL.
+/// Where a problem is linearized, and what are inputs and outputs, see sfdae_linearization. Empty vectors stand for
+/// NULL.
 struct Linearization {
   double t = 0;
   std::vector<double> x, xdot;                ///< n values each, or empty

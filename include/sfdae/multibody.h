@@ -137,8 +137,9 @@ typedef struct sfdae_multibody_report {
   int degrees_of_freedom;      /**< nv - rank [G; H]: independent velocities */
   int position_freedom;        /**< nq - rank g_q: independent positions */
   double condition;            /**< of the partition in use: |(C Q2)^-1| |C|, rows in their units; 1 is perfect */
-  long
-      partitions; /**< chosen since sfdae_start, 1 at first; 0: sparse matrices are in use, condition is that of C at the point */
+  /** Partitions chosen since sfdae_start, 1 at first; 0: sparse matrices are in use, condition is that of C at the
+   * point. */
+  long partitions;
   double position_residual; /**< max |g|, each row in units of its gradient */
   double velocity_residual; /**< max of |G v + g_t| and |H v + h|, each row in units of its gradient */
 } sfdae_multibody_report;

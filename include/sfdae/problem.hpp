@@ -189,8 +189,8 @@ using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDeriv
 ///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
 using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
 
-/// Sparsity of a matrix by compressed columns, see SFDAE_MATRICES_DENSE: n + 1 and as many numbers as there are entries; all
-/// empty: not given.
+/// Sparsity of a matrix by compressed columns, see SFDAE_MATRICES_DENSE: n + 1 and as many numbers as there are
+/// entries; all empty: not given.
 struct SparsityPattern {
   std::vector<int> col_start, row_index;
 };

@@ -16,8 +16,8 @@
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
  * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/sensitivity.h for derivatives of the
- * solution by parameters, sfdae/solution.h for the solution over a whole run, sfdae/linearization.h for poles, zeros and
- * transfer functions at a point.
+ * solution by parameters, sfdae/solution.h for the solution over a whole run, sfdae/linearization.h for poles, zeros
+ * and transfer functions at a point.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -133,8 +133,8 @@ typedef int (*sfdae_matrix_function)(double t, int order, double* matrix, void* 
 typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* user);
 
 /* What callbacks write as matrices of which sparsity patterns are given. A pattern has compressed columns: rows of the
- * entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] - 1], in any order and none
- * twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are copied. */
+ * entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] - 1], in any order
+ * and none twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are copied. */
 #define SFDAE_MATRICES_DENSE 0 /**< all m x n entries; those beyond the pattern have to be zero, which is checked */
 #define SFDAE_MATRICES_COMPRESSED 1 /**< the entries alone, in the order of row_index */
 #define SFDAE_MATRICES_DIFFERENCES \
@@ -163,9 +163,9 @@ typedef struct sfdae_linear_problem {
    * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
 
-  /** Sparsity patterns: of both matrices or none (default: NULL). As many equations as unknowns, none prescribed, are then solved
-   * by their structure and with sparse matrices as recorded equations are (sfdae_options.structure). An entry that a dense
-   * matrix has beyond its pattern ends the call with SFDAE_WRONG_PATTERN, whenever it occurs. */
+  /** Sparsity patterns: of both matrices or none (default: NULL). As many equations as unknowns, none prescribed, are
+   * then solved by their structure and with sparse matrices as recorded equations are (sfdae_options.structure). An
+   * entry that a dense matrix has beyond its pattern ends the call with SFDAE_WRONG_PATTERN, whenever it occurs. */
   int E_entries;          /**< default 0 */
   const int* E_col_start; /**< n + 1 numbers */
   const int* E_row_index; /**< E_entries rows, 0 ... m - 1 */
@@ -251,8 +251,9 @@ typedef struct sfdae_options {
   /** Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel
    * of E or F_x') adapt first. Only what then remains moves the others, and as little as possible:
    * sum (change_i / (rtol |x_i| + atol))^2 is smallest; SFDAE_VALUES_CHANGED if that is beyond the tolerances
-   * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead (a local minimum where constraints are
-   * not linear), without that warning; of multibody systems that of positions, then that of velocities. */
+   * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead (a local minimum where
+   * constraints are not linear), without that warning; of multibody systems that of positions, then that of
+   * velocities. */
   int initial_values;            /**< SFDAE_INITIAL_NEAREST (default), _FIXED or _ACCEPT */
   const int* fixed;              /**< for _FIXED: n flags, 1 where x_i must not change */
   const double* initial_weights; /**< NULL or n positive numbers w_i */
@@ -264,9 +265,9 @@ typedef struct sfdae_options {
   /** Integration. */
   int max_order;       /**< highest BDF order, 1 ... 5 (default) */
   double initial_step; /**< size of the first step; default 0: chosen */
-  /** Largest step; default 0: no limit. Steps notice what inputs do within them where equations are recorded. Of functions of the
-   * user's, nothing is known between the points at which they are called: steps that grow while nothing happens may lead beyond
-   * the next pulse of a source, unless this is less than it is long. */
+  /** Largest step; default 0: no limit. Steps notice what inputs do within them where equations are recorded. Of
+   * functions of the user's, nothing is known between the points at which they are called: steps that grow while
+   * nothing happens may lead beyond the next pulse of a source, unless this is less than it is long. */
   double max_step;
   int use_stop_time; /**< 1: nothing is evaluated beyond stop_time. Default 0 */
   double stop_time;
@@ -298,31 +299,31 @@ typedef struct sfdae_options {
    * scales of time or space and by a hundredth at least, SFDAE_WRONG_DERIVATIVES names function, order, row, column and
    * both values. 0: they are not.
    *  - Linear problems: E, A, f, orders 1 ... mu + 1, as far as available. Total derivatives of nonlinear problems:
-   *    F along the solution and F_x, F_x' in one direction at random. Multibody systems: g_q and g_t in one direction at
-   *    random, gamma and eta along consistent velocities, at the consistent start values.
+   *    F along the solution and F_x, F_x' in one direction at random. Multibody systems: g_q and g_t in one direction
+   *    at random, gamma and eta along consistent velocities, at the consistent start values.
    *  - Not seen: mistakes of less than a hundredth or in noise (of single precision, of tables), in entries that vary
    *    faster than a 1e-8th of the interval to `toward`, that are right near t, or of values that are themselves
-   *    wrong; E and A that are wrongly called constant; M, f, H, S of multibody systems, which are not differentiated by
-   *    callbacks. sfdae_check_derivatives and its kind look at both sides, at any point, more closely.
+   *    wrong; E and A that are wrongly called constant; M, f, H, S of multibody systems, which are not differentiated
+   *    by callbacks. sfdae_check_derivatives and its kind look at both sides, at any point, more closely.
    *  - Failures of evaluations that only this needs are ignored, but for negative return values. */
   int check_derivatives;
 
-  /** Recorded equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of them has
-   * to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
-   * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
-   * needed are left out, and from some 100 columns of the array on (20 where nothing has to be differentiated) all matrices
-   * are sparse; else the whole array is taken, or, with more than 5000 unknowns, the failure is reported. Results are the
-   * same within the tolerances. With sparse matrices, equations that depend on others wherever one looks, as those of nodes
-   * on both sides of a capacitor do, are replaced by sums in which numbers cancel, if constant factors do it.
-   * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
-   * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
-   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions without patterns, prescribed
-   * components, differentiations, other numbers of equations than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array,
-   * as for these.
+  /** Recorded equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of
+   * them has to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
+   * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are
+   * not needed are left out, and from some 100 columns of the array on (20 where nothing has to be differentiated)
+   * all matrices are sparse; else the whole array is taken, or, with more than 5000 unknowns, the failure is
+   * reported. Results are the same within the tolerances. With sparse matrices, equations that depend on others
+   * wherever one looks, as those of nodes on both sides of a capacitor do, are replaced by sums in which numbers
+   * cancel, if constant factors do it. Where numbers cancel at a later time only, the whole array may go on and the
+   * other end with SFDAE_CHARACTERISTICS_CHANGED. SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with
+   * sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have
+   * no structure: functions without patterns, prescribed components, differentiations, other numbers of equations
+   * than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array, as for these.
    * Recorded multibody systems: local coordinates with dense matrices, or first-order equations with sparse ones.
-   * SFDAE_STRUCTURE_AUTOMATIC takes these from 200 unknowns (q, v, lambda, kappa) on, where an equation contains at most a tenth
-   * of them on average, no constraint is redundant and the numbers agree; coordinates is without effect then. A singular
-   * configuration ends the integration as ever; the values after it are not determined. */
+   * SFDAE_STRUCTURE_AUTOMATIC takes these from 200 unknowns (q, v, lambda, kappa) on, where an equation contains at
+   * most a tenth of them on average, no constraint is redundant and the numbers agree; coordinates is without effect
+   * then. A singular configuration ends the integration as ever; the values after it are not determined. */
   int structure;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
@@ -358,8 +359,8 @@ SFDAE_API int sfdae_set_options(sfdae_solver* solver, const sfdae_options* optio
  * SFDAE_OK. Functions that only read (a const solver, sfdae_get_...) leave the text alone where it explains the
  * failure of an earlier call, and else say why they fail. It lives until the next call.
  *
- * NULL: why the last of the functions sfdae_create_... that this thread called has failed, "" if it has not; it lives until
- * the thread calls one of them again. So status and message can be printed in the same way after any call. */
+ * NULL: why the last of the functions sfdae_create_... that this thread called has failed, "" if it has not; it lives
+ * until the thread calls one of them again. So status and message can be printed in the same way after any call. */
 SFDAE_API const char* sfdae_message(const sfdae_solver* solver);
 
 /** Stops the call that is running, or else the next one, at its next callback or step: it returns SFDAE_STOPPED,
@@ -466,8 +467,8 @@ SFDAE_API int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result)
  * free). xdot is a guess before if the option xdot_is_guess says so. Analyzes first, forward from t, if there is no
  * analysis. The point reached is unaffected.
  * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
- * sfdae_message names all. Failures: callbacks, structure, values; SFDAE_TOLERANCE_TOO_SMALL, with the values found in x
- * and xdot, where derivatives by differences make them less accurate than the tolerances ask for. */
+ * sfdae_message names all. Failures: callbacks, structure, values; SFDAE_TOLERANCE_TOO_SMALL, with the values found
+ * in x and xdot, where derivatives by differences make them less accurate than the tolerances ask for. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot);
 
 /** What the last sfdae_start or sfdae_make_consistent did to the initial values. */
@@ -567,8 +568,8 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics*
  * file, or handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if
  * binary, BLAS, processor and the environment variable SFDAE_INSTRUCTIONS (portable or avx2: no faster instructions of
  * the processor are used) are the same. The numbers are plain doubles (infinity may be among them): copy or print them
- * with 17 digits as you like. The problem and the options are not in it, but it knows which they were; sensitivities are in
- * it, with all that they depend on. */
+ * with 17 digits as you like. The problem and the options are not in it, but it knows which they were; sensitivities
+ * are in it, with all that they depend on. */
 
 /** Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. SFDAE_NOT_STARTED if there
  * is no integration. */
@@ -580,13 +581,13 @@ SFDAE_API int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, si
 
 /** Continues from a checkpoint of `length` doubles instead of sfdae_start: sfdae_advance is next. The solver has to be
  * created with the problem that the checkpoint was made with, and asked for the sensitivities that are in it. Method,
- * structure, max_index, reduction, rank_tol, time_scale, difference_derivatives, difference_step, leading_term and the values
- * of parameters have to be as they were; other options, such as tolerances and limits, may differ. Recorded equations are
- * compared operation by operation, patterns entry by entry. Your own functions cannot be compared: give the same ones.
- * No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration under way is replaced.
- * SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or is that of another problem or version, or one of these options or
- * parameters differs, which the message names with both values. After any failure everything is as before, and an
- * integration under way continues. */
+ * structure, max_index, reduction, rank_tol, time_scale, difference_derivatives, difference_step, leading_term and
+ * the values of parameters have to be as they were; other options, such as tolerances and limits, may differ.
+ * Recorded equations are compared operation by operation, patterns entry by entry. Your own functions cannot be
+ * compared: give the same ones. No callback of a linear problem is called; a nonlinear one is linearized as it was.
+ * An integration under way is replaced. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or is that of another
+ * problem or version, or one of these options or parameters differs, which the message names with both values. After
+ * any failure everything is as before, and an integration under way continues. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length);
 
 /* ---- Inspection ------------------------------------------------------------------------------ */
@@ -596,13 +597,13 @@ SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* check
  * of the whole text + 1. */
 SFDAE_API int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed);
 
-/** Certifies the ranks of the analysis: the elimination runs once more on copies of the data whose entries are perturbed
- * by 1e-12 of themselves (zeros stay), in units that are balanced. What stays put is a value, what moves is an error,
- * whatever its size. *distance (may be NULL): the smallest relative change of the data, entry by entry, that gives other
- * characteristic values, about; 1 is the most that is said. sfdae_report says it, too, from then on. Nonlinear problems:
- * at the point reached. Evaluates callbacks. Failures: callbacks; SFDAE_NOT_STARTED before an analysis;
- * SFDAE_RANK_UNCLEAR if the certificate does not confirm the values; SFDAE_ILLEGAL_ARGUMENT for multibody systems, whose
- * ranks are those of the constraints. */
+/** Certifies the ranks of the analysis: the elimination runs once more on copies of the data whose entries are
+ * perturbed by 1e-12 of themselves (zeros stay), in units that are balanced. What stays put is a value, what moves is
+ * an error, whatever its size. *distance (may be NULL): the smallest relative change of the data, entry by entry,
+ * that gives other characteristic values, about; 1 is the most that is said. sfdae_report says it, too, from then on.
+ * Nonlinear problems: at the point reached. Evaluates callbacks. Failures: callbacks; SFDAE_NOT_STARTED before an
+ * analysis; SFDAE_RANK_UNCLEAR if the certificate does not confirm the values; SFDAE_ILLEGAL_ARGUMENT for multibody
+ * systems, whose ranks are those of the constraints. */
 SFDAE_API int sfdae_certify(sfdae_solver* solver, double* distance);
 
 /* The theory's objects: derivative array, projectors, strangeness-free system.

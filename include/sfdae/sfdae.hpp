@@ -238,7 +238,8 @@ class Solver {
   }
 
   /// The values with which these equations begin at t if others have led to `before`, by impulses of these equations;
-  /// orders: how many impulses are wanted, of delta, delta', ... See sfdae_jump; start() with the values after it goes on.
+  /// orders: how many impulses are wanted, of delta, delta', ... See sfdae_jump; start() with the values after it
+  /// goes on.
   Jump jump(double t, double toward, const std::vector<double>& before, int orders = 1) {
     detail::require_size(before.size(), num_unknowns(), "before");
     Jump jump{t, before, before, Matrix(num_unknowns(), orders < 0 ? 0 : orders)};
@@ -277,8 +278,8 @@ class Solver {
   }
 
   /// Solves many instances of recorded equations on several threads, see sfdae_solve_ensemble. The solver itself stays
-  /// as it is. Failures of instances are in the result. Where the problem has prescribed values, exceptions thrown there
-  /// end their instance with SFDAE_CALLBACK_STOPPED and are not passed on.
+  /// as it is. Failures of instances are in the result. Where the problem has prescribed values, exceptions thrown
+  /// there end their instance with SFDAE_CALLBACK_STOPPED and are not passed on.
   EnsembleSolution solve_ensemble(const Ensemble& ensemble) {
     const int n = num_unknowns(), N = ensemble.x0.columns();
     EnsembleSolution solution(n, static_cast<int>(ensemble.times.size()), N, ensemble.wants_xdot);
@@ -336,8 +337,8 @@ class Solver {
     return values;
   }
 
-  /// Gradients of functionals with weights at these times, see sfdae_get_gradient: one column for each. weights: n rows, a
-  /// column for each time, for one functional after the other.
+  /// Gradients of functionals with weights at these times, see sfdae_get_gradient: one column for each. weights: n
+  /// rows, a column for each time, for one functional after the other.
   Matrix gradient(const std::vector<double>& times, const Matrix& weights) {
     const int count = state_ ? state_->num_sensitivities : 0, points = static_cast<int>(times.size());
     const int functionals = points > 0 ? weights.columns() / points : 0;

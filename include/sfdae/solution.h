@@ -30,25 +30,25 @@ SFDAE_API int sfdae_create_solution(sfdae_solution** solution);
 /** Destroys it and sets *solution to NULL; a solver that records it stops doing so. NULL is fine. */
 SFDAE_API int sfdae_destroy_solution(sfdae_solution** solution);
 
-/** From now on all accepted steps of the solver go to the solution; NULL: no more. The integration itself does not change.
- * Steps that follow those recorded are added. A start within what was recorded, as after an event, replaces what was
- * recorded after it: there the solution may jump, and has the value after the jump. Any other start, one backward after
- * forward, say, makes the solution begin anew. A solution is recorded by one solver at a time, and is not to be used
- * while that solver is within a call. */
+/** From now on all accepted steps of the solver go to the solution; NULL: no more. The integration itself does not
+ * change. Steps that follow those recorded are added. A start within what was recorded, as after an event, replaces
+ * what was recorded after it: there the solution may jump, and has the value after the jump. Any other start, one
+ * backward after forward, say, makes the solution begin anew. A solution is recorded by one solver at a time, and is
+ * not to be used while that solver is within a call. */
 SFDAE_API int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution);
 
 /** What was recorded: n, and the times of start and end, the end of the last step, which may lie after the last output.
  * Any pointer may be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
 SFDAE_API int sfdae_get_solution_range(const sfdae_solution* solution, int* num_unknowns, double* start, double* end);
 
-/** x and x' (NULL: not wanted) at any t between start and end: n values each. Constraints hold within the tolerances. x' is
- * the derivative of the polynomial, its error about that of x over the step size. From any number of threads.
+/** x and x' (NULL: not wanted) at any t between start and end: n values each. Constraints hold within the tolerances.
+ * x' is the derivative of the polynomial, its error about that of x over the step size. From any number of threads.
  * SFDAE_ILLEGAL_ARGUMENT for other t; SFDAE_NOT_STARTED if nothing was recorded. */
 SFDAE_API int sfdae_evaluate_solution(const sfdae_solution* solution, double t, double* x, double* xdot);
 
-/** The largest difference to what sfdae_interpolate returns that is to be expected, in tolerances (rtol |x_i| + atol), and
- * the beginning of the part of a step where that is. Above 1 only where a step has a jump or a kink. Either pointer may
- * be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
+/** The largest difference to what sfdae_interpolate returns that is to be expected, in tolerances (rtol |x_i| +
+ * atol), and the beginning of the part of a step where that is. Above 1 only where a step has a jump or a kink.
+ * Either pointer may be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
 SFDAE_API int sfdae_get_solution_accuracy(const sfdae_solution* solution, double* accuracy, double* t);
 
 /** Forgets what was recorded after t, where an event ended a run within its last step, say; t = start leaves nothing.
@@ -63,8 +63,8 @@ SFDAE_API int sfdae_get_solution_length(const sfdae_solution* solution, size_t* 
  * written to a file as they are, or printed with 17 digits. */
 SFDAE_API int sfdae_save_solution(const sfdae_solution* solution, double* values, size_t length);
 
-/** Reads what sfdae_save_solution wrote, in place of what the solution is. The numbers are checked, by a checksum as well:
- * SFDAE_ILLEGAL_ARGUMENT if they are damaged, cut short or something else; the solution is then as before. */
+/** Reads what sfdae_save_solution wrote, in place of what the solution is. The numbers are checked, by a checksum as
+ * well: SFDAE_ILLEGAL_ARGUMENT if they are damaged, cut short or something else; the solution is then as before. */
 SFDAE_API int sfdae_load_solution(sfdae_solution* solution, const double* values, size_t length);
 
 #ifdef __cplusplus

@@ -44,8 +44,8 @@ class Solution {
     return point;
   }
 
-  /// The largest difference to the integrator's own values that is to be expected, in tolerances, and where that is, see
-  /// sfdae_get_solution_accuracy.
+  /// The largest difference to the integrator's own values that is to be expected, in tolerances, and where that is,
+  /// see sfdae_get_solution_accuracy.
   struct Accuracy {
     double in_tolerances, t;
   };

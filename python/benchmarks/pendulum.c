@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The pendulum of overhead.py: method, tolerance, number of outputs and end are the arguments; prints the processor seconds of the
- * whole solve, creation included, and x at the end. */
+ * The pendulum of overhead.py: method, tolerance, number of outputs and end are the arguments; prints the processor
+ * seconds of the whole solve, creation included, and x at the end. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

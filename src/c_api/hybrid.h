@@ -56,7 +56,8 @@ struct HybridSensitivities {
   long max_kept_steps = 0;
 };
 
-// A run across modes. t, x, xdot: the point reached, with the part of the mode above in the end where there are switches.
+// A run across modes. t, x, xdot: the point reached, with the part of the mode above in the end where there are
+// switches.
 struct HybridRun {
   int mode = -1;
   double start = 0.0, toward = 0.0, entered = 0.0;
@@ -70,8 +71,8 @@ struct HybridRun {
   std::vector<sfdae_passage> passages;
   std::vector<double> before, after, impulse;  // of the last one
   std::optional<double> accumulation;
-  // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these, width() of
-  // them for each parameter. With the adjoint by all columns that S is a combination of.
+  // With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with
+  // these, width() of them for each parameter. With the adjoint by all columns that S is a combination of.
   std::vector<double> shifts, moved;
   double time_before = 0.0;  // in which x is known to change little, before that
   CallResult warning;        // the first one of the call
@@ -139,9 +140,11 @@ CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
                          const std::function<int(sfdae_solver*)>& call);
 // Where a switch leads to: `to`, or along the surface if that mode leads back.
 CallResult choose_mode(sfdae_hybrid& hybrid, const HybridTransition& transition, int& to);
-// Before a sliding mode begins other than by its switch: the part of the mode above. Fails where the surface does not attract.
+// Before a sliding mode begins other than by its switch: the part of the mode above. Fails where the surface does not
+// attract.
 CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode);
-// The equations of its sliding mode are made of other values of parameters, or for derivatives by others, than they are now.
+// The equations of its sliding mode are made of other values of parameters, or for derivatives by others, than they
+// are now.
 bool is_outdated(const sfdae_hybrid& hybrid, const Switch& surface);
 // Surfaces and sliding modes for what they are now; their solvers are asked for sensitivities.
 CallResult update_switches(sfdae_hybrid& hybrid);

@@ -1,5 +1,5 @@
-// Where a hybrid system cannot go on: transitions that accumulate, modes that lead to each other at once; and how well the
-// functions of transitions are known.
+// Where a hybrid system cannot go on: transitions that accumulate, modes that lead to each other at once; and how
+// well the functions of transitions are known.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t remembered = 7;  // passages of a transition, six times between them
 constexpr double equal_factors = 0.1;  // of one minus the factor by which these times shrink
-// When transitions accumulate: the time that is left, of that since the start, or what the function of the transition still
-// does, in tolerances.
+// When transitions accumulate: the time that is left, of that since the start, or what the function of the transition
+// still does, in tolerances.
 constexpr double time_left = 1e-6, tolerances_left = 1e3;
 constexpr double short_visit = 10.0;  // tolerances that x moves by
 // Relative changes of t and x' that say nothing: more than those of EventValues::rounding, so that a function that is

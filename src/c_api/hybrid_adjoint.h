@@ -1,9 +1,9 @@
 // Visits of modes whose steps are kept: gradients of hybrid systems go back through them.
 //
-// S at the end of a visit is basis z + offset (TangentSpace). What the transition and the start of the next mode make of S, a linear map,
-// is differentiated forward for the columns of the offset, one for each parameter, and those of the basis; the adjoint of the
-// next visit has both as parameters. Its gradient by the columns of the basis are weights of z = coordinates S, and so of S where the
-// visit before ends.
+// S at the end of a visit is basis z + offset (TangentSpace). What the transition and the start of the next mode make
+// of S, a linear map, is differentiated forward for the columns of the offset, one for each parameter, and those of
+// the basis; the adjoint of the next visit has both as parameters. Its gradient by the columns of the basis are
+// weights of z = coordinates S, and so of S where the visit before ends.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -38,8 +38,8 @@ struct KeptVisits {
   TangentSpace ending;  // of the visit that is about to end
 };
 
-// S before a transition, as columns that it is a combination of: first those of the parameters; with the unknowns of the mode, the part
-// of the mode above included. at_once: where the mode begins; then those that it has begun with.
+// S before a transition, as columns that it is a combination of: first those of the parameters; with the unknowns of
+// the mode, the part of the mode above included. at_once: where the mode begins; then those that it has begun with.
 CallResult find_columns(sfdae_hybrid& hybrid, bool at_once, std::vector<double>& columns);
 // After that: the integration of the present mode, which is left. One that is left at once has no part in gradients.
 void keep_visit(sfdae_hybrid& hybrid, bool at_once);

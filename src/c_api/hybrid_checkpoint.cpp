@@ -100,8 +100,8 @@ double hash_of_transitions(const sfdae_hybrid& hybrid) {
   return hash.value_as_real();
 }
 
-// The equations and options of all modes but two kinds: sliding modes follow from others, and the checkpoint of the solver
-// that is running has its own identity, with the method that the mode was entered with.
+// The equations and options of all modes but two kinds: sliding modes follow from others, and the checkpoint of the
+// solver that is running has its own identity, with the method that the mode was entered with.
 template <class Use>
 void for_each_identity(const sfdae_hybrid& hybrid, int running, Use use) {
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {

@@ -17,8 +17,8 @@ void keep_warning(HybridRun& run, CallResult result) {
   if (result.status > 0 && run.warning.status == SFDAE_OK) run.warning = std::move(result);
 }
 
-// The transitions of a mode that are events of its solver, in their order; then, of those of switches, which happen where
-// their function is 0, what is left to be noticed where a mode begins closely beyond that.
+// The transitions of a mode that are events of its solver, in their order; then, of those of switches, which happen
+// where their function is 0, what is left to be noticed where a mode begins closely beyond that.
 int evaluate_watched(double t, const double* x, const double* xdot, double* g, void* user) {
   const HybridMode& mode = *static_cast<const HybridMode*>(user);
   std::size_t next = mode.watched.size();
@@ -102,7 +102,8 @@ CallResult find_values_after(sfdae_hybrid& hybrid, const sfdae_transition& given
   return {};
 }
 
-// Whether it is one of a mode: out of it, or out of one of the two between which it slides, but for those of their switch.
+// Whether it is one of a mode: out of it, or out of one of the two between which it slides, but for those of their
+// switch.
 bool leads_out_of(const HybridTransition& transition, const sfdae_hybrid& hybrid, int mode) {
   const Switch* along = hybrid.modes[index(mode)].surface;
   const int from = transition.given.from;
@@ -185,9 +186,9 @@ CallResult ask_guard(const HybridRun& run, const sfdae_transition& given, bool& 
   return returned != 0 ? of_callback("guard", run, returned) : CallResult{};
 }
 
-// The first condition that holds where the mode begins; -1: none. Those that do not hold count from now on where they have
-// risen clearly above the value that they have here: so their sign is known where the mode begins, and one that is zero here
-// counts if it rises.
+// The first condition that holds where the mode begins; -1: none. Those that do not hold count from now on where they
+// have risen clearly above the value that they have here: so their sign is known where the mode begins, and one that
+// is zero here counts if it rises.
 CallResult find_condition(sfdae_hybrid& hybrid, int& number) {
   const HybridRun& run = hybrid.run;
   const HybridMode& mode = hybrid.mode();

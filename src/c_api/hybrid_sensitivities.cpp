@@ -5,10 +5,11 @@
 //     dt/dp = -(g_x S + g_p) / (g_t + g_x x'),   dx/dp = S + x' dt/dp
 //
 // with g_p of surfaces of switches, which are formulas; other functions know no parameters.
-// The map to the values after it, M(t, x, p), is differentiated along these; S after is the derivative less x' after times
-// dt/dp, made consistent with the equations of the mode that begins [GFB99].
+// The map to the values after it, M(t, x, p), is differentiated along these; S after is the derivative less x' after
+// times dt/dp, made consistent with the equations of the mode that begins [GFB99].
 //
-// [GFB99] S. Galan, W. F. Feehery, P. I. Barton: Parametric sensitivity functions for hybrid discrete/continuous systems. Appl.
+// [GFB99] S. Galan, W. F. Feehery, P. I. Barton: Parametric sensitivity functions for hybrid discrete/continuous
+// systems. Appl.
 //         Numer. Math. 31 (1999), 17-47.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
@@ -27,10 +28,11 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The first step of differences, in sizes of what moves. (Chosen: rounding errors of jumps are some 1e-14, so that this leaves
-// 1e-11 of them.)
+// The first step of differences, in sizes of what moves. (Chosen: rounding errors of jumps are some 1e-14, so that
+// this leaves 1e-11 of them.)
 constexpr double first_step = 1e-3;
-// What else than x moves a map counts for that part of it, where derivatives are looked at for whether they are 0. (Chosen.)
+// What else than x moves a map counts for that part of it, where derivatives are looked at for whether they are 0.
+// (Chosen.)
 constexpr double minor = 1e-3;
 // What moves less than that, of what else moves a map, may be rounding errors alone: those of values at rest. (Chosen.)
 constexpr double negligible = 1e-6;
@@ -113,7 +115,8 @@ class TransitionRate {
   CallResult along(const double* dx, double& change) const {
     return along(0.0, dx, minor * speed(dx, sizes_), change);
   }
-  // Whether it only touches 0, within the tolerances: the parabola through its values in the last step does not go beyond.
+  // Whether it only touches 0, within the tolerances: the parabola through its values in the last step does not go
+  // beyond.
   CallResult is_tangent(double rate, bool& answer) const {
     constexpr double in_tolerances = 10.0, apart = 0.1, beside = 0.11;
     answer = false;
@@ -269,8 +272,8 @@ CallResult values_after(sfdae_hybrid& hybrid, const sfdae_transition& given, dou
   return status < 0 ? of_mode(hybrid, given.to, status) : CallResult{};
 }
 
-// The derivatives of the values after a jump by impulses along the directions of run.moved, which they replace, from its equations. False
-// where these do not say them.
+// The derivatives of the values after a jump by impulses along the directions of run.moved, which they replace, from
+// its equations. False where these do not say them.
 CallResult differentiate_jump(sfdae_hybrid& hybrid, const sfdae_transition& given, bool& is_found) {
   HybridRun& run = hybrid.run;
   sfdae_solver* solver = hybrid.modes[index(given.to)].solver;

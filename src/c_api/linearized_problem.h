@@ -10,7 +10,8 @@ namespace sfdae::core {
 // Throws Failure, also for what is wrong with the choice.
 DescriptorSystem linearized(sfdae_solver& solver, const sfdae_linearization& choice);
 
-// Of theory.cpp: the solution at t, within the last step of an integration or at the point of the analysis. Throws Failure.
+// Of theory.cpp: the solution at t, within the last step of an integration or at the point of the analysis. Throws
+// Failure.
 std::vector<double> solution_at(sfdae_solver& solver, double t);
 
 }  // namespace sfdae::core

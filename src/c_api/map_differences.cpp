@@ -14,8 +14,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The error, relative, that is good enough, and the one that is none any more: then there is no derivative. Steps differ by a factor
-// of ten; so many are tried either way.
+// The error, relative, that is good enough, and the one that is none any more: then there is no derivative. Steps
+// differ by a factor of ten; so many are tried either way.
 constexpr double good = 1e-8, useless = 1e-3, factor = 0.1;
 constexpr int most_smaller = 4, most_larger = 5;
 // What maps round values by, in their sizes: some units of jumps, which are iterated to rounding.
@@ -32,8 +32,8 @@ CallResult finite_values(const MapAlong& values, double s, Vector& to) {
   return result;
 }
 
-// Differences are those of both sides, and do not see a kink between them: what these differ by does not become smaller with the
-// step there. The derivative is none then. Such differences as rounding errors are none.
+// Differences are those of both sides, and do not see a kink between them: what these differ by does not become
+// smaller with the step there. The derivative is none then. Such differences as rounding errors are none.
 // above, below: values at the step of the derivative. here: values at 0, empty where they are not known yet.
 CallResult find_kink(const MapAlong& values, const Differencing& how, Vector above, Vector below,
                      DerivativeAlong& derivative) {
@@ -74,7 +74,8 @@ class Differences {
   bool may_improve() const { return best.error > good; }
   bool is_rounded() const { return is_rounded_; }
   bool has_failed() const { return best.value.empty() && failure.status < 0; }
-  // One more step: whether it is better than those before, or has no values. Callbacks that stop are failures of the call.
+  // One more step: whether it is better than those before, or has no values. Callbacks that stop are failures of the
+  // call.
   CallResult try_step(double step, bool& goes_on) {
     goes_on = true;
     const double places[] = {1.0, -1.0, 2.0, -2.0};

@@ -20,17 +20,19 @@ struct DerivativeAlong {
   bool is_there() const;
 };
 
-// How a map is asked. sizes: of its values. step: of s, tried first. least: derivatives below that, in sizes, are as good as 0.
+// How a map is asked. sizes: of its values. step: of s, tried first. least: derivatives below that, in sizes, are as
+// good as 0.
 struct Differencing {
   const std::vector<double>& sizes;
   double step;
   double least = 0.0;
-  // Values at 0, which several directions have in common: empty until one of them has asked. Null: there is one direction only.
+  // Values at 0, which several directions have in common: empty until one of them has asked. Null: there is one
+  // direction only.
   std::vector<double>* here = nullptr;
 };
 
-// d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values, larger where
-// rounding errors are what is left. It fails as the last call has where there are no values for any.
+// d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values,
+// larger where rounding errors are what is left. It fails as the last call has where there are no values for any.
 CallResult differentiate_along(const MapAlong& values, const Differencing& how, DerivativeAlong& derivative);
 
 }  // namespace sfdae::core

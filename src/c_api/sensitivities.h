@@ -19,7 +19,8 @@ struct SensitivityRequest {
   std::vector<double> directions;  // n x count
   // Empty, or dt/dp of the start: directions are derivatives at the time that moves, and x' goes on after it.
   std::vector<double> shifts;
-  // Directions say nothing of the last unknown: what is differentiated stays at the start, even where values have to be accepted.
+  // Directions say nothing of the last unknown: what is differentiated stays at the start, even where values have to
+  // be accepted.
   bool last_follows = false;
   SensitivityOptions options;
   bool by_adjoint = false;
@@ -40,8 +41,8 @@ struct GivenFunctionals {
 CallResult check_functionals(const GivenFunctionals& given);
 // From the next start on; none: no more. An integration under way ends, and the analysis stays where it serves.
 void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request);
-// Those that were asked for go with the integration from its start, at the values found, where the system stands. Throws
-// Failure, and there is no integration then.
+// Those that were asked for go with the integration from its start, at the values found, where the system stands.
+// Throws Failure, and there is no integration then.
 void carry_sensitivities(sfdae_solver& solver, const ConsistentPoint& found);
 
 }  // namespace sfdae::core

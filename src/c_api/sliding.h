@@ -38,7 +38,8 @@ class Switch {
   bool evaluate(double t, const double* x, const double* xdot, double* values);
   // Of the record of the surface, whatever the modes have.
   bool has_parameter(const std::string& name) const;
-  // Derivatives of the function of one of the four transitions by parameters, t and x staying as they are. Throws Failure.
+  // Derivatives of the function of one of the four transitions by parameters, t and x staying as they are. Throws
+  // Failure.
   std::vector<double> change_by(const Names& parameters, sfdae_event_function function, double t, const double* x);
   // Of the four transitions: beyond the surface from below, from above; the part of the mode above below 0, above 1.
   static sfdae_event_function condition(int k);

@@ -147,12 +147,12 @@ struct sfdae_solver {
 namespace sfdae::core {
 
 inline constexpr const char* out_of_memory = "out of memory.";
-// Whose words stay: those of the call always; those that explain an earlier failure; or these unless the call has words to
-// say with success, which are what was asked for.
+// Whose words stay: those of the call always; those that explain an earlier failure; or these unless the call has
+// words to say with success, which are what was asked for.
 enum class Text { of_call, of_failure, of_answer };
 
-// What helps where a multibody system with callbacks fails: a look at its derivatives; where rows of the array are left out:
-// the whole array.
+// What helps where a multibody system with callbacks fails: a look at its derivatives; where rows of the array are
+// left out: the whole array.
 inline const char* hint_of(const sfdae_solver& solver, int status) {
   if (status == SFDAE_CHARACTERISTICS_CHANGED && solver.follows_structure() && solver.kind.multibody != nullptr)
     return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";

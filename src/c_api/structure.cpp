@@ -76,7 +76,8 @@ void write_arrays(const Structure& structure, const PublicArrays& arrays) {
     for (int i : structure.blocks.equations(block)) arrays.block[i] = block;
 }
 
-// x, x' and what is known beyond them where equations are looked at, and t. Linear equations have the same derivatives everywhere.
+// x, x' and what is known beyond them where equations are looked at, and t. Linear equations have the same
+// derivatives everywhere.
 struct Point {
   double t;
   std::vector<double> jet;

@@ -9,7 +9,8 @@
 
 namespace sfdae::core {
 
-// binary(code, a, b, v): one of the binary instructions, the code known to the compiler, so that there is one loop for each; other(instruction).
+// binary(code, a, b, v): one of the binary instructions, the code known to the compiler, so that there is one loop
+// for each; other(instruction).
 template <class Slot, class Binary, class Other>
 void execute_list(const InstructionList& list, Slot* slots, Binary binary, Other other) {
   const InstructionList::Operands* next = list.operands();

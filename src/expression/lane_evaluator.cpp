@@ -369,8 +369,8 @@ Tasks tasks_of(const Pass& pass) {
   return tasks;
 }
 
-// Everything is inlined here, for each instruction set (SFDAE_LANE_KERNEL): execute_all has one call for each order, with and
-// without slopes, as the compiler takes seconds for each of them.
+// Everything is inlined here, for each instruction set (SFDAE_LANE_KERNEL): execute_all has one call for each order,
+// with and without slopes, as the compiler takes seconds for each of them.
 void execute_tasks(const Tasks& tasks, Lanes* slots) {
   for (std::size_t i = 0; i < tasks.count; ++i) {
     const auto& [list, order, with_slopes] = tasks.list[i];

@@ -36,13 +36,13 @@ class LaneEvaluator {
   // whatever the reason; the TaylorEvaluator can tell which. F_x is for equations without x' alone.
   bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
 
-  // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: gradients(), those of target e of the tape
-  // from e (order + 1) on; what lies beyond limits has no meaning. False: as above.
+  // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: gradients(), those of target e of
+  // the tape from e (order + 1) on; what lies beyond limits has no meaning. False: as above.
   bool evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                         const std::vector<int>& limits);
 
-  // Values and coefficients of gradients, those of each equation up to its limit; the highest one is at most highest_order, and
-  // gradients have so many places and one more for each target.
+  // Values and coefficients of gradients, those of each equation up to its limit; the highest one is at most
+  // highest_order, and gradients have so many places and one more for each target.
   bool evaluate_within(const TaylorEvaluator& source, const Points& points,
                        const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
 

@@ -7,7 +7,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Records node i of the record, whose operands are recorded as `copies` says; leaf: what parameters and derivatives become.
+// Records node i of the record, whose operands are recorded as `copies` says; leaf: what parameters and derivatives
+// become.
 template <class Leaf>
 int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf) {
   const Node node = record.node(i);

@@ -11,7 +11,8 @@
 
 namespace sfdae::core {
 
-// Of each node of the record, the number that it has in the recorder; parameters keep their numbers if none are there yet.
+// Of each node of the record, the number that it has in the recorder; parameters keep their numbers if none are there
+// yet.
 std::vector<int> copy_nodes(const Record& record, Recorder& recorder);
 // With the numbers that parameters have now in their place, and 0 in that of x' unless it is wanted.
 enum class Derivatives { kept, zero };

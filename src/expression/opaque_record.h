@@ -13,8 +13,8 @@ struct JacobianPatterns {
   ColumnPattern F_x, F_xdot;
 };
 
-// Each equation is a function of t, of these x_j and of these x_j' that cannot be evaluated by itself: what evaluates all
-// is an EquationSource.
+// Each equation is a function of t, of these x_j and of these x_j' that cannot be evaluated by itself: what evaluates
+// all is an EquationSource.
 Record opaque_record(int num_equations, const JacobianPatterns& patterns, const EquationNames& names);
 
 }  // namespace sfdae::core

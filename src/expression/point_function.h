@@ -27,8 +27,8 @@ class PointFunction {
   const std::string& name() const { return name_; }
   int num_arguments() const { return num_arguments_; }
 
-  // All partial derivatives of the order at finite arguments, to an array of k^order zeros. Returns 0, or what a callback
-  // may return. From several threads at a time.
+  // All partial derivatives of the order at finite arguments, to an array of k^order zeros. Returns 0, or what a
+  // callback may return. From several threads at a time.
   virtual int derivatives(int order, const double* arguments, double* values) const = 0;
   // Whether it has a value there; else, in words, why not.
   virtual std::string objection(const double* /*arguments*/) const { return {}; }
@@ -65,7 +65,8 @@ struct CallSeries {
 };
 void evaluate(const FunctionCall& call, const CallSeries& series, int order);
 
-// What the function returned for the first order up to this one that it does not supply, 0 if it supplies all, and which.
+// What the function returned for the first order up to this one that it does not supply, 0 if it supplies all, and
+// which.
 struct MissingOrder {
   int code = 0, order = 0;
 };

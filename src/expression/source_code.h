@@ -29,8 +29,8 @@ struct Assignment {
   int node;
 };
 
-// `target = formula` in the names t, z, zdot, p (unknowns, their derivatives, parameters), and before these what they share:
-// constants v0, v1, ... in C, elements of an array v in Fortran, num_values of them.
+// `target = formula` in the names t, z, zdot, p (unknowns, their derivatives, parameters), and before these what they
+// share: constants v0, v1, ... in C, elements of an array v in Fortran, num_values of them.
 struct Statements {
   std::string text;
   int num_values = 0;

@@ -49,8 +49,8 @@ std::array<double, max_degree + 1> basis(const std::vector<double>& knots, int d
   return N;
 }
 
-// Coefficients of the spline that passes through the data. The matrix of values of B-splines is totally positive, so that
-// elimination needs no pivots [dB01, p. 169].
+// Coefficients of the spline that passes through the data. The matrix of values of B-splines is totally positive, so
+// that elimination needs no pivots [dB01, p. 169].
 std::vector<double> coefficients_of(const TableData& data, const std::vector<double>& knots) {
   const int n = static_cast<int>(data.x.size()), p = data.degree, width = 2 * p + 1;
   std::vector<double> band(index(n) * index(width), 0.0), c = data.y;  // entry (i, j) at row i, column j - i + p
@@ -155,7 +155,8 @@ std::size_t Spline::piece_of(double x) const {
 // Arguments that are the end but for rounding errors count as within.
 bool Spline::is_within(double x) const {
   const double first = data_.x.front(), last = data_.x.back();
-  // More than half the gap of a kink (time_breakpoints.cpp): steps across the end of data that an argument is limited to.
+  // More than half the gap of a kink (time_breakpoints.cpp): steps across the end of data that an argument is limited
+  // to.
   const double slack = 256.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(first), std::fabs(last));
   return x >= first - slack && x <= last + slack;
 }

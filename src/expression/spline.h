@@ -19,9 +19,9 @@ struct TableData {
   bool operator==(const TableData&) const = default;
 };
 
-// A spline of odd degree p through n points, with p - 1 continuous derivatives. Its knots are the x of the data, but for
-// the first and last (p - 1) / 2 inside the interval ("not a knot", [dB01, p. 44]): there are as many coefficients as
-// data, and polynomials of that degree are reproduced.
+// A spline of odd degree p through n points, with p - 1 continuous derivatives. Its knots are the x of the data, but
+// for the first and last (p - 1) / 2 inside the interval ("not a knot", [dB01, p. 44]): there are as many
+// coefficients as data, and polynomials of that degree are reproduced.
 class Spline : public PointFunction {
  public:
   // What is wrong with the data, in words; "" if nothing is.

@@ -1,6 +1,7 @@
-// Arguments of exponentials in recorded equations. Where the tolerances of unknowns let an argument change by more than one, as those of
-// a diode at mains voltage (a tolerance of 0.3 V, 26 mV for a factor of e), an iteration that ends within the tolerances ends anywhere:
-// currents are wrong by orders of magnitude there (docs/decisions/95-arguments-of-exponentials.md).
+// Arguments of exponentials in recorded equations. Where the tolerances of unknowns let an argument change by more
+// than one, as those of a diode at mains voltage (a tolerance of 0.3 V, 26 mV for a factor of e), an iteration that
+// ends within the tolerances ends anywhere: currents are wrong by orders of magnitude there
+// (docs/decisions/95-arguments-of-exponentials.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,20 +15,21 @@ namespace sfdae::core {
 
 class SteepArguments {
  public:
-  // Those that are sums, products and quotients of unknowns and of what does not depend on them. Parameters are those that the evaluators
-  // have when they are asked; they live as long as this.
+  // Those that are sums, products and quotients of unknowns and of what does not depend on them. Parameters are those
+  // that the evaluators have when they are asked; they live as long as this.
   explicit SteepArguments(const std::vector<const TaylorEvaluator*>& evaluators);
 
   bool empty() const { return parts_.empty(); }
-  // inverse_weights: 1 / tolerances of the unknowns. Those of unknowns that arguments depend on are made as large as it takes for
-  // these to be known to a hundredth, all of them by one factor, whatever their part in it is. Nothing is allocated.
+  // inverse_weights: 1 / tolerances of the unknowns. Those of unknowns that arguments depend on are made as large as
+  // it takes for these to be known to a hundredth, all of them by one factor, whatever their part in it is. Nothing
+  // is allocated.
   void sharpen(double t, const double* x, double* inverse_weights);
   struct Place {
     double t;
     const double* x;
   };
-  // Whether an argument is smaller at the second place by so much that the derivative of its exponential at the first one is too large
-  // by an order of magnitude. Nothing is allocated.
+  // Whether an argument is smaller at the second place by so much that the derivative of its exponential at the first
+  // one is too large by an order of magnitude. Nothing is allocated.
   bool have_fallen(const Place& from, const Place& to);
 
  private:

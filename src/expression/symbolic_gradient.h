@@ -18,8 +18,8 @@ std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count);
 // By nodes of leaves.
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves);
 
-// Nodes of the partial derivatives of a node by its operands, -1 where there is none: of any operation but leaves, calls of functions
-// and `choose`, whose operands count on their branch only.
+// Nodes of the partial derivatives of a node by its operands, -1 where there is none: of any operation but leaves,
+// calls of functions and `choose`, whose operands count on their branch only.
 std::array<int, 3> symbolic_partials(Recorder& recorder, int node);
 
 // The derivative along time, x' being that of x; none if that needs x'', as the node depends on x'.

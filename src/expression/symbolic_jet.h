@@ -1,6 +1,7 @@
 // Taylor coefficients of recorded expressions along a jet, recorded themselves, and their first derivatives.
 //
-// [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Section 13.2: recurrences of coefficients,
+// [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Section 13.2: recurrences of
+// coefficients,
 //        of a cost that is quadratic in the order, where differentiating formulas again and again is exponential.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -39,8 +40,8 @@ class SymbolicPartials {
 
 class SymbolicJet {
  public:
-  // leaf: the node in `to` of Taylor coefficient k of an unknown x_j, or of its derivative x_j'. Nodes are those of `from`, where
-  // auxiliary ones are recorded.
+  // leaf: the node in `to` of Taylor coefficient k of an unknown x_j, or of its derivative x_j'. Nodes are those of
+  // `from`, where auxiliary ones are recorded.
   using Leaf = std::function<int(int unknown, bool derivative, int k)>;
   SymbolicJet(Recorder& from, Recorder& to, Leaf leaf) : from_(from), to_(to), leaf_(std::move(leaf)) {}
 

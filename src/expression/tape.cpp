@@ -82,8 +82,8 @@ Instruction without_gaps(Instruction instruction) {
   return instruction;
 }
 
-// Takes instructions in blocks, so that what they compute stays in the cache: those that need no result of each other side by side,
-// those of one kind together. What is computed is the same.
+// Takes instructions in blocks, so that what they compute stays in the cache: those that need no result of each other
+// side by side, those of one kind together. What is computed is the same.
 class InRuns {
  public:
   explicit InRuns(InstructionList& list) : list_(list) {}

@@ -1,5 +1,6 @@
 // The graph of recorded equations, laid out for evaluation: what does not contribute to an equation is left out,
-// every value has a slot, and the gradients are lists of edges to be followed backward, which equations of one form share.
+// every value has a slot, and the gradients are lists of edges to be followed backward, which equations of one form
+// share.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -41,8 +42,8 @@ enum class Code : std::uint8_t {
   choose     // v = b if a > 0, else c
 };
 
-// Slots of the result, the operands and the derivatives that are needed. None: -1, in the lists of a tape 0, which is the
-// slot of a leaf.
+// Slots of the result, the operands and the derivatives that are needed. None: -1, in the lists of a tape 0, which is
+// the slot of a leaf.
 struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
@@ -68,8 +69,9 @@ enum class EdgeCode : std::uint8_t {
 // The instruction that computes an operation (which is no leaf): without regard to what kind of operands it has.
 Code code_of(Operation operation);
 
-// Instructions in their order. Most are of four kinds with two operands, of which the slots are kept and the kind once for all
-// that follow each other, and so is the slot of the result where these follow each other as well; others are kept as they are.
+// Instructions in their order. Most are of four kinds with two operands, of which the slots are kept and the kind
+// once for all that follow each other, and so is the slot of the result where these follow each other as well; others
+// are kept as they are.
 class InstructionList {
  public:
   struct Operands {
@@ -118,8 +120,8 @@ class InstructionList {
   std::vector<Instruction> others_;
 };
 
-// How a derivative is handed from a value to one of its operands. Adjoints are numbered within each equation, that of the residual is
-// the first.
+// How a derivative is handed from a value to one of its operands. Adjoints are numbered within each equation, that of
+// the residual is the first.
 struct Edge {
   EdgeCode code;
   bool is_first;     // = instead of +=
@@ -161,8 +163,8 @@ struct Tape {
   int time = -1;  // slot, -1: not used
   std::vector<Number> constants, parameters;
   std::vector<Leaf> leaves;
-  // To be done after a change of parameters; of the time; of x or x'. Operands come first, and those of x or x' that are of one
-  // kind follow each other (InRuns in tape.cpp).
+  // To be done after a change of parameters; of the time; of x or x'. Operands come first, and those of x or x' that
+  // are of one kind follow each other (InRuns in tape.cpp).
   InstructionList of_parameters, of_time, of_state;
   std::vector<int> residuals;  // slots
   bool has_choices = false;    // among the values that depend on x or x'

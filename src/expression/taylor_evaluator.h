@@ -60,9 +60,10 @@ class TaylorEvaluator {
   // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
-  // Values and entries as above, each equation up to its limit + more, where that is not negative; others are not evaluated. Values:
-  // m x (highest + more + 1), entries: from values[e (highest + 1)] on. Of the jet columns are read as far as these orders go.
-  // There is no allocation after prepare() while limits stay and `more` is not positive.
+  // Values and entries as above, each equation up to its limit + more, where that is not negative; others are not
+  // evaluated. Values: m x (highest + more + 1), entries: from values[e (highest + 1)] on. Of the jet columns are
+  // read as far as these orders go. There is no allocation after prepare() while limits stay and `more` is not
+  // positive.
   bool values_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits, int more,
                      double* F);
   bool entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits, double* values);
@@ -70,8 +71,8 @@ class TaylorEvaluator {
     if (!source_) reserve(limits->highest, limits);
   }
 
-  // As entries() of order 0, with `values` as the last call with `varying` has left them: those that are numbers are not evaluated again
-  // before parameters change.
+  // As entries() of order 0, with `values` as the last call with `varying` has left them: those that are numbers are
+  // not evaluated again before parameters change.
   bool entries(double t, const double* jet, VaryingEntries& varying, double* values);
 
   // Beyond rounding errors, relative: see EquationSource::noise.
@@ -90,8 +91,8 @@ class TaylorEvaluator {
   long changes_of_parameters() const { return changes_of_parameters_; }
 
  private:
-  // Indices that are slots in a tape are offsets here. Empty where these are the same, with one coefficient in a slot: large
-  // systems seldom need more, and instructions and edges are the largest part of a recording.
+  // Indices that are slots in a tape are offsets here. Empty where these are the same, with one coefficient in a
+  // slot: large systems seldom need more, and instructions and edges are the largest part of a recording.
   struct Program {
     InstructionList of_parameters, of_time, of_state;
     InstructionsByOrder by_order;  // in place of of_state where there are limits

@@ -16,8 +16,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the rounding errors of an argument: the gap about a kink is so much to either side. (Chosen: a linear function of t,
-// modulo a period, has a few of them.)
+// Of the rounding errors of an argument: the gap about a kink is so much to either side. (Chosen: a linear function
+// of t, modulo a period, has a few of them.)
 constexpr double half_gap = 64.0 * std::numeric_limits<double>::epsilon();
 // Of half a gap: ends of gaps that are as near as that are the same one.
 constexpr double same_end = 0.25;

@@ -13,8 +13,8 @@
 
 namespace sfdae::core {
 
-// Of tables whose argument is t, a linear function of t with coefficients that depend on parameters alone, such a function
-// modulo a period, one of several of these as conditions on t choose, or a linear function of any of that.
+// Of tables whose argument is t, a linear function of t with coefficients that depend on parameters alone, such a
+// function modulo a period, one of several of these as conditions on t choose, or a linear function of any of that.
 class TimeBreakpoints {
  public:
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
@@ -36,8 +36,9 @@ class TimeBreakpoints {
   void set_differentiations(int count) { differentiations_ = count; }
 
   // Where a step has to end: the next one after t in a direction, +1 or -1, farther away than rounding errors of t. In
-  // place of a kink, where values, first derivatives or what unknowns depend on may jump (of tables of degree 1 or a degree
-  // that is not above the number of differentiations, where a condition changes, where a period ends), both ends of its gap. Nothing is allocated.
+  // place of a kink, where values, first derivatives or what unknowns depend on may jump (of tables of degree 1 or a
+  // degree that is not above the number of differentiations, where a condition changes, where a period ends), both
+  // ends of its gap. Nothing is allocated.
   std::optional<double> next(double t, double direction);
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
   struct Gap {

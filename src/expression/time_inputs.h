@@ -16,10 +16,11 @@ class TimeInputs {
 
   // Of many inputs some stand for all; t itself is none.
   int count() const { return count_; }
-  // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is at its largest, as
-  // the current of a diode.
+  // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is
+  // at its largest, as the current of a diode.
   bool are_with_steep_functions() const { return are_with_steep_functions_; }
-  // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
+  // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is
+  // allocated.
   void evaluate(double t, double* values);
 
  private:

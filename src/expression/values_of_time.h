@@ -15,8 +15,8 @@ class ValuesOfTime {
   explicit ValuesOfTime(const TaylorEvaluator& evaluator);
 
   const Tape& tape() const { return evaluator_->tape(); }
-  // Slots of all values: of constants, parameters and what depends on t alone there; others stay as they are. Not finite where a function
-  // fails, within a QuietArithmetic of the caller's. Nothing is allocated.
+  // Slots of all values: of constants, parameters and what depends on t alone there; others stay as they are. Not
+  // finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
   double* at(double t);
 
  private:

@@ -1,5 +1,5 @@
-// What of a tape has to be done for those derivatives alone that are no numbers: most equations are sums of terms with constant
-// factors, whose derivatives need not be evaluated at each point.
+// What of a tape has to be done for those derivatives alone that are no numbers: most equations are sums of terms
+// with constant factors, whose derivatives need not be evaluated at each point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

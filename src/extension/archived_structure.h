@@ -1,4 +1,5 @@
-// Equations that were replaced, in checkpoints: points at random have found them once, and the same are to be taken again.
+// Equations that were replaced, in checkpoints: points at random have found them once, and the same are to be taken
+// again.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -16,8 +16,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what is added up: residuals of equations that are fulfilled, those that may be rounding errors of others, and changes
-// that are none. Chosen, not measured.
+// Relative to what is added up: residuals of equations that are fulfilled, those that may be rounding errors of
+// others, and changes that are none. Chosen, not measured.
 constexpr double fulfilled = 1e-8, rounding_of_rows = 1e-12, no_change = 1e-13;
 // Each takes away what weights of 1e-10 leave.
 constexpr int solutions_to_let_go = 3;

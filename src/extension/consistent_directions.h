@@ -1,5 +1,6 @@
-// Sensitivities at a start: the derivatives of consistent values by parameters, nearest to directions as a request measures changes
-// of x. At a consistent point, which is its own nearest one, that is the linear problem of least change (docs/decisions/50-sensitivities.md).
+// Sensitivities at a start: the derivatives of consistent values by parameters, nearest to directions as a request
+// measures changes of x. At a consistent point, which is its own nearest one, that is the linear problem of least
+// change (docs/decisions/50-sensitivities.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,11 +15,13 @@ namespace sfdae::core {
 
 class ConsistentDirections {
  public:
-  // values: derivatives of the rows at the jet, which is consistent. request: with tolerances. Throws Failure where there are none.
+  // values: derivatives of the rows at the jet, which is consistent. request: with tolerances. Throws Failure where
+  // there are none.
   ConsistentDirections(MinimalExtension& extension, const ConsistencyRequest& request, const Jet& jet,
                        const std::vector<double>& values);
 
-  // right: by rows; directions and S: of all x_j. Throws Failure SFDAE_FIXED_VALUES where fixed directions cannot be had.
+  // right: by rows; directions and S: of all x_j. Throws Failure SFDAE_FIXED_VALUES where fixed directions cannot be
+  // had.
   void find(const double* right, const double* directions, double* S);
   // Whether S, which fulfils the equations, leaves all directions that are to stay as they are.
   bool stay(const double* directions, const double* S) const;

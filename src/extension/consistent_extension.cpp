@@ -28,7 +28,8 @@ constexpr double moved = 1e-6, beyond_rounding_of_x = 64.0 * unit_roundoff;
 constexpr int highest_order_to_approach = 6;
 // Of the tolerances: no step toward the nearest point that is left out is larger.
 constexpr double thousandth = 1e-3;
-// Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by about its size.
+// Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by
+// about its size.
 constexpr double beyond_rounding = 1.0 / unit_roundoff;
 
 }  // namespace
@@ -89,7 +90,8 @@ Jet ConsistentExtension::find(const PointOfInterest& point) {
                                                                           : std::move(nearest);
 }
 
-// Something has moved, and a jet that moves everything by less than its tolerance may exist: the nearest one has the least sum of squares.
+// Something has moved, and a jet that moves everything by less than its tolerance may exist: the nearest one has the
+// least sum of squares.
 bool ConsistentExtension::may_be_digits(const double* given, const Jet& found) const {
   double sum = 0.0;
   int count = 0;

@@ -1,7 +1,8 @@
 // Consistent jets: values of all unknowns of the extension that fulfil its equations, with x near values given.
 //
-// First stage by stage [P01]: the equations of a stage determine its unknowns, or as many of them as there are equations,
-// given those of the stages before; then, where values given have to move, all together so that the changes of x are least.
+// First stage by stage [P01]: the equations of a stage determine its unknowns, or as many of them as there are
+// equations, given those of the stages before; then, where values given have to move, all together so that the
+// changes of x are least.
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -33,11 +34,12 @@ class ConsistentExtension {
     if (!request.weights.empty()) least_weight_ = *std::min_element(request.weights.begin(), request.weights.end());
   }
 
-  // Near the x and, if it is there, x' of the point: what is differentiated moves in proportion to its values where their last digits explain
-  // that, as published values are off by these (docs/decisions/28-start-values.md). Throws Failure: errors of callbacks,
-  // SFDAE_NO_CONSISTENT_VALUES.
+  // Near the x and, if it is there, x' of the point: what is differentiated moves in proportion to its values where
+  // their last digits explain that, as published values are off by these (docs/decisions/28-start-values.md). Throws
+  // Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
-  // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
+  // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not
+  // allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
 
   // Of the square of a change, as the request wants it; value: of the column, as far as it is known.

@@ -1,8 +1,10 @@
-// The equations that are left for the states where each stage of an implicit Runge-Kutta step has been eliminated down to them:
+// The equations that are left for the states where each stage of an implicit Runge-Kutta step has been eliminated
+// down to them:
 //
 //     sum_k D_ik / h z_k - B_i z_i = w_i,    i = 1, ..., s,    d each.
 //
-// Where the slope of a state is another state, as that of a position is a velocity, that row of B_i is a unit vector, and
+// Where the slope of a state is another state, as that of a position is a velocity, that row of B_i is a unit vector,
+// and
 //
 //     z_i,b = sum_k D_ik / h z_k,a - w_i,a    for each such pair a, b
 //
@@ -24,7 +26,8 @@ class CoupledStates {
   // slope(a, b, i): entry (a, b) of B_i. False: singular.
   template <class Slope>
   bool factor(const StageMethod& method, double h, int d, Slope slope);
-  // The same with pairs eliminated, slope(a, b, i) of which is 1, and others of a zero. Each state is in one of them at most.
+  // The same with pairs eliminated, slope(a, b, i) of which is 1, and others of a zero. Each state is in one of them
+  // at most.
   struct Pair {
     int a, b;
   };
@@ -56,8 +59,8 @@ class CoupledStates {
   int s_ = 0, d_ = 0;
   std::vector<double> D_, D2_;  // D / h, and its square
   std::vector<Pair> pairs_;
-  // States but for the b of pairs, which are the unknowns; the equations of the others but for the a; for each state its pair as a or b,
-  // and its place among the unknowns, or -1.
+  // States but for the b of pairs, which are the unknowns; the equations of the others but for the a; for each state
+  // its pair as a or b, and its place among the unknowns, or -1.
   std::vector<int> kept_, equations_, pair_of_a_, pair_of_b_, place_;
   std::vector<double> slopes_;  // the rows of B_i that are left, column-major, stage after stage
   std::vector<double> matrix_, w_, z_;

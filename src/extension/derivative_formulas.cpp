@@ -12,7 +12,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Nodes of formulas for each of the equations and for each derivative: more of them take longer than sweeps do. By judgement.
+// Nodes of formulas for each of the equations and for each derivative: more of them take longer than sweeps do. By
+// judgement.
 constexpr std::size_t most_of_nodes = 6, most_of_entries = 4;
 
 }  // namespace

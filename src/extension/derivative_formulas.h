@@ -26,8 +26,9 @@ class DerivativeFormulas {
   // Changes when numbers may have changed.
   long version() const { return version_; }
 
-  // Taylor coefficients up to the order: coefficient k of formula e at [e + k count()], entries of F_x and F_x' in the order of the tape,
-  // then those of F_p. Null: they cannot be evaluated, as what they come from may be able to be. Valid until the next call.
+  // Taylor coefficients up to the order: coefficient k of formula e at [e + k count()], entries of F_x and F_x' in
+  // the order of the tape, then those of F_p. Null: they cannot be evaluated, as what they come from may be able to
+  // be. Valid until the next call.
   const double* evaluate(double t, const double* jet, int order);
   // The same at several points: of_lanes(e)[k] then. False: as above.
   bool evaluate_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order);

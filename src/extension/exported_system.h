@@ -2,9 +2,9 @@
 //
 //     f_i^(k) = 0,  k = 0, ..., c_i,   in the unknowns z = (x_j^(l), l = 0, ..., d_j, but x_j' of the states),
 //
-// x_j' of a state j being the derivative of its entry of z; derivatives that are entries of z themselves are algebraic unknowns, the
-// dummy derivatives of [MS93]. These are as many equations as unknowns, strangeness-free (mu = 0) as long as the states determine the
-// other unknowns. Derivatives are plain ones, without factorials.
+// x_j' of a state j being the derivative of its entry of z; derivatives that are entries of z themselves are
+// algebraic unknowns, the dummy derivatives of [MS93]. These are as many equations as unknowns, strangeness-free (mu
+// = 0) as long as the states determine the other unknowns. Derivatives are plain ones, without factorials.
 //
 // [MS93] S. E. Mattsson, G. Soederlind: Index Reduction in Differential-Algebraic Equations Using Dummy Derivatives.
 //        SIAM J. Sci. Comput. 14 (1993), 677-692.
@@ -45,8 +45,8 @@ struct ExportedSystem {
   std::vector<double> z, zdot;  // at t; derivatives of entries that are no states count for nothing in F
 };
 
-// jet: consistent, where the states were chosen. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, where equations call functions that are no
-// formulas.
+// jet: consistent, where the states were chosen. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, where equations call
+// functions that are no formulas.
 ExportedSystem exported_system(const MinimalExtension& extension, const StateChoice& choice, const Jet& jet);
 
 }  // namespace sfdae::core

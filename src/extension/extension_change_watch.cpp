@@ -17,17 +17,18 @@ namespace {
 constexpr double uncertain = 0.02;
 // Of the step in which a point was found first: one that is short enough to report it.
 constexpr double short_enough = 1e-5;
-// By so much determinants have become smaller then if they vanish, and do not only jump: to first order by short_enough, by its
-// root where solutions end.
+// By so much determinants have become smaller then if they vanish, and do not only jump: to first order by
+// short_enough, by its root where solutions end.
 constexpr double vanished = 1e-2;
 // Of times: a step about a singular point is not shorter than so many roundings.
 constexpr double roundings = 1024.0;
 // A determinant that falls by this factor inside a step may touch zero there.
 constexpr double dip = 5e-2;
-// Determinants of many unknowns vary by orders of magnitude, all pivots together: dips tell nothing then. Chosen, not measured.
+// Determinants of many unknowns vary by orders of magnitude, all pivots together: dips tell nothing then. Chosen, not
+// measured.
 constexpr int most_unknowns = 10;
-// Before steps fail in front of a singular point determinants have fallen to this part of their largest value, and by this in
-// the last step, which is tiny.
+// Before steps fail in front of a singular point determinants have fallen to this part of their largest value, and by
+// this in the last step, which is tiny.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
 double ratio(double log2, double log2_of_reference) { return std::exp2(std::min(log2 - log2_of_reference, 900.0)); }
@@ -82,8 +83,8 @@ std::optional<int> ExtensionChangeWatch::turned_block(const Sample& now) const {
   return std::nullopt;
 }
 
-// The line through the two points before goes about as far below zero as the value is above, or below zero where the value has
-// turned: steps may end far beyond the point.
+// The line through the two points before goes about as far below zero as the value is above, or below zero where the
+// value has turned: steps may end far beyond the point.
 std::optional<int> ExtensionChangeWatch::dipping_block() const {
   constexpr double about = 0.75;
   if (samples_ < 2) return std::nullopt;

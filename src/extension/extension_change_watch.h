@@ -1,8 +1,8 @@
-// Singular points between steps of the extension: where the determinant of a block of the system Jacobian changes its sign, or
-// touches zero, from one accepted point to the next. Structure has fewer free values there than it says.
+// Singular points between steps of the extension: where the determinant of a block of the system Jacobian changes its
+// sign, or touches zero, from one accepted point to the next. Structure has fewer free values there than it says.
 //
-// A suspicion in a long step is confirmed by shorter ones: x in between is interpolated. Determinants that jump, as formulas
-// with conditions have them, do not become small with the step.
+// A suspicion in a long step is confirmed by shorter ones: x in between is interpolated. Determinants that jump, as
+// formulas with conditions have them, do not become small with the step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

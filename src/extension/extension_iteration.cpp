@@ -128,8 +128,8 @@ ExtensionIteration::Norms ExtensionIteration::apply_held(const Yardsticks& yards
 
 PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales,
                                            Hope hope, Jet& jet) {
-  // Until changes stop becoming smaller, after the first ones at some hundred roundings of x; derivatives of high order may
-  // lose more.
+  // Until changes stop becoming smaller, after the first ones at some hundred roundings of x; derivatives of high
+  // order may lose more.
   constexpr double negligible = 4.0 * unit_roundoff, small_derivatives = 1e-8;
   const double small = hope == Hope::none ? 1e-10 : 1e-13;
   r_.resize(index(extension_.num_rows()) + 1);
@@ -163,8 +163,8 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
   return PointStatus::not_converged;
 }
 
-// All rows differentiated once more determine x_j^(d_j + 1): what the extension knows of x' is in the jet, the other x' are
-// those of unknowns with d_j = 0.
+// All rows differentiated once more determine x_j^(d_j + 1): what the extension knows of x' is in the jet, the other
+// x' are those of unknowns with d_j = 0.
 PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization, Hope hope, const Jet& jet,
                                            double* xdot) {
   // Linearizations from elsewhere may contract slowly: only what is small then may be rounding errors.

@@ -29,9 +29,10 @@ class ExtensionIteration {
 
   // jet: in: a guess, out: the jet that fulfils all equations and the task.
   PointStatus solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet);
-  // jet: in: a guess, out: the jet that fulfils all equations with the states as they are, as accurately as rounding permits.
-  // scales: changes of the unknowns that do not matter, n values. Whether the iteration is slow stays as it was.
-  // There is no better linearization: changes that have stopped becoming smaller are rounding errors, if they are small.
+  // jet: in: a guess, out: the jet that fulfils all equations with the states as they are, as accurately as rounding
+  // permits. scales: changes of the unknowns that do not matter, n values. Whether the iteration is slow stays as it
+  // was. There is no better linearization: changes that have stopped becoming smaller are rounding errors, if they
+  // are small.
   enum class Hope { other_linearization, none };
   PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Hope hope,
                          Jet& jet);

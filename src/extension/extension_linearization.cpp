@@ -21,14 +21,15 @@ namespace sfdae::core {
 
 namespace {
 
-// Other states are chosen where these move some unknown that could be one by so much more than where they were chosen, and by so many of its
-// sizes if they change by theirs (docs/decisions/92-states-that-serve.md).
+// Other states are chosen where these move some unknown that could be one by so much more than where they were
+// chosen, and by so many of its sizes if they change by theirs (docs/decisions/92-states-that-serve.md).
 constexpr double worth_a_choice = 3.0, harmless_sensitivity = 5.0;
 // Of the matrix, so that a choice stage by stage is taken without a look at others. Chosen, not measured.
 constexpr double good_condition = 1e-10;
 // What is larger than so many rounding errors is none. Chosen, not measured.
 constexpr double certain = 1e3;
-// As many as error estimates have columns between two linearizations, with BDF; see docs/decisions/78-orders-of-equations.md.
+// As many as error estimates have columns between two linearizations, with BDF; see
+// docs/decisions/78-orders-of-equations.md.
 constexpr int few_states = 3;
 // Of roundings of the terms of f, added up.
 constexpr double few_roundings = 4.0;
@@ -111,10 +112,10 @@ std::vector<double> ExtensionLinearization::values_in_own_time() const {
   return values;
 }
 
-// Stage by stage: the unknowns of a stage that its equations leave over [P01]. The last stage leaves none, as the system Jacobian
-// has been judged, and the others are much smaller, so that this is fast and little is filled in. None where something else
-// than x_j would be left over. values: scaled with all equations, as rounding errors of zeros could be the only entries of a
-// column in its stage.
+// Stage by stage: the unknowns of a stage that its equations leave over [P01]. The last stage leaves none, as the
+// system Jacobian has been judged, and the others are much smaller, so that this is fast and little is filled in.
+// None where something else than x_j would be left over. values: scaled with all equations, as rounding errors of
+// zeros could be the only entries of a column in its stage.
 std::optional<std::vector<int>> ExtensionLinearization::states_by_stages(const std::vector<double>& values) const {
   std::vector<int> states;
   states.reserve(index(extension_.freedom()));
@@ -225,8 +226,8 @@ std::vector<double> ExtensionLinearization::random_changes() const {
   return changes;
 }
 
-// Changes of the unknowns that could be states in their sizes, from those by slots. What follows from these without a choice moves with them, and
-// says nothing about it. Unknowns that are nothing but rounding errors have no size.
+// Changes of the unknowns that could be states in their sizes, from those by slots. What follows from these without a
+// choice moves with them, and says nothing about it. Unknowns that are nothing but rounding errors have no size.
 double ExtensionLinearization::sensitivity_to(const double* changes) const {
   double sensitivity = 0.0;
   for (int j = 0; j < extension_.n(); ++j) {
@@ -325,8 +326,8 @@ std::vector<double> ExtensionLinearization::noise_of_jet() const {
   return noise;
 }
 
-// Roundings of the terms of each row, with random signs. Sizes are random, too: those of equations whose terms cancel, as forces across a
-// rod do in its multiplier, would do the same.
+// Roundings of the terms of each row, with random signs. Sizes are random, too: those of equations whose terms
+// cancel, as forces across a rod do in its multiplier, would do the same.
 std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);
   std::vector<double> noise(extension_.columns().size(), 0.0);

@@ -24,8 +24,8 @@ class ExtensionLinearization {
   ExtensionLinearization(MinimalExtension& extension, SystemCounts& counts)
       : extension_(extension), counts_(counts) {}
 
-  // At the jet; the states may stay if they determine all other unknowns about as well as where they were chosen, else they
-  // are chosen there. singular: no choice does.
+  // At the jet; the states may stay if they determine all other unknowns about as well as where they were chosen,
+  // else they are chosen there. singular: no choice does.
   enum class States { may_stay, chosen_there };
   PointStatus renew(const Jet& jet, CallbackError& error, States states = States::may_stay);
   // As renew() with these states and no others, and the lists that were archived.
@@ -45,12 +45,13 @@ class ExtensionLinearization {
     ++counts_.reductions;
     ++counts_.factorizations;
   }
-  // By how many of their sizes the unknowns that could be states change if the states do by theirs; tangents: of the others by the states, by
-  // slots.
+  // By how many of their sizes the unknowns that could be states change if the states do by theirs; tangents: of the
+  // others by the states, by slots.
   double sensitivity(ConstView tangents) const { return sensitivity_to(changes_by(tangents).data()); }
   // Whether states with that sensitivity determine the other unknowns about as well as where they were chosen.
   bool is_harmless(double sensitivity) const;
-  // Where unknowns begin to move their sizes are small, and sensitivities large: they are not to be the measure for good.
+  // Where unknowns begin to move their sizes are small, and sensitivities large: they are not to be the measure for
+  // good.
   void note_sensitivity(double sensitivity) {
     sensitivity_of_choice_ = std::min(sensitivity_of_choice_, sensitivity);
   }
@@ -88,8 +89,8 @@ class ExtensionLinearization {
   // All matrices of the stages of a step h, unless they are there.
   bool factor_stages(const StageMethod& method, double h);
 
-  // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the states x_j
-  // in place of x_j'; with the states held.
+  // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the
+  // states x_j in place of x_j'; with the states held.
   void solve_step(double* r, int count = 1) { solve(step_, r, count); }
   void solve_pair(std::size_t k, std::complex<double>* r, int count = 1) { solve(pairs_[k], r, count); }
   void solve_held(double* r, int count = 1) { held_.solve(r, count); }
@@ -130,7 +131,8 @@ class ExtensionLinearization {
   Jet origin_;
   bool is_usable_ = false;
   long choices_ = 0, choice_number_ = 0;
-  // By how many of their sizes the other unknowns x_j change if the states do by theirs; where these were chosen, or the least noted since.
+  // By how many of their sizes the other unknowns x_j change if the states do by theirs; where these were chosen, or
+  // the least noted since.
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x
   StateChoice choice_;

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Of equations none of which is differentiated: rounding errors are not amplified from step to step, as they may be where constraints
-// are hidden (see rounding_of_residuals).
+// Of equations none of which is differentiated: rounding errors are not amplified from step to step, as they may be
+// where constraints are hidden (see rounding_of_residuals).
 constexpr double harmless_residuals = 1e-14;
 
 }  // namespace

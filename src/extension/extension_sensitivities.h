@@ -1,7 +1,9 @@
-// Sensitivities of equations that are solved by their minimal extension: linear equations along its jets, with sparse matrices.
+// Sensitivities of equations that are solved by their minimal extension: linear equations along its jets, with sparse
+// matrices.
 //
-// Steps and stages are those of x differentiated by p: the states of x are discretized, everything else follows from the equations
-// of the extension, which hold for S with all hidden constraints among them (docs/decisions/72-sensitivities-of-the-extension.md).
+// Steps and stages are those of x differentiated by p: the states of x are discretized, everything else follows from
+// the equations of the extension, which hold for S with all hidden constraints among them
+// (docs/decisions/72-sensitivities-of-the-extension.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -14,13 +14,14 @@ namespace sfdae::core {
 
 namespace {
 
-// Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with them, which S has to
-// fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
+// Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with
+// them, which S has to fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
 constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, rounding_of_changes = 1e-10;
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations_of_stages = 12;
 constexpr double slowest_rate = 0.2;
-// Of all stages, those in pairs counted once: full matrices of which take less time than iterations with the factors of x.
+// Of all stages, those in pairs counted once: full matrices of which take less time than iterations with the factors
+// of x.
 constexpr int most_states_of_stages = 120;
 // With factors of x iterations are as many for each parameter. Chosen, not measured.
 constexpr int most_iterated = 2;
@@ -237,7 +238,8 @@ void ExtensionSensitivityStages::take_away(const Task& task, ExtensionLinearizat
   multiply(1.0, Op::plain, transformed, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, r);
 }
 
-// The largest change of S relative to the largest entry of its column, both in units of x. Not finite where anything is not.
+// The largest change of S relative to the largest entry of its column, both in units of x. Not finite where anything
+// is not.
 double ExtensionSensitivityStages::add_changes(const Task& task) {
   const std::size_t n = index(equations_.extension().n()), rows = index(num_rows());
   per_scale_.resize(n);

@@ -1,12 +1,12 @@
-// The stages of an implicit Runge-Kutta step for sensitivities along the minimal extension: the linear equations of all stages, each
-// with its own derivatives, and for the states j
+// The stages of an implicit Runge-Kutta step for sensitivities along the minimal extension: the linear equations of
+// all stages, each with its own derivatives, and for the states j
 //
 //     S_j' = sum_k D_ik (S_j,k - S_j) / h        at stage i.
 //
-// Where states are few among them, each stage is eliminated down to its states, which leaves s d equations for each parameter
-// (local_stages.h). Else by iterations with the factors of x, which hold for one linearization and decouple the stages: what they leave is measured
-// with the derivatives of each stage, and taken away until it is rounding errors. Where they contract slowly, or x has none, as one sparse
-// system for all stages.
+// Where states are few among them, each stage is eliminated down to its states, which leaves s d equations for each
+// parameter (local_stages.h). Else by iterations with the factors of x, which hold for one linearization and decouple
+// the stages: what they leave is measured with the derivatives of each stage, and taken away until it is rounding
+// errors. Where they contract slowly, or x has none, as one sparse system for all stages.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -37,8 +37,8 @@ class ExtensionSensitivityStages {
       : equations_(equations), local_(equations.extension()) {}
   // Other states from now on. choice: lives until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
-  // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors of x of the
-  // same step, or null. False: that is of no use, or the others are not found.
+  // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors
+  // of x of the same step, or null. False: that is of no use, or the others are not found.
   bool solve_locally(const Task& task, const ExtensionLinearization& linearization, LocalStages* by, double* S);
   // The same in other ways. by: with the factors of x, of the step that x has taken; or null. False: singular.
   bool solve(const Task& task, ExtensionLinearization* by, double* S);

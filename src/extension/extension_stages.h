@@ -1,7 +1,8 @@
 // The stages of an implicit Runge-Kutta step for the extension: simplified Newton with one linearization.
 //
-// For the states j, stage i: x_j' = sum_k D_ik (x_j,k - x_j) / h. With all unknowns of all stages multiplied by T^-1 one real
-// system and (s - 1) / 2 complex ones remain, of the matrices of steps with c = gamma / h and lambda_k / h [HW96, IV.8].
+// For the states j, stage i: x_j' = sum_k D_ik (x_j,k - x_j) / h. With all unknowns of all stages multiplied by T^-1
+// one real system and (s - 1) / 2 complex ones remain, of the matrices of steps with c = gamma / h and lambda_k / h
+// [HW96, IV.8].
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -27,8 +28,8 @@ class ExtensionStages {
   void hold_derivatives(const JetHistory& history) {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
-  // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states do not serve at all of them,
-  // or whatever they do there.
+  // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states
+  // do not serve at all of them, or whatever they do there.
   enum class Linearized { once, at_each_stage, at_each_stage_as_is };
   PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);

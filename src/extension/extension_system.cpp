@@ -124,8 +124,8 @@ PointStatus ExtensionSystem::set_point(const Jet& jet, Certificates certificates
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
   about_later_point_.clear();
-  // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left it from the
-  // solution.
+  // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left
+  // it from the solution.
   PointStatus status = certify(jet_, {}, certificates);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
@@ -250,7 +250,8 @@ PointStatus ExtensionSystem::judge_rounding_errors(const double* inverse_weights
   return PointStatus::ok;
 }
 
-// With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
+// With the linearization that is there, that of the point accepted last, and that of the guess; see
+// nonlinear_system.cpp.
 template <class Start, class Iterate>
 PointStatus ExtensionSystem::iterate_with_renewal(const double* inverse_weights, Start guess, Iterate iterate) {
   const Jet& accepted = history_.accepted();
@@ -290,7 +291,8 @@ PointStatus ExtensionSystem::review_local() {
   return status;
 }
 
-// A linearization that has become slow is renewed where the point has converged, and the structure confirmed now and then.
+// A linearization that has become slow is renewed where the point has converged, and the structure confirmed now and
+// then.
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
   if (++unjudged_ >= points_between_certificates) {
@@ -335,8 +337,9 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
   return status;
 }
 
-// Newton's method at each stage also converges beyond points where the states do not determine the other unknowns, to something that is no
-// solution: states have to serve at all stages, those that are chosen where the old ones serve worst or, if there is no better choice, these.
+// Newton's method at each stage also converges beyond points where the states do not determine the other unknowns, to
+// something that is no solution: states have to serve at all stages, those that are chosen where the old ones serve
+// worst or, if there is no better choice, these.
 PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations) {
   using Linearized = ExtensionStages::Linearized;
   PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);

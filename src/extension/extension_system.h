@@ -2,9 +2,9 @@
 //
 //     x_j' = ... for the states j (d equations, F1),   f_i^(k) = 0, k = 0, ..., c_i (the rest, F2 among it)
 //
-// in all unknowns x_j^(l) of the extension. BDF and Radau discretize x_j' of the states; all other derivatives follow from
-// the equations. As histories are those of all x_j (W = I), other states may be chosen at any point [MS93: the choice of
-// dummy derivatives]. All equations are solved by chord iterations with sparse matrices.
+// in all unknowns x_j^(l) of the extension. BDF and Radau discretize x_j' of the states; all other derivatives follow
+// from the equations. As histories are those of all x_j (W = I), other states may be chosen at any point [MS93: the
+// choice of dummy derivatives]. All equations are solved by chord iterations with sparse matrices.
 //
 // [MS93] S. E. Mattsson, G. Soederlind: Index Reduction in Differential-Algebraic Equations Using Dummy Derivatives.
 //        SIAM J. Sci. Comput. 14 (1993), 677-692.
@@ -28,8 +28,9 @@ namespace sfdae::core {
 
 class ExtensionSystem final : public DaeSystem {
  public:
-  // base: whose requests to stop count; it lives longer, as the problem of the extension does. jet: consistent. scales: changes of
-  // the unknowns that do not matter, n values: tolerances, for example. Throws Failure where the structure is not confirmed there.
+  // base: whose requests to stop count; it lives longer, as the problem of the extension does. jet: consistent.
+  // scales: changes of the unknowns that do not matter, n values: tolerances, for example. Throws Failure where the
+  // structure is not confirmed there.
   ExtensionSystem(MinimalExtension extension, Problem& base, const AnalysisSettings& settings,
                   std::vector<double> scales, const Jet& jet);
   // As it was when it was archived. Throws DamagedArchive.
@@ -42,8 +43,8 @@ class ExtensionSystem final : public DaeSystem {
   const Jet& jet() const { return jet_; }
   // Of the step whose stages were solved last.
   const Jet& jet_of_stage(int i) const { return stages_.jet(i); }
-  // The matrices that these were solved with, made anew where they are not there any more; null where each stage had its own, or
-  // there are none. Valid until the next step.
+  // The matrices that these were solved with, made anew where they are not there any more; null where each stage had
+  // its own, or there are none. Valid until the next step.
   ExtensionLinearization* factors_of_stages(const StageMethod& method, double h);
   // Where each stage had its own, these; null otherwise, or where other states have been chosen since.
   LocalStages* local_factors_of_stages() { return are_stages_local_ ? stages_.local(linearization_) : nullptr; }

@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// Changes are measured in: sizes of x, n values, far below which they do not matter, and the equations' own unit of time, as
-// what is found must not depend on that of the user.
+// Changes are measured in: sizes of x, n values, far below which they do not matter, and the equations' own unit of
+// time, as what is found must not depend on that of the user.
 struct SearchUnits {
   std::vector<double> sizes;
   double time = 1.0;
@@ -56,7 +56,8 @@ class JetChange {
 // Relative to what is added up in them, residuals that are nothing but rounding errors.
 inline constexpr double rounding_residual = 1e-14;
 
-// Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become smaller.
+// Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become
+// smaller.
 class SearchProgress {
  public:
   // relative: to what is added up in each residual, the largest.
@@ -71,8 +72,9 @@ class SearchProgress {
     before_ = change.of_x();
     ++iterations_;
     if (change.is_negligible() || is_small) return true;
-    // Nothing is better than that, however much rounding errors move derivatives, which hardly matter. Where they move x, matrices
-    // are nearly singular, and the point is one of those where entries that vanish at all solutions are rounding errors.
+    // Nothing is better than that, however much rounding errors move derivatives, which hardly matter. Where they
+    // move x, matrices are nearly singular, and the point is one of those where entries that vanish at all solutions
+    // are rounding errors.
     const bool is_rounding = iterations_ > 2 && relative <= rounding_residual;
     return change.of_x() <= JetChange::small && (is_rounding || stands);
   }
@@ -102,8 +104,8 @@ void sum_rows(const std::vector<int>& first, const std::vector<int>& column, con
     for (int e = first[i]; e < first[i + 1]; ++e) sums[i] += std::fabs(values[index(e)] * x(column[index(e)]));
 }
 
-// Of residuals, the largest relative to the sum of its row, and the largest itself of those that are more than `ignored` relative to it.
-// HUGE_VAL: not finite.
+// Of residuals, the largest relative to the sum of its row, and the largest itself of those that are more than
+// `ignored` relative to it. HUGE_VAL: not finite.
 struct ResidualSizes {
   double relative = 0.0, largest = 0.0;
 };

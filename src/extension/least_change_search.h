@@ -23,15 +23,16 @@ class LeastChangeSearch {
   };
   LeastChangeSearch(MinimalExtension& extension, Demands demands, const SearchUnits& units);
 
-  // All of these throw Failure where callbacks stop. False: the search does not come to an end, or leads to where the equations
-  // cannot be evaluated.
+  // All of these throw Failure where callbacks stop. False: the search does not come to an end, or leads to where the
+  // equations cannot be evaluated.
   bool fulfil(Jet& jet);
-  // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too
-  // many digits, they may not come to an end.
+  // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order
+  // lose too many digits, they may not come to an end.
   bool hurry(const Jet& guess, Jet& jet);
   // Of W times the squares of changes of what is drawn to the guess.
   double sum(const Jet& guess, const Jet& jet) const;
-  // Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the equations.
+  // Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the
+  // equations.
   void approach(const Jet& guess, Jet& jet);
 
  private:

@@ -1,5 +1,6 @@
-// The change of unknowns that fulfils linear equations and is least: minimize dx^T W dx / 2 + g^T dx so that J dx = r, J sparse of
-// full row rank, by one sparse factorization of [W J^T; J 0], or of J where it is square and nothing is left to be chosen.
+// The change of unknowns that fulfils linear equations and is least: minimize dx^T W dx / 2 + g^T dx so that J dx =
+// r, J sparse of full row rank, by one sparse factorization of [W J^T; J 0], or of J where it is square and nothing
+// is left to be chosen.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,17 +1,19 @@
 // The stages of an implicit Runge-Kutta step for the extension with few states: Newton's method, with the equations
 // linearized at each stage.
 //
-// With the states x_j held, the equations of stage i determine all other unknowns and the slopes x_j': H_i is the matrix with the
-// states held, T_i = -H_i^-1 (derivatives by the states) says what moves with them, and its rows B_i of the slopes leave
+// With the states x_j held, the equations of stage i determine all other unknowns and the slopes x_j': H_i is the
+// matrix with the states held, T_i = -H_i^-1 (derivatives by the states) says what moves with them, and its rows B_i
+// of the slopes leave
 //
 //    sum_k D_ik / h dz_k - B_i dz_i = slopes of H_i^-1 r_i,
 //
-// s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for all stages
-// (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the solution turns within a step,
-// as those of mechanisms do (docs/decisions/62-stages-with-few-states.md). All H_i are factored side by side by one elimination.
+// s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for
+// all stages (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the
+// solution turns within a step, as those of mechanisms do (docs/decisions/62-stages-with-few-states.md). All H_i are
+// factored side by side by one elimination.
 //
-// For sensitivities rows of B_i come from rows of H_i^-1, of which half are wanted where states are positions and velocities, and what
-// moves with the states from a second solution (docs/decisions/88-pairs-of-states.md).
+// For sensitivities rows of B_i come from rows of H_i^-1, of which half are wanted where states are positions and
+// velocities, and what moves with the states from a second solution (docs/decisions/88-pairs-of-states.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -40,7 +42,8 @@ class LocalStages {
   PointStatus linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                         ExtensionLinearization& linearization, CallbackError& error);
   // With derivatives that are known: value(e, i) is that of entry e of the extension at stage i. B_i row by row,
-  // without T, and pairs of states eliminated (coupled_states.h). False: singular, or more than `coupled` unknowns of all stages are left.
+  // without T, and pairs of states eliminated (coupled_states.h). False: singular, or more than `coupled` unknowns of
+  // all stages are left.
   template <class Value>
   bool linearize(const StageMethod& method, double h, Value value, const ExtensionLinearization& linearization,
                  int coupled);
@@ -48,10 +51,11 @@ class LocalStages {
   void archive(Archive& archive, const ExtensionLinearization& linearization);
   // With the states of this linearization.
   bool is_of(const ExtensionLinearization& linearization) const { return choice_ == linearization.choice_number(); }
-  // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots, those of x_j in place of x_j' of the
-  // states.
+  // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots,
+  // those of x_j in place of x_j' of the states.
   void solve(View r);
-  // After linearize(): the stage where the states serve worst, if they do not serve there; -1: they serve at all stages.
+  // After linearize(): the stage where the states serve worst, if they do not serve there; -1: they serve at all
+  // stages.
   int ill_served(ExtensionLinearization& linearization);
   // T of the last stage: by slots, a column for each state.
   ConstView end_tangents() const { return {end_tangents_.data(), q_, d_, q_ > 0 ? q_ : 1}; }
@@ -93,7 +97,8 @@ class LocalStages {
     std::vector<int> first;
   };
   HeldEntries held_;
-  // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of right-hand sides.
+  // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of
+  // right-hand sides.
   LaneArray derivatives_, values_, factors_, tangents_, r_, given_;
   std::vector<double> values_of_stage_, end_tangents_, stage_tangents_;
   CoupledStates coupled_;

@@ -84,8 +84,8 @@ void MinimalExtension::note_parts() {
   first_part_.shrink_to_fit();
 }
 
-// With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1). Derivatives that
-// the signature does not know of have cancelled.
+// With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1).
+// Derivatives that the signature does not know of have cancelled.
 void MinimalExtension::make_pattern() {
   const Tape& tape = problem_.evaluator().tape();
   const std::size_t length = index(highest_level_ + 1);

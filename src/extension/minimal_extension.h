@@ -1,6 +1,7 @@
-// The minimal extension of recorded equations by their structure: f_i, ..., f_i^(c_i) in the unknowns x_j, ..., x_j^(d_j),
-// c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives. Where structure misleads,
-// f_i are the combinations of recorded equations that have taken their place (structure/replacement.h).
+// The minimal extension of recorded equations by their structure: f_i, ..., f_i^(c_i) in the unknowns x_j, ...,
+// x_j^(d_j), c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives.
+// Where structure misleads, f_i are the combinations of recorded equations that have taken their place
+// (structure/replacement.h).
 //
 // Folder extension: the strangeness-free system of equations whose structure numbers confirm, for many unknowns or a
 // high index: what is differentiated is the least that has to be, and matrices are sparse.
@@ -74,8 +75,8 @@ class MinimalExtension {
   int first_stage() const { return -highest_d_; }
   int first_row(int stage) const { return first_rows_[index(stage + highest_d_)]; }
   int first_column(int stage) const { return first_columns_[index(stage + highest_d_)]; }
-  // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are found one after
-  // the other (docs/decisions/75-deep-chains.md).
+  // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are
+  // found one after the other (docs/decisions/75-deep-chains.md).
   bool is_deep() const { return highest_d_ >= deep; }
   // The highest derivative of a recorded equation.
   int highest_level() const { return highest_level_; }
@@ -84,31 +85,32 @@ class MinimalExtension {
 
   // num_rows() Taylor coefficients of f along a jet of jet_order().
   CallbackError residuals(const Jet& jet, double* r);
-  // The same along the first `count` jets at once, to the last bit; r: a column for each. False: they have to be looked at one
-  // by one, for whatever reason.
+  // The same along the first `count` jets at once, to the last bit; r: a column for each. False: they have to be
+  // looked at one by one, for whatever reason.
   bool residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r);
   // Those of the total derivatives by t of all rows along the jet; it is of one order more.
   CallbackError slopes(const Jet& jet, double* r);
 
   // Residuals of the rows of a stage alone, as many as these are.
   CallbackError stage_residuals(int stage, const Jet& jet, double* r);
-  // Derivatives of the rows of a stage by its unknowns, which are those of the system Jacobian times factors; rows and columns
-  // count from the first of the stage.
+  // Derivatives of the rows of a stage by its unknowns, which are those of the system Jacobian times factors; rows
+  // and columns count from the first of the stage.
   struct StageMatrix {
     std::vector<int> first, column;
     std::vector<double> values;
   };
   CallbackError linearize_stage(int stage, const Jet& jet, StageMatrix& matrix);
 
-  // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
+  // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1]
+  // - 1.
   CallbackError linearize(const Jet& jet) { return linearize(jet, values_); }
   // values: to, in place of values().
   CallbackError linearize(const Jet& jet, std::vector<double>& values);
   // The same along the first `count` jets at once; values: of all entries, not those of values(). False: as
   // residuals_side_by_side().
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values);
-  // values: of the entries, from Taylor coefficients of the derivatives of recorded equations: coefficient k of the derivative by the
-  // target number e of the tape is coefficient(e, k), k <= highest_level().
+  // values: of the entries, from Taylor coefficients of the derivatives of recorded equations: coefficient k of the
+  // derivative by the target number e of the tape is coefficient(e, k), k <= highest_level().
   template <class Coefficient>
   void take_derivatives(Coefficient coefficient, double* values) const;
   // What entries are sums of: action(entry, e, k, factor), in the order in which terms are added up.
@@ -149,8 +151,8 @@ class MinimalExtension {
   // None, where each row is one coefficient.
   std::vector<Part> parts_;
   std::vector<int> first_part_;
-  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are sums, or the
-  // equations as they are.
+  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are
+  // sums, or the equations as they are.
   std::vector<int> places_;
   std::shared_ptr<const OrderLimits> levels_;  // of each recorded equation, the highest
   // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.

@@ -147,7 +147,8 @@ bool SensitivityEquations::linearize_side_by_side(const std::vector<Jet>& jets, 
   return true;
 }
 
-// With x'_k = (k + 1) x_(k+1): coefficient k of (df/dx') S' + (df/dx) S + df/dp, times k, is that of the derivative of row k - 1.
+// With x'_k = (k + 1) x_(k+1): coefficient k of (df/dx') S' + (df/dx) S + df/dp, times k, is that of the derivative
+// of row k - 1.
 CallbackError SensitivityEquations::slopes(const Jet& jet, const double* S, double* r) {
   RecordedProblem& problem = extension_.problem();
   const Tape& tape = problem.evaluator().tape();

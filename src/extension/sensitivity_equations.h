@@ -1,9 +1,10 @@
-// The equations of the minimal extension differentiated by parameters p: with S_j^(l) the Taylor coefficients of S = dx/dp,
+// The equations of the minimal extension differentiated by parameters p: with S_j^(l) the Taylor coefficients of S =
+// dx/dp,
 //
 //     sum_{j,l} (df_i^(k) / dx_j^(l)) S_j^(l) = -(df_i^(k) / dp),    k = 0, ..., c_i
 //
-// along a jet of x, one column for each parameter. For extensions of the equations as they are recorded: factors of combinations may
-// depend on p, and what they cancel is then not to be had from jets.
+// along a jet of x, one column for each parameter. For extensions of the equations as they are recorded: factors of
+// combinations may depend on p, and what they cancel is then not to be had from jets.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -35,8 +36,8 @@ class SensitivityEquations {
   CallbackError linearize(const Jet& jet, SensitivityRows& rows);
   // The same at the first `count` jets, side by side where that is possible.
   CallbackError linearize(const std::vector<Jet>& jets, int count, std::vector<SensitivityRows>& rows);
-  // Residuals of the total derivatives by t of all rows, with Taylor coefficients of S, n x (jet_order() + 2) for each parameter,
-  // those above d_j zero; jet: of x, of one order more. r: num_rows() x count.
+  // Residuals of the total derivatives by t of all rows, with Taylor coefficients of S, n x (jet_order() + 2) for
+  // each parameter, those above d_j zero; jet: of x, of one order more. r: num_rows() x count.
   CallbackError slopes(const Jet& jet, const double* S, double* r);
 
   // Entries whose values differ from those of other rows of the same version.
@@ -62,8 +63,8 @@ class SensitivityEquations {
   std::vector<std::size_t> first_row_;
   std::vector<int> row_;
   std::vector<int> slope_limits_;
-  // What is not the same everywhere: coefficient k of formula e, in `place` among all coefficients, is an entry, or a term of one, or minus one of a
-  // right-hand side.
+  // What is not the same everywhere: coefficient k of formula e, in `place` among all coefficients, is an entry, or a
+  // term of one, or minus one of a right-hand side.
   struct Source {
     int to, e, k;
     std::size_t place;

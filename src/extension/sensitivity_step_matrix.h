@@ -1,5 +1,5 @@
-// The matrix of steps of sensitivities along the minimal extension: derivatives by x_j^(l), and c times those by x_j' of the states in the
-// columns of x_j. What is the same everywhere is copied once.
+// The matrix of steps of sensitivities along the minimal extension: derivatives by x_j^(l), and c times those by x_j'
+// of the states in the columns of x_j. What is the same everywhere is copied once.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

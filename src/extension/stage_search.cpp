@@ -60,8 +60,8 @@ StageSearch::Residual StageSearch::residual(const Jet& jet) {
   return result;
 }
 
-// Rounding errors need not become smaller. In deep chains those of some equations are larger than others as a whole, in any units: they
-// do not count, and a step is good where residuals become smaller in one of two units.
+// Rounding errors need not become smaller. In deep chains those of some equations are larger than others as a whole,
+// in any units: they do not count, and a step is good where residuals become smaller in one of two units.
 bool StageSearch::has_improved() const {
   if (here_.sizes.largest <= before_.sizes.largest || here_.sizes.relative <= rounding_residual) return true;
   return extension_.is_deep() && here_.weighted <= much_less * before_.weighted;
@@ -88,8 +88,8 @@ const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_fir
   return error.status != SFDAE_OK ? explain(error, guess, is_first) : "the equations overflow.";
 }
 
-// Nothing is left to be done: values given that are consistent are the nearest ones. Certificates tell whether equations are
-// singular there.
+// Nothing is left to be done: values given that are consistent are the nearest ones. Certificates tell whether
+// equations are singular there.
 bool StageSearch::is_solved(const Jet& guess, const Jet& jet) const {
   if (!(before_.sizes.largest < HUGE_VAL) || largest_entry(r_) != 0.0) return false;
   return is_square() || std::all_of(columns_.begin(), columns_.end(), [&](const MinimalExtension::Column& column) {
@@ -130,9 +130,9 @@ bool StageSearch::step(Toward toward, const Jet& guess, Jet& jet) {
   }
 }
 
-// The nearest solution is not found by these steps where it is farther away than its curvature allows: a circle whose radius is less
-// than half the distance of the guess from its centre. Any solution does then, but none that is approached as slowly as points where
-// the equations are singular are.
+// The nearest solution is not found by these steps where it is farther away than its curvature allows: a circle whose
+// radius is less than half the distance of the guess from its centre. Any solution does then, but none that is
+// approached as slowly as points where the equations are singular are.
 const char* StageSearch::run(const Jet& guess, Jet& jet) {
   const Jet start = jet;
   const char* const why = run_toward(Toward::guess, guess, jet);

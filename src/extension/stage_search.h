@@ -16,8 +16,8 @@ class StageSearch {
   // W: of the square of a change of each column of the stage, in the units of the search.
   StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const SearchUnits& units);
 
-  // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws Failure
-  // where the equations cannot be evaluated at the guess.
+  // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws
+  // Failure where the equations cannot be evaluated at the guess.
   const char* run(const Jet& guess, Jet& jet);
   // One of these reasons: the structure may mislead.
   static constexpr char singular[] = "the equations are singular there.";

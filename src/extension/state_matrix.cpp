@@ -40,7 +40,8 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
 }
 
 void StateChoice::list_held_entries(const MinimalExtension& extension) {
-  // Where all unknowns are states, as those of a discretized field may be, the list would only take memory. Chosen, not measured.
+  // Where all unknowns are states, as those of a discretized field may be, the list would only take memory. Chosen,
+  // not measured.
   constexpr std::size_t least_others = 4;
   held_entries_.clear();
   std::size_t count = 0;

@@ -1,9 +1,10 @@
 // The extension as a square sparse matrix, d of the unknowns x_j being states.
 //
-// With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) but the x_j of states, a change of which is
-// 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1 / c. With epsilon =
-// 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed. The matrix with the states held has a pattern of its
-// own, without their columns x_j: it is block triangular by stages, and its factors are much smaller than those of the others.
+// With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) but the x_j of states, a change of
+// which is 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1 /
+// c. With epsilon = 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed. The matrix with
+// the states held has a pattern of its own, without their columns x_j: it is block triangular by stages, and its
+// factors are much smaller than those of the others.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -100,8 +101,8 @@ void StateChoice::assemble(bool holds_states, const ExtensionDerivatives& from, 
     to[places[e]] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
 }
 
-// Factored for one epsilon at a time. Real ones that are not too large by a list of operations (linalg/listed_factors.h), whose
-// pivots outlive the linearization (docs/decisions/69-listed-step-matrices.md).
+// Factored for one epsilon at a time. Real ones that are not too large by a list of operations
+// (linalg/listed_factors.h), whose pivots outlive the linearization (docs/decisions/69-listed-step-matrices.md).
 template <class Number>
 class StateMatrix {
  public:

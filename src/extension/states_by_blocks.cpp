@@ -18,8 +18,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what was added up, in blocks scaled by themselves: blocks that are nearly singular have solutions far away, of sizes
-// that are out of all proportion, which equations as they should be have not. Chosen, not measured.
+// Relative to what was added up, in blocks scaled by themselves: blocks that are nearly singular have solutions far
+// away, of sizes that are out of all proportion, which equations as they should be have not. Chosen, not measured.
 constexpr double good_pivot = 1e-9;
 
 // A diagonal block by rows, scaled by powers of two; zeros left out.
@@ -118,11 +118,12 @@ class BlockStates {
   std::vector<int> columns_, place_;
 };
 
-// Relative to the numbers of the jet, far more than rounding errors: a point that is not that near to a solution has entries of that
-// size which vanish there, and a block does not know how small they are. Chosen, not measured.
+// Relative to the numbers of the jet, far more than rounding errors: a point that is not that near to a solution has
+// entries of that size which vanish there, and a block does not know how small they are. Chosen, not measured.
 constexpr double doubt = 1e-6;
 
-// The system Jacobian at the jet; entries that a little change of it makes others are zero. False: it cannot be evaluated.
+// The system Jacobian at the jet; entries that a little change of it makes others are zero. False: it cannot be
+// evaluated.
 bool evaluate(MinimalExtension& extension, const Jet& jet) {
   SystemJacobian& jacobian = extension.leading();
   TaylorEvaluator& evaluator = extension.problem().evaluator();

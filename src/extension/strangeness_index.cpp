@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what equations of any level do to x_j, the second where equations were replaced; of the entries; of the effect. Chosen, not
-// measured.
+// Relative to what equations of any level do to x_j, the second where equations were replaced; of the entries; of the
+// effect. Chosen, not measured.
 constexpr double clear_effect = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
 // Parts of a sum that matter so little may be rounding errors of its factors. Chosen, not measured.
 constexpr double hardly_a_part = 1e-6;
@@ -35,7 +35,8 @@ class LevelEffects {
     note_changes(values);
   }
 
-  // Of all levels, what their changes do to the unknowns x_j, the states given. solve: of the matrix with the states held.
+  // Of all levels, what their changes do to the unknowns x_j, the states given. solve: of the matrix with the states
+  // held.
   template <class Solve>
   std::vector<std::vector<double>> all(Solve solve) {
     std::vector<std::vector<double>> effects;
@@ -44,8 +45,8 @@ class LevelEffects {
   }
 
  private:
-  // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of, all with time in units
-  // of tau.
+  // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of, all with
+  // time in units of tau.
   void note_changes(const std::vector<double>& values) {
     const std::vector<int>& first = extension_.first();
     for (int row = 0; row < extension_.num_rows(); ++row) {
@@ -93,8 +94,8 @@ class LevelEffects {
   std::vector<double> work_;
 };
 
-// The derivatives at the jet moved by its rounding errors, and changed a little besides: entries that vanish at all solutions are
-// others there.
+// The derivatives at the jet moved by its rounding errors, and changed a little besides: entries that vanish at all
+// solutions are others there.
 void change_entries(MinimalExtension& extension, const ExtensionLinearization& linearization) {
   const Jet& jet = linearization.origin();
   const std::vector<double> noise = linearization.noise_of_jet();
@@ -109,9 +110,9 @@ void change_entries(MinimalExtension& extension, const ExtensionLinearization& l
 
 }  // namespace
 
-// Where changes move x_j little beside those of other levels, as a capacitor in farad does, or the last level of a deep chain, the effect
-// has to be the same with entries that are changed a little: rounding errors are not. However small it is then, it counts, but for sums
-// of equations, whose factors are rounded.
+// Where changes move x_j little beside those of other levels, as a capacitor in farad does, or the last level of a
+// deep chain, the effect has to be the same with entries that are changed a little: rounding errors are not. However
+// small it is then, it counts, but for sums of equations, whose factors are rounded.
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();

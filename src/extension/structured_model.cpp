@@ -15,10 +15,12 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns of the derivative array from which on the extension is taken (docs/decisions/47-minimal-extension.md). Where nothing has to be
-// differentiated it is the equations as they are (docs/decisions/90-small-problems-of-index-zero.md).
+// Columns of the derivative array from which on the extension is taken (docs/decisions/47-minimal-extension.md).
+// Where nothing has to be differentiated it is the equations as they are
+// (docs/decisions/90-small-problems-of-index-zero.md).
 constexpr double least_array = 100.0, least_array_as_recorded = 20.0;
-// Units of unknowns that are so far apart lead arrays astray, or may have done so (docs/decisions/84-units-of-blocks.md). By judgement.
+// Units of unknowns that are so far apart lead arrays astray, or may have done so
+// (docs/decisions/84-units-of-blocks.md). By judgement.
 constexpr double far_apart = 65536.0, apart = 1024.0;
 
 }  // namespace
@@ -135,8 +137,8 @@ void StructuredModel::analyze_extended(const PointOfInterest& point, const Model
   is_extended_ = true;
 }
 
-// Large arrays of uneven units may be beyond double precision where the few equations that structure asks for are not. These have
-// certificates of their own; without one the array's failure stands, with its decisions.
+// Large arrays of uneven units may be beyond double precision where the few equations that structure asks for are
+// not. These have certificates of their own; without one the array's failure stands, with its decisions.
 bool StructuredModel::settle_doubt(const PointOfInterest& point, const ModelOptions& options,
                                    std::vector<RankDecision>& decisions) {
   std::vector<RankDecision> of_extension;

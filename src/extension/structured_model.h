@@ -14,8 +14,8 @@ namespace sfdae::core {
 
 class StructuredModel final : public Model {
  public:
-  // classical: the same equations, by the whole array, recorded ones or functions with patterns. problem: these as nonlinear equations; `owned` if that is another object
-  // than the one of the classical model, else null.
+  // classical: the same equations, by the whole array, recorded ones or functions with patterns. problem: these as
+  // nonlinear equations; `owned` if that is another object than the one of the classical model, else null.
   StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem, std::unique_ptr<RecordedProblem> owned);
 
   Problem& problem() override { return classical_->problem(); }

@@ -11,7 +11,8 @@ namespace sfdae::core {
 
 // So many points say how x goes on.
 inline constexpr int max_course_points = 5;
-// A solution that jumps where its equations do is followed: no step is refused more often than that, one after the other.
+// A solution that jumps where its equations do is followed: no step is refused more often than that, one after the
+// other.
 inline constexpr int most_course_refusals = 12;
 
 // The points accepted last, the newest first, and a point that is tried.

@@ -85,8 +85,8 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   forget_interpolation();
 }
 
-// Of the polynomial that predicts x: without differential equations no error says which order is best, and a checkpoint has so many
-// points.
+// Of the polynomial that predicts x: without differential equations no error says which order is best, and a
+// checkpoint has so many points.
 int Bdf::degree_of_guess(const StrangenessFreeSystem& system) const {
   if (system.differential() > 0) return std::min(tried_.order, history_.points() - 1);
   return std::min({history_.points(), max_order_ + 3, max_course_points}) - 1;

@@ -33,8 +33,9 @@ class BdfHistory {
   bool is_at_start() const { return points_ == 2 && is_fictitious_; }
   void append(double t, const std::vector<double>& w, const std::vector<double>& x);
 
-  // The polynomial through the newest `count` points without differences, at another t: its value, and what its slope is more than c
-  // times that, c = sum of 1 / (t - t_i), which is returned. Rounding errors are of the size of those of w, also where w stays.
+  // The polynomial through the newest `count` points without differences, at another t: its value, and what its slope
+  // is more than c times that, c = sum of 1 / (t - t_i), which is returned. Rounding errors are of the size of those
+  // of w, also where w stays.
   double formula_by_points(double t, int count, double* predicted, double* rest) const;
   // Divided differences of w, and of x if wanted, over the newest points; the polynomials are made of them.
   void compute_differences(int count, bool with_x);
@@ -65,8 +66,8 @@ class BdfHistory {
   bool is_fictitious_ = false;             // the second one of the start
   std::vector<double> slope_w_, slope_x_;  // until there is a second point; of x none where it is the same
   Table dw_, dx_;
-  // x = w at these points, in every bit, as with W = I: w and its differences serve both, and x_ and dx_ have no memory as long
-  // as there is no other point.
+  // x = w at these points, in every bit, as with W = I: w and its differences serve both, and x_ and dx_ have no
+  // memory as long as there is no other point.
   std::array<bool, capacity> is_same_{};
   bool shares_ = false;
 };

@@ -13,8 +13,8 @@ inline constexpr double bdf_alpha[max_bdf_order + 1] = {0.0, 1.0, 1.5, 11.0 / 6.
 
 struct BdfStep {
   void resize(std::size_t n, std::size_t size_w, bool needs_x);
-  // D_h w = p'(t) + c (w - p(t)) with the predictor p through the newest points of the history; w becomes p(t), unless that of x is
-  // needed, too.
+  // D_h w = p'(t) + c (w - p(t)) with the predictor p through the newest points of the history; w becomes p(t),
+  // unless that of x is needed, too.
   void set_formula(const BdfHistory& history, bool is_constant, bool needs_x);
 
   double t = 0.0, h = 0.0;

@@ -1,7 +1,8 @@
 // An integration with its system, saved to and restored from a sequence of doubles.
 //
 // The problem, the settings of the analysis, tolerances and other options are not part of it: they are given anew,
-// the problem, its parameters and the settings as they were (checkpoint_identity.h). Sensitivities are in it, and which ones they are.
+// the problem, its parameters and the settings as they were (checkpoint_identity.h). Sensitivities are in it, and
+// which ones they are.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -29,9 +30,9 @@ struct WantedSensitivities {
   const SensitivityOptions& options;
 };
 
-// wanted: null where there are to be no sensitivities. The model gets its system again. Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem,
-// or damaged; then, and where anything else fails, nothing has changed. No callback of a linear problem
-// is called.
+// wanted: null where there are to be no sensitivities. The model gets its system again. Throws Failure
+// SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or damaged; then, and where anything else
+// fails, nothing has changed. No callback of a linear problem is called.
 std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
                                                 const IntegrationOptions& options, const SavedCheckpoint& saved,
                                                 const WantedSensitivities* wanted = nullptr);

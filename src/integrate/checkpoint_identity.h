@@ -12,8 +12,8 @@
 
 namespace sfdae::core {
 
-// The equations, by a hash of all that is known of them (Model::add_equations); the values of their parameters; the method
-// and the options that the index analysis depends on. Functions that users supply cannot be compared.
+// The equations, by a hash of all that is known of them (Model::add_equations); the values of their parameters; the
+// method and the options that the index analysis depends on. Functions that users supply cannot be compared.
 class CheckpointIdentity {
  public:
   struct Value {
@@ -26,8 +26,8 @@ class CheckpointIdentity {
 
   std::size_t size() const { return 2 + options_.size() + parameters_.size(); }  // in doubles
   void write(Archive& archive) const;
-  // Reads the identity of a checkpoint, which has to be this one. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, with the first
-  // difference and both values, or DamagedArchive.
+  // Reads the identity of a checkpoint, which has to be this one. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, with the
+  // first difference and both values, or DamagedArchive.
   void demand_same(Archive& archive) const;
 
  private:

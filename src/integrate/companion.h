@@ -7,8 +7,8 @@
 
 namespace sfdae::core {
 
-// What has become of a step that was tried: nothing further was done after a failure, or the next one was made smaller; it was
-// withdrawn after success; taken; or failed for reasons that need not come again.
+// What has become of a step that was tried: nothing further was done after a failure, or the next one was made
+// smaller; it was withdrawn after success; taken; or failed for reasons that need not come again.
 enum class AttemptEnd : char { refused, reduced, withdrawn, taken, failed };
 
 // Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
@@ -24,8 +24,8 @@ class Companion {
   virtual void prepare(Integrator& /*integrator*/, const IntegrationOptions& /*options*/, double /*t*/) {}
   // What has become of it, if it is not taken; more than once where more has been done.
   virtual void note(AttemptEnd) {}
-  // Of the step that the integrator has tried with success; any other outcome: the attempt is withdrawn. The same where it
-  // throws, and the next call tries that step again.
+  // Of the step that the integrator has tried with success; any other outcome: the attempt is withdrawn. The same
+  // where it throws, and the next call tries that step again.
   virtual StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) = 0;
   // The step tried has been taken.
   virtual void commit(Integrator& integrator) = 0;

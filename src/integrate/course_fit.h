@@ -17,8 +17,8 @@ class CourseFit {
   explicit CourseFit(const std::vector<const Trail::Node*>& nodes);
 
   int degree() const { return static_cast<int>(alpha_.size()) - 1; }  // the highest
-  // Where the fit of component i is of the degree that predicts best at t: that degree, and the error expected there: what the
-  // next coefficient amounts to, and what the deviations of the nodes do.
+  // Where the fit of component i is of the degree that predicts best at t: that degree, and the error expected there:
+  // what the next coefficient amounts to, and what the deviations of the nodes do.
   struct Accuracy {
     int degree = 0;
     double error = 0.0;

@@ -15,7 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Weights of points that steps yet to be read depend on; in front of these those of a point within the step that is read, or at the end.
+// Weights of points that steps yet to be read depend on; in front of these those of a point within the step that is
+// read, or at the end.
 constexpr std::size_t window = max_bdf_order + 2;
 
 bool is_zero(ConstView a) {
@@ -74,7 +75,8 @@ void close(StepPiece& piece) {
 
 }  // namespace
 
-// One piece is being filled and as much kept of those before it; going back, one that has been made again comes to them.
+// One piece is being filled and as much kept of those before it; going back, one that has been made again comes to
+// them.
 DiscreteAdjoint::DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S, long max_kept_steps)
     : system_(std::move(system)),
       S_(std::move(S)),

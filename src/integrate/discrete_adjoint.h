@@ -1,10 +1,11 @@
 // The discrete adjoint of an integration: its steps are kept, and the equations of their sensitivities read backward.
 //
-// S_k = dx(t_k)/dp at the points of an integration follows from earlier ones by the linear equations that sensitivities.h solves.
-// For a functional with weights w_k of x(t_k) the gradient sum_k S_k^T w_k is found in one pass from the last point to the
-// first: lambda_k = w_k + what later steps make of S_k. What is found is the exact gradient of what the integration has computed,
-// hidden constraints included, but for the choice of its steps. Where not all steps may be kept, those of earlier pieces of the
-// integration are made again from checkpoints [GW08, with two levels].
+// S_k = dx(t_k)/dp at the points of an integration follows from earlier ones by the linear equations that
+// sensitivities.h solves. For a functional with weights w_k of x(t_k) the gradient sum_k S_k^T w_k is found in one
+// pass from the last point to the first: lambda_k = w_k + what later steps make of S_k. What is found is the exact
+// gradient of what the integration has computed, hidden constraints included, but for the choice of its steps. Where
+// not all steps may be kept, those of earlier pieces of the integration are made again from checkpoints [GW08, with
+// two levels].
 //
 // [GW08] A. Griewank, A. Walther: Evaluating Derivatives. SIAM, 2nd ed. 2008, chapter 12.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -40,8 +41,8 @@ class DiscreteAdjoint final : public Companion {
   StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
   void commit(Integrator& integrator) override;
 
-  // The integration ends at t, within the last step: one more point. move_to(t): the system of x is moved to a point there, and its x'
-  // returned. Nothing has changed where that throws.
+  // The integration ends at t, within the last step: one more point. move_to(t): the system of x is moved to a point
+  // there, and its x' returned. Nothing has changed where that throws.
   void end_within(const Integrator& integrator, double t, const std::function<const double*(double)>& move_to);
   // No more steps follow: those that can be made again are dropped.
   void drop_all();

@@ -21,7 +21,8 @@ constexpr double no_tolerance = 1e200;
 // Relative speeds that are none: times to change would overflow.
 constexpr double standstill = 1e-300;
 
-// An error that is not a number is one that no tolerance allows; std::max would drop it, and the step would be accepted.
+// An error that is not a number is one that no tolerance allows; std::max would drop it, and the step would be
+// accepted.
 double worst_if_unknown(double error) { return std::isnan(error) ? no_tolerance : error; }
 
 }  // namespace

@@ -63,7 +63,8 @@ class ErrorWeights {
   PerComponent rtol_, atol_, reduction_;
   std::vector<double> inverse_, of_iterations_;
   SteepArguments* steep_arguments_ = nullptr;
-  // Tolerances relative to the components: of those that are not tightened, as the errors of BDF are not measured by them.
+  // Tolerances relative to the components: of those that are not tightened, as the errors of BDF are not measured by
+  // them.
   std::vector<double> relative_;
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 // Of the way to zero. (Chosen: polynomials of steps that are resolved are off by a hundredth, as a rule.)
 constexpr double unexpected_part = 0.25;
-// Points of a search in the time in which g changes by its size at the largest rate seen: fifteen in a period of a sine, or ten where
-// the rates show two thirds of the largest one. (Chosen; more follow where g bends.)
+// Points of a search in the time in which g changes by its size at the largest rate seen: fifteen in a period of a
+// sine, or ten where the rates show two thirds of the largest one. (Chosen; more follow where g bends.)
 constexpr double points_per_change = 2.4;
 // Steps from this part of a misleading one on are looked at closely. (Chosen.)
 constexpr double suspicious_part = 0.25;

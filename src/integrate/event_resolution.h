@@ -1,7 +1,7 @@
 // Whether steps are short enough to show what event functions do.
 //
-// Steps are as long as w = W x allows. Algebraic components may vary many times within one, and the polynomials of the step, which go
-// through its ends, show nothing of that.
+// Steps are as long as w = W x allows. Algebraic components may vary many times within one, and the polynomials of
+// the step, which go through its ends, show nothing of that.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,8 +21,8 @@ class EventResolution {
   void start() { num_points_ = 0, halvings_ = 0, misleading_ = 0.0; }
   // A step begins at t, with values g.
   void begin_step(double t, const std::vector<double>& g);
-  // Whether g at its end is what the points where steps began lead to expect: a polynomial through them is off by a small part of
-  // what g would have to change by to become zero.
+  // Whether g at its end is what the points where steps began lead to expect: a polynomial through them is off by a
+  // small part of what g would have to change by to become zero.
   bool expects(double t, const std::vector<double>& g) const;
 
   // Functions that are looked at from now on: others may be nothing but rounding errors, which no polynomial follows.
@@ -32,8 +32,8 @@ class EventResolution {
   }
   bool looks_at(std::size_t i) const { return looks_at_[i]; }
 
-  // Whether steps of length h may be as misleading as one before, and whether they are as long as that: points at regular
-  // distances can hide it.
+  // Whether steps of length h may be as misleading as one before, and whether they are as long as that: points at
+  // regular distances can hide it.
   bool is_suspicious(double h) const;
   bool is_misleading(double h) const { return misleading_ > 0.0 && std::fabs(h) >= misleading_; }
   // How often the step is halved, whatever its order; 0: its polynomials are good enough.

@@ -11,7 +11,8 @@ namespace sfdae::core {
 class HeldSlopes {
  public:
   void resize(const DaeSystem& system);
-  // (W x)' at t for w as it is at the last point. False: there is none, or none is found. Throws Failure where the user stops all.
+  // (W x)' at t for w as it is at the last point. False: there is none, or none is found. Throws Failure where the
+  // user stops all.
   bool find(Integrator& integrator, double t, std::vector<double>& wdot);
   // Of x, by a slope over a step of size h, in tolerances.
   double size_of_change(Integrator& integrator, double h, const std::vector<double>& slope);

@@ -17,7 +17,8 @@ namespace {
 constexpr double visible_part = 0.3;
 // Of its range: by how much it may be above or below its values at the nodes without being expected there. (Chosen.)
 constexpr double visible_excess = 0.05;
-// Of its range: crests are looked at, whether they are expected or not, where a sample is that much beyond its values at the nodes. (Chosen.)
+// Of its range: crests are looked at, whether they are expected or not, where a sample is that much beyond its values
+// at the nodes. (Chosen.)
 constexpr double crest_part = 0.001;
 // From the largest sample to the crest: each parabola through points at a quarter of the last one's distances.
 constexpr int parabolas = 3;
@@ -31,7 +32,8 @@ constexpr double smooth_part = 0.02;
 constexpr int fewest = 3;
 // Samples of a step for each of its nodes, in all, and in the time in which inputs are known to change. (Chosen.)
 constexpr double per_node = 5.0, most = 64.0, per_change = 4.0;
-// Of a step in which crests matter, so that the largest sample is at the crest, and not one of few that are all beside it. (Chosen.)
+// Of a step in which crests matter, so that the largest sample is at the crest, and not one of few that are all
+// beside it. (Chosen.)
 constexpr double fewest_for_crests = 32.0;
 // Parts of a step that no period is a multiple of: those of the golden ratio, which begin elsewhere in each step.
 constexpr double golden = 0.6180339887498949;

@@ -19,13 +19,14 @@ class InputSamples {
   static constexpr std::size_t most_nodes = 8;
 
   void resize(int inputs);
-  // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among them. Inputs are
-  // sampled in between. fastest: in which time inputs are known to change, or 0.
+  // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among
+  // them. Inputs are sampled in between. fastest: in which time inputs are known to change, or 0.
   void take(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest);
-  // Times at which inputs are far from the polynomial through their values at the nodes, or unexpectedly beyond all of these, the
-  // worst ones first.
+  // Times at which inputs are far from the polynomial through their values at the nodes, or unexpectedly beyond all
+  // of these, the worst ones first.
   std::span<const double> unseen() const { return unseen_.all(); }
-  // Times at which inputs of steep functions are largest or smallest, beyond their values at the nodes, expected or not.
+  // Times at which inputs of steep functions are largest or smallest, beyond their values at the nodes, expected or
+  // not.
   std::span<const double> crests() const { return crests_.all(); }
 
  private:

@@ -14,8 +14,8 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what a change of slopes amounts to over the step is of no importance; of the change that the ends of a step show, what
-// may be hidden between them. (Chosen.)
+// In tolerances: what a change of slopes amounts to over the step is of no importance; of the change that the ends of
+// a step show, what may be hidden between them. (Chosen.)
 constexpr double unimportant = 10.0, shown_part = 0.5;
 constexpr int most_input_halvings = 30;
 // Where slopes cannot be found the step fails of itself, or does not.
@@ -80,8 +80,8 @@ std::optional<bool> InputWatch::do_matter(Integrator& integrator, double h, std:
   return false;
 }
 
-// The same of crests, and of the polynomial through the slopes at all nodes, the first of which is the start: what depends on inputs in
-// a linear way is as near to it as they are to theirs.
+// The same of crests, and of the polynomial through the slopes at all nodes, the first of which is the start: what
+// depends on inputs in a linear way is as near to it as they are to theirs.
 std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double h, std::span<const double> nodes) {
   if (samples_.crests().empty()) return false;
   const QuietArithmetic quiet;

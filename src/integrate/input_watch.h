@@ -1,5 +1,5 @@
-// Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test, which knows the
-// points of a step alone, does not ask for shorter ones (docs/decisions/87-inputs-between-points.md).
+// Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test,
+// which knows the points of a step alone, does not ask for shorter ones (docs/decisions/87-inputs-between-points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,7 +19,8 @@ namespace sfdae::core {
 class InputWatch {
  public:
   void resize(const DaeSystem& system, int inputs);
-  // The next step, of size h at first, as short as it has to be to notice what inputs do, where that matters. Throws Failure.
+  // The next step, of size h at first, as short as it has to be to notice what inputs do, where that matters. Throws
+  // Failure.
   double noticing_step(Integrator& integrator, TimeInputs& inputs, double h);
   void archive(Archive& archive) { archive.real(fastest_); }
 

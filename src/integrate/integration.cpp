@@ -174,8 +174,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   Stepper& stepper = *integrator_.stepper;
   const StepState state = stepper.state();
   double size = std::fabs(state.next_step);
-  // Without differential equations nothing accumulates: the only solution at tout is one reduction away. Nonlinear equations
-  // have others, which long steps lead to.
+  // Without differential equations nothing accumulates: the only solution at tout is one reduction away. Nonlinear
+  // equations have others, which long steps lead to.
   if (integrator_.system.differential() == 0 && integrator_.system.is_linear() && state.failures_in_a_row == 0)
     size = std::fabs(tout - state.t);
   if (options_.max_step > 0.0) size = std::min(size, options_.max_step);

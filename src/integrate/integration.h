@@ -71,8 +71,8 @@ class Integration {
     int functionals;
   };
   CallResult gradient(const WeightedTimes& weighted, double* gradient);
-  // With the adjoint: the last point becomes the one at t, within the last step, and no step follows any more. space: there. Throws
-  // Failure.
+  // With the adjoint: the last point becomes the one at t, within the last step, and no step follows any more. space:
+  // there. Throws Failure.
   CallResult end_at(double t, TangentSpace& space);
   // After that: what further steps would have needed is given back.
   void keep_steps_alone();

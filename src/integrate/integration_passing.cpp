@@ -173,7 +173,8 @@ std::optional<CallResult> Integration::meet_change() {
   return result;
 }
 
-// Steps from the last point fail, and nothing says why: where a smooth continuation is confirmed, it was a singular point.
+// Steps from the last point fail, and nothing says why: where a smooth continuation is confirmed, it was a singular
+// point.
 bool Integration::has_passed_obstacle() {
   if (!passes_singular_points()) return false;
   const std::optional<SingularPoint> before = branches_.point;

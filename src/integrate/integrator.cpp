@@ -26,9 +26,9 @@ constexpr double nonlinear_safety = 0.2;
 constexpr double steps_ahead = 1e3;
 // A step is at least so many spacings of doubles near t, 2 unit_roundoff each.
 constexpr double least_roundings = 4.0;
-// Where tout is farther away than so many times t, steps are not shorter than roundings of that, nor of this part of tout. (Chosen:
-// Robertson's kinetics to 1e11 begin with steps of 1e-7; DASSL takes all of tout. Roundings of t alone are too short: integrations
-// that cannot go on take 100,000 of them instead of giving up.)
+// Where tout is farther away than so many times t, steps are not shorter than roundings of that, nor of this part of
+// tout. (Chosen: Robertson's kinetics to 1e11 begin with steps of 1e-7; DASSL takes all of tout. Roundings of t alone
+// are too short: integrations that cannot go on take 100,000 of them instead of giving up.)
 constexpr double farthest_output = 100.0, smallest_part_of_output = 1e-8;
 
 }  // namespace

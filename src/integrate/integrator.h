@@ -32,7 +32,8 @@ struct Integrator {
   bool has_passed(double t) const { return (stepper->state().t - t) * direction >= 0.0; }
   // Times of this distance, between t and tout, are told apart.
   static double resolution(double t, double tout);
-  // Steps from t toward tout are not shorter: what begins at 0 may take place in much shorter times than what ends at tout.
+  // Steps from t toward tout are not shorter: what begins at 0 may take place in much shorter times than what ends at
+  // tout.
   static double smallest_step(double t, double tout);
 
   DaeSystem& system;

@@ -9,8 +9,8 @@ namespace sfdae::core {
 class JumpRule {
  public:
   virtual ~JumpRule() = default;
-  // The consistent values at the point, where data are those after the jump, for the values before it; the system stands
-  // there afterwards. Throws Failure.
+  // The consistent values at the point, where data are those after the jump, for the values before it; the system
+  // stands there afterwards. Throws Failure.
   virtual ConsistentPoint values_after(const PointOfInterest& before) = 0;
 };
 

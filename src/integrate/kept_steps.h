@@ -19,8 +19,8 @@ struct KeptStep {
   double c = 0.0;           // D_h S = c S + sum_i rest_i S_i, the newest point before first
   std::array<double, max_bdf_order + 1> rest{};
   const StageMethod* method = nullptr;  // of Radau
-  // A point within the last step, at the end of all: of BDF S = sum_i rest_i S_i over order + 1 points, its differential part at least;
-  // of Radau a step from where the last one began.
+  // A point within the last step, at the end of all: of BDF S = sum_i rest_i S_i over order + 1 points, its
+  // differential part at least; of Radau a step from where the last one began.
   bool is_within = false;
   std::size_t first_kept = 0;  // of its points
 
@@ -53,8 +53,8 @@ class KeptSteps {
   WordHash hash_;
 };
 
-// Of a step that was tried: `newest`: the time of the point before, those of earlier ones in front of it, as many as the history
-// has. Throws Failure.
+// Of a step that was tried: `newest`: the time of the point before, those of earlier ones in front of it, as many as
+// the history has. Throws Failure.
 KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t points);
 // Of a point at t within the last step of BDF; newest: the time of its end.
 KeptStep interpolation_at(double t, int degree, const double* newest);

@@ -60,8 +60,8 @@ bool crosses_kink(const IntegrationOptions& options, double t, double h) {
   return gap && std::fabs(h) <= about_a_gap * (gap->end - gap->start);
 }
 
-// What is asked of a kink itself is the solution after it, unless nothing is to be evaluated there. The end of the data,
-// beyond which there is nothing to step to, may be a rounding error away.
+// What is asked of a kink itself is the solution after it, unless nothing is to be evaluated there. The end of the
+// data, beyond which there is nothing to step to, may be a rounding error away.
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t) {
   if (options.breakpoints == nullptr) return t;
   const double reached = integrator.stepper->state().t;

@@ -1,7 +1,7 @@
 // Kinks of inputs, and how steps cross them (docs/decisions/41-tables-and-solutions.md).
 //
-// A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after each
-// of them.
+// A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after
+// each of them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,5 @@
-// What an integration knows of branches of its solution: the way to a singular point, and the passage across the last one.
+// What an integration knows of branches of its solution: the way to a singular point, and the passage across the last
+// one.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

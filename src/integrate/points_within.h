@@ -1,7 +1,7 @@
 // Points within steps that are kept, for the adjoint: what leads there from the ends of steps.
 //
-// With BDF the polynomial through the newest points, made consistent; with Radau a shorter step from where the step began. S at points
-// within steps is found in the same way forward (sensitivities.h).
+// With BDF the polynomial through the newest points, made consistent; with Radau a shorter step from where the step
+// began. S at points within steps is found in the same way forward (sensitivities.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

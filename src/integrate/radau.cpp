@@ -93,8 +93,8 @@ int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
 
 // The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times
 // with 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the
-// polynomial through nodes whose degree fits the method, or the tangent while there is one node only. Without differential
-// equations slopes are those of steps of one stage, which are less accurate than values.
+// polynomial through nodes whose degree fits the method, or the tangent while there is one node only. Without
+// differential equations slopes are those of steps of one stage, which are less accurate than values.
 RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
   HermiteTable& table = workspace_.table;
   const RadauNode& newest = history_.newest();

@@ -23,7 +23,8 @@ struct ErrorTerms {
   ErrorTerms() { decay.fill(-1.0); }
 };
 
-// Of two quantities that go the same steps: the error that asks for the shorter ones, and what is known of the decay of both.
+// Of two quantities that go the same steps: the error that asks for the shorter ones, and what is known of the decay
+// of both.
 ErrorTerms larger_of(const ErrorTerms& one, const ErrorTerms& other);
 
 // What a step of so many stages costs.

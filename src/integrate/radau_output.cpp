@@ -15,8 +15,8 @@ namespace {
 // Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
 // weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
 constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
-// The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are much
-// larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
+// The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are
+// much larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
 // estimates (elsewhere by 1.2 of them). Polynomials with smaller estimates than the last pass without that test.
 constexpr double doubtful_difference = 5.0, doubtful_ratio = 4.0, safe_error = 0.5;
 // Of the error allowed: smaller ones say nothing about the next step, as they may be those of the slope at the start,

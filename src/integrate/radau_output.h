@@ -30,8 +30,8 @@ class RadauOutput {
   // The history has another last step, or none.
   void note_step(const RadauHistory& history);
 
-  // Of the collocation polynomial: whether it is accurate enough for w, and for x without constraints to help; and up to
-  // which step size the former would be.
+  // Of the collocation polynomial: whether it is accurate enough for w, and for x without constraints to help; and up
+  // to which step size the former would be.
   bool interpolates_well() const { return interpolates_well_; }
   bool interpolates_x(const RadauHistory& history) const;
   // stages: of the next step, of which more make up for its length. Hermite polynomials are trusted where there are

@@ -16,8 +16,8 @@ constexpr int degree(int stages) { return stages + 1; }
 constexpr int max_degree = degree(max_stages);
 constexpr int max_columns = max_stages + 2;
 
-// Taylor coefficients k = 0, ..., order at tau, as far as they are not all 0, of the functions that the columns are multiplied by:
-// Lagrange's polynomials for 0, c_1, ..., c_s, and Q.
+// Taylor coefficients k = 0, ..., order at tau, as far as they are not all 0, of the functions that the columns are
+// multiplied by: Lagrange's polynomials for 0, c_1, ..., c_s, and Q.
 struct ColumnWeights {
   ColumnWeights(const RadauMethod& method, double tau, int its_order);
   void set_values(const RadauMethod& method, double tau);

@@ -1,6 +1,7 @@
 // Sensitivities carried along with the steps of x: the same formulas, after each step of x [FTB97].
 //
-// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale differential-algebraic
+// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale
+// differential-algebraic
 //         systems. Appl. Numer. Math. 25 (1997).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -46,7 +47,8 @@ class Sensitivities final : public Companion {
   void copy_last(double* S);
   // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...
   void evaluate(const Integrator& integrator, double t, double* S, double* Sdot);
-  // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them, the last is t.
+  // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them,
+  // the last is t.
   template <class Move>
   void evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot);
   // Whether that is the way.

@@ -1,7 +1,7 @@
 // Error estimate of sensitivities for Radau steps: that of x (radau_error_estimate.h), for all columns of S at once.
 //
-// The last points with the slopes of their steps' polynomials are kept for the divided difference of order 2s. Errors of what the
-// constraints determine do not count, as for x.
+// The last points with the slopes of their steps' polynomials are kept for the divided difference of order 2s. Errors
+// of what the constraints determine do not count, as for x.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -34,7 +34,8 @@ class SensitivityErrorEstimate {
     bool forgets_past;  // earlier points do not say how smooth S is
     const std::vector<double>& stages;
   };
-  // At the start t of a step that has been solved, where nothing is known of those before: the slope is that of the step.
+  // At the start t of a step that has been solved, where nothing is known of those before: the slope is that of the
+  // step.
   void start_within(const Step& step, double t, const std::vector<double>& S);
   // weights: those of each column, which are updated.
   ErrorTerms estimate(SensitivitySystem& system, const Step& step, std::vector<ErrorWeights>& weights);

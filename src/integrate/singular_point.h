@@ -13,8 +13,8 @@
 
 namespace sfdae::core {
 
-// fold: the solution turns around with x' unbounded, and none continues; crossing: x is smooth, other branches may begin
-// there; unbounded: what is differentiated grows without bound.
+// fold: the solution turns around with x' unbounded, and none continues; crossing: x is smooth, other branches may
+// begin there; unbounded: what is differentiated grows without bound.
 enum class SingularKind { unknown, fold, crossing, unbounded };
 
 struct SingularPoint {

@@ -143,8 +143,8 @@ void StepEventValues::look_at_rates() {
   resolution.take_rates(last.h);
 }
 
-// Whether g is the same for different x', of either sign, and much larger than those of the step; it may be meant for others where
-// it fails.
+// Whether g is the same for different x', of either sign, and much larger than those of the step; it may be meant for
+// others where it fails.
 bool StepEventValues::determine_without_slopes(double t, bool may_improve, double* g) {
   constexpr double large = 1e3;
   Events::Point& now = events_.now;

@@ -34,8 +34,8 @@ class StepEventValues final : public EventValues {
     events_.has_slopes = !events_.tries_without_slopes;
   }
 
-  // The error of values by the polynomial, at places of the last step in parts of it from its end. Steps are as long as w = W x
-  // allows; algebraic components may vary faster, and their polynomials show nothing then.
+  // The error of values by the polynomial, at places of the last step in parts of it from its end. Steps are as long
+  // as w = W x allows; algebraic components may vary faster, and their polynomials show nothing then.
   void measure_rough_error(std::span<const double> places);
   // The polynomials say nothing: all points of the step are exact ones, as many as rates of change of g ask for.
   void distrust();

@@ -41,7 +41,8 @@ int halvings(const Integrator& integrator, const EventResolution& resolution, do
   return std::max(1, whole + static_cast<int>(fewer));
 }
 
-// How many of the places above. Of Radau's steps, which are long, one at least; of BDF's none where the end was expected.
+// How many of the places above. Of Radau's steps, which are long, one at least; of BDF's none where the end was
+// expected.
 std::size_t places_to_measure(const SearchedStep& step, StepEventValues& values) {
   const StepState state = step.integrator.stepper->state();
   if (step.events.resolution.is_suspicious(state.last.h)) return std::size(measured_places);

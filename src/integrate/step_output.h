@@ -8,8 +8,8 @@
 
 namespace sfdae::core {
 
-// What x' is needed for. Rough: an estimate, for which what costs much is left out, and zero will do. Consistent: from the
-// derivative array where that is possible, whatever it costs.
+// What x' is needed for. Rough: an estimate, for which what costs much is left out, and zero will do. Consistent:
+// from the derivative array where that is possible, whatever it costs.
 enum class Slopes { none, rough, wanted, consistent };
 
 struct PointRequest {

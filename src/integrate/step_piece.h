@@ -1,8 +1,9 @@
 // A piece of an integration: steps that are kept, or a checkpoint from which they are made again.
 //
-// Steps are made again by what the stepper was asked for, attempt by attempt, those that failed included, as the system remembers
-// them. Nothing is decided anew, so that events, outputs, stops and whatever else the driver had to do with need not come
-// again, and the same bits come out: the checkpoint has all that the next step depends on (checkpoint.h).
+// Steps are made again by what the stepper was asked for, attempt by attempt, those that failed included, as the
+// system remembers them. Nothing is decided anew, so that events, outputs, stops and whatever else the driver had to
+// do with need not come again, and the same bits come out: the checkpoint has all that the next step depends on
+// (checkpoint.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -45,7 +46,8 @@ struct StepPiece {
   void save(Integrator& integrator);
 };
 
-// The steps of a piece. times: of all points. Throws Failure, where functions of the user's do not return what they have returned, too.
+// The steps of a piece. times: of all points. Throws Failure, where functions of the user's do not return what they
+// have returned, too.
 KeptSteps steps_made_again(const StepPiece& piece, const std::vector<double>& times, SystemTwin& twin);
 
 }  // namespace sfdae::core

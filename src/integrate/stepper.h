@@ -69,8 +69,8 @@ struct LastStep {
   double leading_coefficient = std::numeric_limits<double>::infinity();
 };
 
-// A step that was tried with success, with what says what D_h x is for W = I: c x + rest for BDF, where `method` is null;
-// else the stages of x (n x s) and where it started.
+// A step that was tried with success, with what says what D_h x is for W = I: c x + rest for BDF, where `method` is
+// null; else the stages of x (n x s) and where it started.
 struct TriedStep {
   double t = 0.0, h = 0.0;
   int order = 0;
@@ -121,10 +121,11 @@ class Stepper {
   virtual void withdraw() = 0;
   // After a failure: the next step becomes smaller.
   virtual void reduce_after_failure(double h) = 0;
-  // Of Radau, after an attempt that was accepted: that what goes along with x has these errors counts as well, for this step and the
-  // next.
+  // Of Radau, after an attempt that was accepted: that what goes along with x has these errors counts as well, for
+  // this step and the next.
   virtual StepOutcome test_beside(const StrangenessFreeSystem&, const ErrorTerms&) { return StepOutcome::accepted; }
-  // Likewise of BDF: the local terms, and the error of the formula. Whether those of the next higher order are asked for.
+  // Likewise of BDF: the local terms, and the error of the formula. Whether those of the next higher order are asked
+  // for.
   virtual StepOutcome test_beside(const LocalTerms&, double /*error*/) { return StepOutcome::accepted; }
   virtual bool judges_higher_order() const { return false; }
   virtual void set_next_step(double h) = 0;
@@ -141,8 +142,8 @@ class Stepper {
   virtual bool interpolates_x(ErrorWeights& weights) = 0;
   // Where the next function should be called for, before the polynomial is trusted for interpolates_x().
   virtual std::optional<double> point_of_test() const { return std::nullopt; }
-  // x is what has become of the values interpolated at a point within the last step, with all equations that hold there:
-  // whether they contradict what is known of the polynomial, which is not used any more then.
+  // x is what has become of the values interpolated at a point within the last step, with all equations that hold
+  // there: whether they contradict what is known of the polynomial, which is not used any more then.
   virtual bool gives_up_polynomial(ErrorWeights&, const double* /*interpolated*/, const double* /*x*/) {
     return false;
   }

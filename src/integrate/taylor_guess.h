@@ -10,7 +10,8 @@
 namespace sfdae::core {
 
 struct TaylorGuess {
-  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first; empty: neither end is known.
+  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first; empty: neither
+  // end is known.
   std::vector<double> here, before, at_start;
 
   void assign_zero(std::size_t size) {

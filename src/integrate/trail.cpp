@@ -13,7 +13,8 @@ namespace {
 // Nodes kept, and the newest ones among them that are not thinned out: steps about a point need not grow or shrink
 // regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
 constexpr std::size_t most_kept_nodes = 64, untouched = 16;
-// Half of them where all would be the largest part of the memory of a solver (docs/decisions/63-large-recorded-problems.md).
+// Half of them where all would be the largest part of the memory of a solver
+// (docs/decisions/63-large-recorded-problems.md).
 constexpr std::size_t large_size = 1000, most_large_nodes = 32;
 
 }  // namespace

@@ -1,7 +1,9 @@
-// Exchanges after the elimination: q of a lower class for p of a higher one, if q depends on p, w_p != 0, w = A_B^-1 A_q.
+// Exchanges after the elimination: q of a lower class for p of a higher one, if q depends on p, w_p != 0, w = A_B^-1
+// A_q.
 //
-// w^T = L(q, :) L_B^-1, L_B: the rows of L that belong to the basic columns of the elimination. An exchange multiplies A_B by E from
-// the right, the identity with w in column p: later solutions are multiplied by E^-1 (product form).
+// w^T = L(q, :) L_B^-1, L_B: the rows of L that belong to the basic columns of the elimination. An exchange
+// multiplies A_B by E from the right, the identity with w in column p: later solutions are multiplied by E^-1
+// (product form).
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/column_basis.h"
 

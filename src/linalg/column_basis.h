@@ -1,10 +1,12 @@
-// Columns of a sparse matrix A with at least as many columns as rows that form a well-conditioned basis: one for each row
-// that is independent of the others, so that A_B, the square matrix of these rows and columns, is regular.
+// Columns of a sparse matrix A with at least as many columns as rows that form a well-conditioned basis: one for each
+// row that is independent of the others, so that A_B, the square matrix of these rows and columns, is regular.
 //
-// Elimination of the transpose, one row of A after the other, with threshold pivoting among the columns [GP88]: A = U^T L^T, L
-// has a row for each column of A. What a column is in terms of the basis, A_B^-1 A_q, needs L alone, as U cancels.
+// Elimination of the transpose, one row of A after the other, with threshold pivoting among the columns [GP88]: A =
+// U^T L^T, L has a row for each column of A. What a column is in terms of the basis, A_B^-1 A_q, needs L alone, as U
+// cancels.
 //
-// [GP88] J. R. Gilbert, T. Peierls: Sparse partial pivoting in time proportional to arithmetic operations. SIAM J. Sci. Stat.
+// [GP88] J. R. Gilbert, T. Peierls: Sparse partial pivoting in time proportional to arithmetic operations. SIAM J.
+// Sci. Stat.
 //        Comput. 9 (1988), 862-874.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -14,7 +16,8 @@
 
 namespace sfdae::core {
 
-// In compressed rows: the entries of row i are first[i], ..., first[i + 1] - 1; each column at most once in a row. Finite.
+// In compressed rows: the entries of row i are first[i], ..., first[i + 1] - 1; each column at most once in a row.
+// Finite.
 struct SparseRows {
   int columns = 0;
   std::vector<int> first;  // rows + 1
@@ -35,8 +38,8 @@ struct BasisSettings {
   double threshold = 0.1;
   // A row whose candidates are that small, relative to what was added up for them, depends on rows before it.
   double dependent = 1e-11;
-  // An exchange needs a pivot that is so large, relative to the largest entry of A_B^-1 A_q (rows and columns scaled): what is
-  // smaller is taken for zero. The condition of A_B can become worse by its reciprocal.
+  // An exchange needs a pivot that is so large, relative to the largest entry of A_B^-1 A_q (rows and columns
+  // scaled): what is smaller is taken for zero. The condition of A_B can become worse by its reciprocal.
   double exchange = 1e-8;
 };
 
@@ -46,8 +49,8 @@ struct ColumnBasis {
   // Of each row, the largest candidate relative to what was added up: below `dependent` where it depends on others.
   std::vector<double> remaining;
   std::vector<int> left_over;  // columns that are not basic, ascending
-  // The least of all pivots, relative to what was added up for its row, and of those of exchanges, relative to the largest
-  // entry of A_B^-1 A_q; 1 without any.
+  // The least of all pivots, relative to what was added up for its row, and of those of exchanges, relative to the
+  // largest entry of A_B^-1 A_q; 1 without any.
   double smallest_pivot = 1.0;
   int rank = 0;
   int exchanges = 0;
@@ -56,9 +59,10 @@ struct ColumnBasis {
   std::size_t fill = 0;  // entries of L
 };
 
-// Rows and columns are scaled by powers of two first, unless they are already. The basis has the largest possible number of columns of class 0, among
-// those the largest of class 1, and so on: a column that is left over is exchanged for a basic one of a higher class wherever
-// it depends on that (the greedy algorithm of matroids makes this optimal), with a solution of L^T for each that is tried.
+// Rows and columns are scaled by powers of two first, unless they are already. The basis has the largest possible
+// number of columns of class 0, among those the largest of class 1, and so on: a column that is left over is
+// exchanged for a basic one of a higher class wherever it depends on that (the greedy algorithm of matroids makes
+// this optimal), with a solution of L^T for each that is tried.
 ColumnBasis column_basis(const SparseRows& a, const BasisSettings& settings = {});
 
 }  // namespace sfdae::core

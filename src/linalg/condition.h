@@ -1,6 +1,7 @@
 // Estimate of |A^-1|, the 1-norm, from a few solutions.
 //
-// [H88] N. J. Higham: FORTRAN codes for estimating the one-norm of a real or complex matrix, with applications to condition
+// [H88] N. J. Higham: FORTRAN codes for estimating the one-norm of a real or complex matrix, with applications to
+// condition
 //       estimation. ACM Trans. Math. Software 14 (1988), 381-396, algorithm 4.1.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

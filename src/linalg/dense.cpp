@@ -22,7 +22,8 @@ constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
 constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
-// Above these and up to that, products in vector loops win, where the processor has some (docs/decisions/79-products-and-small-sizes.md).
+// Above these and up to that, products in vector loops win, where the processor has some
+// (docs/decisions/79-products-and-small-sizes.md).
 constexpr int most_inner = 112;
 static_assert(most_inner <= kernels::most_transposed);
 

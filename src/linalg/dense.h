@@ -1,8 +1,8 @@
 // Dense linear algebra of the core: the only place that calls BLAS and LAPACK.
 //
 // Matrices up to a few columns wide go through hand-written loops (small_kernels.h), where the overhead of
-// LAPACK dominates, QR factorizations of all larger ones through vector loops (qr.cpp, kernels.h), the rest through BLAS
-// and LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
+// LAPACK dominates, QR factorizations of all larger ones through vector loops (qr.cpp, kernels.h), the rest through
+// BLAS and LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -74,8 +74,8 @@ int reflections_sign(const double* tau, int count);
 int determinant_sign(View a, Arena& arena);
 // How many eigenvalues are real and negative, or are so but for rounding errors; A is destroyed.
 int count_negative_eigenvalues(View a, Arena& arena);
-// Of the eigenvalues that are real, or are so but for rounding errors, the one of largest size, 0 if there is none; A is
-// destroyed.
+// Of the eigenvalues that are real, or are so but for rounding errors, the one of largest size, 0 if there is none; A
+// is destroyed.
 double largest_real_eigenvalue(View a, Arena& arena);
 
 }  // namespace sfdae::core

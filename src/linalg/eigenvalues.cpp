@@ -136,8 +136,8 @@ bool factor_near(ShiftedPencil& pencil, Complex& value, double distance) {
   return pencil.factor(value);
 }
 
-// What may be another eigenvalue than the known one number k: much farther from it than its error, and not much nearer than
-// the others.
+// What may be another eigenvalue than the known one number k: much farther from it than its error, and not much
+// nearer than the others.
 double largest_change(const std::vector<Eigenvalue>& known, std::size_t k) {
   constexpr double of_errors = 100, of_gap = 1e-3;  // by judgement: errors of QZ are estimates
   double gap = std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 // The choice of pivots for operations that are listed.
 //
-// [Z80] Z. Zlatev: On some pivotal strategies in Gaussian elimination by sparse technique. SIAM J. Numer. Anal. 17 (1980), 18-30.
+// [Z80] Z. Zlatev: On some pivotal strategies in Gaussian elimination by sparse technique. SIAM J. Numer. Anal. 17
+// (1980), 18-30.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -4,7 +4,8 @@
 // By the largest entries, never by means: these are led astray by entries that are nothing but rounding errors of zeros
 // (docs/decisions/46-sparse-factors.md).
 //
-// [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034, Rutherford
+// [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034,
+// Rutherford
 //       Appleton Laboratory, 2001.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -51,7 +52,8 @@ bool all_finite_numbers(const Number* values, std::size_t count) {
   return true;
 }
 
-// A matrix in compressed lines: columns, `crossing` numbers the row of each entry, or rows, where it numbers the column.
+// A matrix in compressed lines: columns, `crossing` numbers the row of each entry, or rows, where it numbers the
+// column.
 struct CompressedLines {
   int lines = 0, crossings = 0;
   const int* first = nullptr;

@@ -1,4 +1,5 @@
-// Pivoted QR factorizations that are asked for again: found by comparing all entries, so that results are the same bits.
+// Pivoted QR factorizations that are asked for again: found by comparing all entries, so that results are the same
+// bits.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,7 +19,8 @@ class KeptFactorizations {
   void start_keeping(Arena& memory) { memory_ = &memory; }
   void stop_keeping() { *this = {}; }
 
-  // What factor_qr_pivoted() makes of A, in `a`, copied where A and `negligible` are those of a factorization that is kept.
+  // What factor_qr_pivoted() makes of A, in `a`, copied where A and `negligible` are those of a factorization that is
+  // kept.
   void factor(ConstView A, double negligible, View a, int* pivots, double* tau, Arena& scratch);
   // The same where a factorization of A with these first `count` reflections is kept; else false.
   bool find_first(ConstView A, int count, View a, int* pivots, double* tau) const;

@@ -1,14 +1,15 @@
 // Products of matrices of moderate size; kernel_loops.h includes this.
 //
-// A tile of C, up to three vectors high and up to eight columns wide, stays in registers while the inner dimension is run
-// through in order, as BLAS does: what matters below a few hundred is that nothing is copied before.
+// A tile of C, up to three vectors high and up to eight columns wide, stays in registers while the inner dimension is
+// run through in order, as BLAS does: what matters below a few hundred is that nothing is copied before.
 // SPDX-License-Identifier: BSD-3-Clause
 
 namespace sfdae::core::kernels {
 
 namespace {
 
-// What a tile is made of: rows of op(A), column after column, and columns of op(B), entry (k, j) at k b_down + j b_right.
+// What a tile is made of: rows of op(A), column after column, and columns of op(B), entry (k, j) at k b_down + j
+// b_right.
 struct Tile {
   int inner;
   const double* a;

@@ -1,7 +1,8 @@
 // Pivoted and plain QR factorizations in the vector loops of kernel_loops.h, which includes this.
 //
 // [DB08] Z. Drmac, Z. Bujanovic: On the failure of rank-revealing QR factorization software. ACM TOMS 35, 2008.
-// [QSB98] G. Quintana-Orti, X. Sun, C. H. Bischof: A BLAS-3 version of the QR factorization with column pivoting. SIAM J.
+// [QSB98] G. Quintana-Orti, X. Sun, C. H. Bischof: A BLAS-3 version of the QR factorization with column pivoting.
+// SIAM J.
 //         Sci. Comput. 19, 1998.
 // SPDX-License-Identifier: BSD-3-Clause
 

@@ -1,4 +1,5 @@
-// Loops over whole vectors of numbers, compiled for several instruction sets; which one is taken is decided at run time.
+// Loops over whole vectors of numbers, compiled for several instruction sets; which one is taken is decided at run
+// time.
 //
 // They work on padded matrices: columns aligned to 64 bytes, leading dimension a multiple of 8, zeros in the rows from
 // `rows` to the next multiple of 8, and room for spare columns, so that no loop has a remainder. dense.h uses them.
@@ -20,8 +21,8 @@ inline constexpr int spare_columns = 8;
 static constexpr int round_down(int i) { return i & ~(lanes - 1); }
 static constexpr int round_up(int i) { return round_down(i + lanes - 1); }
 
-// Squared norms, and references, of columns that a pivoted factorization is done with, and of spare ones: they are never
-// chosen, and their updates never look as if they had lost digits.
+// Squared norms, and references, of columns that a pivoted factorization is done with, and of spare ones: they are
+// never chosen, and their updates never look as if they had lost digits.
 inline constexpr double done_norm = -1.0;
 inline constexpr double done_reference = -1e300;
 
@@ -85,8 +86,8 @@ struct Product {
 // So many at most where A is transposed: it is copied, a few rows at a time.
 inline constexpr int most_transposed = 128;
 
-// Q^T C takes the first reflection first, Q C the last; to_identity: Q C where C begins with the identity, whose first p
-// columns reflection p leaves alone.
+// Q^T C takes the first reflection first, Q C the last; to_identity: Q C where C begins with the identity, whose
+// first p columns reflection p leaves alone.
 enum class Order { first_to_last, last_to_first, to_identity };
 
 struct Loops {
@@ -94,8 +95,8 @@ struct Loops {
   ArrayLoops arrays;
   // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
   void (*pad)(const double* a, int lda, Padded to, double* squares);
-  // Reflections first, ..., last - 1, each applied to all columns up to end at once. Returns last, or the first one that
-  // was not made because nothing is left that counts.
+  // Reflections first, ..., last - 1, each applied to all columns up to end at once. Returns last, or the first one
+  // that was not made because nothing is left that counts.
   int (*factor_columns)(const QrWork& work, int first, int last, int end);
   // Reflections first, ..., first + count - 1 at most, pivoted: the columns behind the panel get their pivot rows, the
   // rest of them is left as it was, for one product with F. Returns how many were made: fewer where norms have to be

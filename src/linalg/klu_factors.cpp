@@ -100,8 +100,8 @@ void estimate_by_trial(const SparsePattern& pattern, klu_symbolic& symbolic) {
   klu_free_numeric(&numeric, &common);
 }
 
-// AMD orders A + A^T, COLAMD A^T A: after rows are exchanged for a diagonal without zeros, as in saddle points, the former
-// can mean ten times the work (flow over 40 x 40 cells: 158 ms for a factorization, 11 ms with COLAMD).
+// AMD orders A + A^T, COLAMD A^T A: after rows are exchanged for a diagonal without zeros, as in saddle points, the
+// former can mean ten times the work (flow over 40 x 40 cells: 158 ms for a factorization, 11 ms with COLAMD).
 Symbolic analyzed(const SparsePattern& pattern) {
   constexpr double symmetric = 0.5;  // part of the entries that have one opposite
   Symbolic amd = analyzed(pattern, Ordering::amd);

@@ -1,6 +1,7 @@
 // LU factors of a sparse matrix by KLU, where the library is built with it (SFDAE_WITH_KLU).
 //
-// [DP10] T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation problems.
+// [DP10] T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
+// problems.
 //        ACM Trans. Math. Software 37 (2010), 36.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

@@ -70,8 +70,8 @@ inline void lanes_to_columns(const LaneBlock* blocks, int rows, int count, doubl
     for (int k = 0; k < rows; ++k) columns[static_cast<std::ptrdiff_t>(l) * rows + k] = blocks[k].lane[l];
 }
 
-// What lanes are computed with: AVX-512 where best_instruction_set() says so, else what the compiler aims at, but for loops
-// that are written for AVX2. A test may choose otherwise.
+// What lanes are computed with: AVX-512 where best_instruction_set() says so, else what the compiler aims at, but for
+// loops that are written for AVX2. A test may choose otherwise.
 InstructionSet instruction_set_of_lanes();
 void use_for_lanes(InstructionSet set);
 

@@ -1,5 +1,5 @@
-// LU factors of one sparse matrix after another, of one pattern and with values that change little: by a recorded elimination
-// whose pivots are kept as long as they serve.
+// LU factors of one sparse matrix after another, of one pattern and with values that change little: by a recorded
+// elimination whose pivots are kept as long as they serve.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -27,8 +27,9 @@ class ListedFactors {
   bool may_factor(const SparsePattern& pattern) const {
     return !is_too_long_ && pattern.size > 0 && pattern.size <= largest_size;
   }
-  // Values in the order of the pattern. False: A is singular to working precision, a value is not finite, or other methods
-  // are faster; nothing may be solved then. Allocates where pivots are chosen; raises no floating-point exception.
+  // Values in the order of the pattern. False: A is singular to working precision, a value is not finite, or other
+  // methods are faster; nothing may be solved then. Allocates where pivots are chosen; raises no floating-point
+  // exception.
   bool factor(const SparsePattern& pattern, const double* values) {
     if (!may_factor(pattern) || !all_finite_numbers(values, pattern.row.size())) return false;
     const QuietArithmetic quiet;

@@ -232,8 +232,9 @@ void PlannedLu::substitute(double* z) const {
   }
 }
 
-// r := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the largest sum of
-// the sizes of its terms, or, which is not less, relative to the largest of the last terms of rows. NaN where anything is not finite.
+// r := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the
+// largest sum of the sizes of its terms, or, which is not less, relative to the largest of the last terms of rows.
+// NaN where anything is not finite.
 template <int width, PlannedLu::Terms terms>
 double PlannedLu::residual() {
   const std::size_t size = list_.size();
@@ -274,8 +275,8 @@ double PlannedLu::residual() {
   return error;
 }
 
-// The first `count` columns of x, of at most `width`: others repeat the last. Where the residual is what may be left after a
-// refinement it is not evaluated again.
+// The first `count` columns of x, of at most `width`: others repeat the last. Where the residual is what may be left
+// after a refinement it is not evaluated again.
 template <int width>
 bool PlannedLu::solve_columns(const double* b, int count, double* x) {
   const std::size_t size = list_.size();

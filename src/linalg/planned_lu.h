@@ -1,10 +1,13 @@
-// Sparse systems of linear equations with matrices that change little: pivots are chosen once, by values and fill, and all
-// operations of the elimination are listed. Those of later matrices run through the list, without any search or test.
+// Sparse systems of linear equations with matrices that change little: pivots are chosen once, by values and fill,
+// and all operations of the elimination are listed. Those of later matrices run through the list, without any search
+// or test.
 //
-// Whether the pivots serve is seen from the solutions: their residuals have to be rounding errors of the scaled equations, after
-// one step of refinement where necessary [ADD89]. If not, pivots are chosen anew for the matrix at hand.
+// Whether the pivots serve is seen from the solutions: their residuals have to be rounding errors of the scaled
+// equations, after one step of refinement where necessary [ADD89]. If not, pivots are chosen anew for the matrix at
+// hand.
 //
-// [ADD89] M. Arioli, J. W. Demmel, I. S. Duff: Solving sparse linear systems with sparse backward error. SIAM J. Matrix Anal.
+// [ADD89] M. Arioli, J. W. Demmel, I. S. Duff: Solving sparse linear systems with sparse backward error. SIAM J.
+// Matrix Anal.
 //         Appl. 10 (1989), 165-190.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -18,9 +21,9 @@
 
 namespace sfdae::core {
 
-// What is done to matrices of one pattern, without any search or test. Step k of the elimination: the row of its pivot has the
-// further entries first_u[k], ..., its column the multipliers first_l[k], ...; rows and columns are numbered by their steps. All
-// numbers are in one array of `fill`: pivots, entries of rows, multipliers.
+// What is done to matrices of one pattern, without any search or test. Step k of the elimination: the row of its
+// pivot has the further entries first_u[k], ..., its column the multipliers first_l[k], ...; rows and columns are
+// numbered by their steps. All numbers are in one array of `fill`: pivots, entries of rows, multipliers.
 struct EliminationList {
   std::size_t size() const { return row_factor.size(); }
 
@@ -34,9 +37,9 @@ struct EliminationList {
   std::size_t fill = 0;
 };
 
-// Residuals of scaled equations, relative to the terms that they are sums of, after which solutions are refined no more, and those
-// that are refused. With residuals up to 1e-14 left as they were the error test of sensitivities ran into their noise, and steps
-// became ever shorter.
+// Residuals of scaled equations, relative to the terms that they are sums of, after which solutions are refined no
+// more, and those that are refused. With residuals up to 1e-14 left as they were the error test of sensitivities ran
+// into their noise, and steps became ever shorter.
 inline constexpr double rounding_of_residuals = 1e-16, refused_residuals = 1e-12;
 
 class EliminationPlanning;
@@ -45,15 +48,18 @@ class PlannedLu {
  public:
   // Forgets the pivots. accepted: residuals with which solutions are not refined.
   void analyze(const SparsePattern& pattern, double accepted = rounding_of_residuals);
-  // Pivots for this matrix. False: it is singular or has values that are not finite, or the elimination takes longer than that of a
-  // full matrix by LAPACK does; then, or where pivots had to be chosen too often, it is unsuitable until analyze().
+  // Pivots for this matrix. False: it is singular or has values that are not finite, or the elimination takes longer
+  // than that of a full matrix by LAPACK does; then, or where pivots had to be chosen too often, it is unsuitable
+  // until analyze().
   bool plan(const double* values);
   bool is_suitable() const { return is_suitable_; }
-  // X := A^-1 B, both column-major, size x count, apart from each other. Chooses pivots where none are known or these do not serve.
-  // False: as plan(), or no residual was small. Raises no floating-point exception, allocates only for new pivots.
+  // X := A^-1 B, both column-major, size x count, apart from each other. Chooses pivots where none are known or these
+  // do not serve. False: as plan(), or no residual was small. Raises no floating-point exception, allocates only for
+  // new pivots.
   bool solve(const double* values, const double* b, int count, double* x);
 
-  // After analyze() of the same pattern, when reading: the pivots are those of the same matrix again. Throws DamagedArchive.
+  // After analyze() of the same pattern, when reading: the pivots are those of the same matrix again. Throws
+  // DamagedArchive.
   void archive(Archive& archive);
 
   // For those who eliminate several matrices at once; null where no pivots are known.

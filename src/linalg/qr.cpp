@@ -30,7 +30,8 @@ constexpr int tiny_rows = 12;
 // So few columns do not pay for blocks of up to most_at_once reflections, nor, in few rows, for vectors.
 constexpr int few_columns = 8;
 constexpr int most_at_once = 16;
-// Reflections in a panel of a pivoted factorization, where the first pass over the matrix is as long as all others together.
+// Reflections in a panel of a pivoted factorization, where the first pass over the matrix is as long as all others
+// together.
 constexpr int panel = 8;
 // What is left of a pivoted factorization is not worth a panel.
 constexpr int unblocked = 40;

@@ -1,8 +1,8 @@
-// LU factors of many small sparse matrices of one pattern: the elimination of one of them is recorded, and repeated with the
-// values of others.
+// LU factors of many small sparse matrices of one pattern: the elimination of one of them is recorded, and repeated
+// with the values of others.
 //
-// Pivots are chosen by Markowitz' counts among entries that are not small in their row [DER86, 7.2]. Nothing is searched
-// when the elimination is repeated; a pivot that has become small is refused.
+// Pivots are chosen by Markowitz' counts among entries that are not small in their row [DER86, 7.2]. Nothing is
+// searched when the elimination is repeated; a pivot that has become small is refused.
 //
 // [DER86] I. S. Duff, A. M. Erisman, J. K. Reid: Direct Methods for Sparse Matrices. Oxford University Press, 1986.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -21,8 +21,8 @@ namespace sfdae::core {
 
 class RecordedElimination {
  public:
-  // Rows, columns and pivots scaled and chosen by finite values in the order of the pattern. Else nothing may be factored:
-  // `singular` to working precision, or values not finite; too_long: other methods are faster.
+  // Rows, columns and pivots scaled and chosen by finite values in the order of the pattern. Else nothing may be
+  // factored: `singular` to working precision, or values not finite; too_long: other methods are faster.
   enum class Choice { made, singular, too_long };
   Choice choose(const SparsePattern& pattern, const double* values);
   bool has_pivots() const { return list_.slots > 0; }
@@ -43,8 +43,8 @@ class RecordedElimination {
   // The pivots, if there are any. Reading throws DamagedArchive.
   void archive(const SparsePattern& pattern, Archive& archive);
 
-  // As factor(), of the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane that refuses
-  // one.
+  // As factor(), of the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane
+  // that refuses one.
   int factor_lanes(const LaneBlock* values, LaneBlock* factors) const;
   void solve_lanes(const LaneBlock* factors, LaneBlock* b) { solve_lanes(factors, lane_count, b); }
   // In the first `count` lanes at least; others may stay as they are.
@@ -58,7 +58,8 @@ class RecordedElimination {
   struct Entry {
     int slot, place;  // place: in the order of pivots
   };
-  // All operations: of pivot k those from first[k] to first[k + 1] - 1, rows of U, columns of L, and what is subtracted.
+  // All operations: of pivot k those from first[k] to first[k + 1] - 1, rows of U, columns of L, and what is
+  // subtracted.
   struct List {
     int size = 0, slots = 0;
     std::vector<int> slot_of_entry;  // of the pattern

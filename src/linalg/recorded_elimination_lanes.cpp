@@ -12,8 +12,8 @@ namespace {
 
 using List = RecordedElimination::List;
 
-// Pivots of all points: one that is good for each may not exist. What is solved is iterated, with residuals of the equations
-// themselves, so that rounding errors may grow.
+// Pivots of all points: one that is good for each may not exist. What is solved is iterated, with residuals of the
+// equations themselves, so that rounding errors may grow.
 constexpr double least_part_of_row = 1e-4;
 
 struct FactorWork {

@@ -1,5 +1,5 @@
-// Sparse systems of linear equations of one pattern, one after another: by a list of operations as long as that serves, else with
-// sparse factors, whose pivots are those of an earlier matrix.
+// Sparse systems of linear equations of one pattern, one after another: by a list of operations as long as that
+// serves, else with sparse factors, whose pivots are those of an earlier matrix.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,8 +26,8 @@ class RepeatedSystems {
   int size() const { return pattern_.size; }
   std::size_t num_entries() const { return pattern_.row.size(); }
 
-  // X := A^-1 B, both column-major, size x count, apart from each other; values in the order of the pattern. False: A is singular to
-  // working precision, or something is not finite.
+  // X := A^-1 B, both column-major, size x count, apart from each other; values in the order of the pattern. False: A
+  // is singular to working precision, or something is not finite.
   bool solve(const std::vector<double>& values, const double* b, int count, double* x) {
     if (planned_.is_suitable() && planned_.solve(values.data(), b, count, x)) return true;
     if (!has_lu_) lu_.analyze(pattern_);

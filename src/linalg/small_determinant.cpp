@@ -9,7 +9,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Rows with their largest entry in [1/2, 1); exponent: the sum of their powers of two. False: a row vanishes, or is not finite.
+// Rows with their largest entry in [1/2, 1); exponent: the sum of their powers of two. False: a row vanishes, or is
+// not finite.
 bool scale_rows(double* a, int size, int& exponent) {
   for (int i = 0; i < size; ++i) {
     double largest = 0.0;

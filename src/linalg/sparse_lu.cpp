@@ -14,8 +14,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured them with
-// OpenBLAS on one thread; only their ratios matter. Of KLU that with pivots known, the usual one.
+// Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured
+// them with OpenBLAS on one thread; only their ratios matter. Of KLU that with pivots known, the usual one.
 constexpr double solutions = 10.0;  // integrations solve 10 to 40 times with each factorization
 
 // b_i := b_i 2^(exponents_i - shift); returns the shift, which is not 0 only where something would overflow or vanish.

@@ -57,8 +57,8 @@ class NormalEquations {
   Layout of_;
   const EntrySizes& sizes_;
   Matrix weights_, weights_of_E_;
-  // Rows and columns of the matrix: the weights are beside the diagonal of rows and unknowns, those of E are sums in the
-  // row of time.
+  // Rows and columns of the matrix: the weights are beside the diagonal of rows and unknowns, those of E are sums in
+  // the row of time.
   Exponents diagonal_, beside_time_, descent_, ones_;
 };
 

@@ -60,7 +60,8 @@ bool fit(MultibodyLaneWork& work, Lanes& smallest_pivot) {
   return factor(work.C2, smallest_pivot, work.sign);
 }
 
-// a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses. Not the way: is_good stays, false is returned.
+// a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses. Not the way: is_good stays, false is
+// returned.
 bool solve_by_masses(MultibodyLaneWork& work, const Lanes& smallest_pivot) {
   if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return false;
   const Lanes* const M = entries(work.terms.M);

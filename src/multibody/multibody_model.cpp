@@ -16,7 +16,8 @@ namespace sfdae::core {
 
 namespace {
 
-// The largest change of positions and velocities; rounding errors of the largest of them are none, whatever the tolerances.
+// The largest change of positions and velocities; rounding errors of the largest of them are none, whatever the
+// tolerances.
 ValueChange change_of_motion(const MultibodySizes& sizes, const std::vector<double>& tolerances,
                              const std::vector<double>& given, const std::vector<double>& x) {
   constexpr double rounding = 1e-13;

@@ -18,8 +18,8 @@ struct GivenMotion {
   double t;
   const std::vector<double>& x;
 };
-// The changes of what was given are reported; those beyond tolerances are refused for InitialValues::accept, which else keeps
-// what was given. found: consistent. Throws Failure.
+// The changes of what was given are reported; those beyond tolerances are refused for InitialValues::accept, which
+// else keeps what was given. found: consistent. Throws Failure.
 void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& given, ConsistentPoint& found);
 
 // What is known at the point reached.

@@ -46,8 +46,8 @@ class PartitionMonitor {
   // only a shorter step can show that.
   PointStatus check(const MultibodyPoint& point, const MultibodyPoint& accepted, const Tangents& tangents,
                     MultibodyLinearization& linearization, Arena& arena);
-  // At a stage within the step: reports not_converged where constraints have turned over, and only shorter steps can show
-  // what they do up to its end.
+  // At a stage within the step: reports not_converged where constraints have turned over, and only shorter steps can
+  // show what they do up to its end.
   PointStatus check_within(const MultibodyOrientation& orientation, MultibodyLinearization& linearization) const;
   // Notes a singular configuration near a point, which steps do not reach.
   void note_singularity(const MultibodyPoint& point, const NearbySingularity& singularity, const MultibodyForm& form,

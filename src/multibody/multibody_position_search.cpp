@@ -126,8 +126,8 @@ bool PositionSearch::improve(const Matrix& P) {
 }
 
 bool PositionSearch::approach(const Matrix& P, int most) {
-  // Where nothing makes residuals smaller: those, relative to q, that rounding errors may leave, as those of g know lengths
-  // other than q, and those that do not matter in terms of the tolerance.
+  // Where nothing makes residuals smaller: those, relative to q, that rounding errors may leave, as those of g know
+  // lengths other than q, and those that do not matter in terms of the tolerance.
   constexpr double small = 1e-12, far_below_tolerance = 1e-6;
   for (int iteration = 0; iteration < most; ++iteration) {
     if (holds_to_rounding()) return true;

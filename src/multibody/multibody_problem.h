@@ -85,15 +85,15 @@ class MultibodyProblem : public Problem {
 
   // g alone.
   virtual CallbackError constraints(double t, const double* q, double* g) = 0;
-  // g and C v + r together, with g_q unless that is null; false: not here, as S is not the identity, there are nonholonomic
-  // constraints, or the problem has no way of its own.
+  // g and C v + r together, with g_q unless that is null; false: not here, as S is not the identity, there are
+  // nonholonomic constraints, or the problem has no way of its own.
   virtual bool constraints_on_both_levels(const MultibodyLevels& /*at*/, CallbackError& /*error*/) { return false; }
   // All but f and s.
   virtual CallbackError at_position(double t, const double* q, MultibodyTerms& terms) = 0;
   // All.
   virtual CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
-  // Whether several points can be evaluated at once; then the sizes of terms, and their values at the points of the first
-  // `count` lanes. False where that fails: the points one by one tell why.
+  // Whether several points can be evaluated at once; then the sizes of terms, and their values at the points of the
+  // first `count` lanes. False where that fails: the points one by one tell why.
   virtual bool has_lanes() const { return false; }
   virtual void prepare_lanes(MultibodyLaneTerms&) {}
   virtual bool at_velocities(int, const LaneBlock*, const LaneBlock*, MultibodyLaneTerms&) { return false; }

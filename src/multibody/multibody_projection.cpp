@@ -138,12 +138,13 @@ PointStatus MultibodyProjection::project_output(MultibodyPoint& point, Multibody
                                                                  : PointStatus::singular;
 }
 
-// Newton's method with N of the point given: positions to rounding, velocities so near that what one more change does to forces
-// is a rounding error as a rule. False: not here, or not so fast.
+// Newton's method with N of the point given: positions to rounding, velocities so near that what one more change does
+// to forces is a rounding error as a rule. False: not here, or not so fast.
 bool MultibodyProjection::approach(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
                                    Arena& arena) {
-  // Iterations; relative changes as in project_positions; of velocities, those that project_velocities need not look at again;
-  // the rate that Newton's method does not have unless it sees rounding errors. (Chosen: iterations by those that are needed.)
+  // Iterations; relative changes as in project_positions; of velocities, those that project_velocities need not look
+  // at again; the rate that Newton's method does not have unless it sees rounding errors. (Chosen: iterations by
+  // those that are needed.)
   constexpr int most = 5;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, negligible_in_v = 2e-14, slow = 1e-2;
   if (!form.has_velocities_as_rates() || form.positions().rank == 0) return false;

@@ -23,7 +23,8 @@ class MultibodyProjection {
   // Of (q, v): an error of one unit is as large as the tolerance. 0, before there are any, for no tolerance.
   void set_weights(const double* inverse_weights);
 
-  // What is to move; positions that stay are those of a point with terms and rows. rest: velocities, which approach() has moved.
+  // What is to move; positions that stay are those of a point with terms and rows. rest: velocities, which approach()
+  // has moved.
   enum class Moves { all, velocities, rest, nothing };
   // The form: of a linearization near the point.
   PointStatus project(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena,

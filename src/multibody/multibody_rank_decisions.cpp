@@ -73,8 +73,8 @@ bool are_tied(const Matrix& M, const Matrix& C, double small) {
   return true;
 }
 
-// The rank of M, if units of velocities and constraints make [M C^T; C 0] even and regular; -1: they do not. Masses and moments of
-// inertia of microsystems have sizes that only the joints between them explain.
+// The rank of M, if units of velocities and constraints make [M C^T; C 0] even and regular; -1: they do not. Masses
+// and moments of inertia of microsystems have sizes that only the joints between them explain.
 int rank_of_mass_in_balanced_units(const Matrix& M, const Matrix& C, double small, RankDecision& decision,
                                    Arena& arena) {
   if (!are_tied(M, C, small)) return -1;

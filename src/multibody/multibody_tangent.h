@@ -53,8 +53,8 @@ class Tangent {
     int row = -1;
   };
   ZeroCrossings zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const;
-  // The real eigenvalue mu of largest size of B Q2 (C Q2)^-1, for which a combination of rows C - B / mu vanishes on Q2,
-  // 0 if there is none, and the row that changes most.
+  // The real eigenvalue mu of largest size of B Q2 (C Q2)^-1, for which a combination of rows C - B / mu vanishes on
+  // Q2, 0 if there is none, and the row that changes most.
   double fastest_change(const Partition& partition, ConstView B, int& row, Arena& arena) const;
 
  private:

@@ -1,9 +1,9 @@
-// Mechanical systems with constraints: large recorded ones by the minimal extension of their first-order equations, with
-// sparse matrices, where numbers confirm their structure; those that sensitivities are asked of by the derivative array of
-// these equations; all others by local coordinates, with dense matrices.
+// Mechanical systems with constraints: large recorded ones by the minimal extension of their first-order equations,
+// with sparse matrices, where numbers confirm their structure; those that sensitivities are asked of by the
+// derivative array of these equations; all others by local coordinates, with dense matrices.
 //
-// K = [M C^T; C 0] of chains and trees has few entries in a row, and what follows from it, as projections and tangents, has
-// many (docs/decisions/54-sparse-multibody-systems.md).
+// K = [M C^T; C 0] of chains and trees has few entries in a row, and what follows from it, as projections and
+// tangents, has many (docs/decisions/54-sparse-multibody-systems.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// What both kinds have in common. Where the first total derivative is not available, and differences are allowed, it is one along the
-// jet: x' at outputs needs it, where nothing else does.
+// What both kinds have in common. Where the first total derivative is not available, and differences are allowed, it
+// is one along the jet: x' at outputs needs it, where nothing else does.
 class PatternedEquations : public SuppliedEquations {
  public:
   void set_targets(const Tape& tape, const JacobianPatterns& patterns);

@@ -36,8 +36,8 @@ struct GroupedPattern {
   ColumnPattern pattern;
   ColumnGroups groups;
 };
-// Central differences; from one side where F cannot be evaluated at the other. values: one for each entry of the pattern. F: of the
-// jet. Two evaluations for each group.
+// Central differences; from one side where F cannot be evaluated at the other. values: one for each entry of the
+// pattern. F: of the jet. Two evaluations for each group.
 CallbackError colored_differences(const FunctionOfJet& evaluate, const ChangingJet& jet, const ChangeSizes& sizes,
                                   const GroupedPattern& grouped, const std::vector<double>& F, double* values);
 

@@ -1,12 +1,12 @@
 // Derivatives of the equations of impulses of a recorded problem, by x and by parameters.
 //
-// The equations of impulses.h, sum_{j >= p} (E_{j-p} + A_{j-p-1} / j) theta_j with E = F_x' and A = -F_x, are the Taylor coefficients of
-// order mu - p of
+// The equations of impulses.h, sum_{j >= p} (E_{j-p} + A_{j-p-1} / j) theta_j with E = F_x' and A = -F_x, are the
+// Taylor coefficients of order mu - p of
 //
 //     F_x' v - F_x w,   v(s) = sum_j theta_j s^(mu-j),   w(s) = sum_{j >= 1} theta_j / j s^(mu-j+1)
 //
-// along the jet of x, so that their derivatives are Taylor coefficients of those of this formula. Derivatives of x have no part in them:
-// factors of what jumps or has an impulse do not depend on these (nonlinear_jump.h).
+// along the jet of x, so that their derivatives are Taylor coefficients of those of this formula. Derivatives of x
+// have no part in them: factors of what jumps or has an impulse do not depend on these (nonlinear_jump.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,8 +26,8 @@ class ImpulseSlopes {
   // parameters: their numbers, one for each column; -1: the column is zero.
   ImpulseSlopes(const TaylorEvaluator& equations, const std::vector<int>& parameters);
 
-  // By all unknowns and by the parameters, scaled as `data` and theta (n x (mu + 1)) are: (mu + 1) m rows. jet: of order mu + 1 at least.
-  // Parameters have the values of `equations`. False where they cannot be evaluated.
+  // By all unknowns and by the parameters, scaled as `data` and theta (n x (mu + 1)) are: (mu + 1) m rows. jet: of
+  // order mu + 1 at least. Parameters have the values of `equations`. False where they cannot be evaluated.
   bool evaluate(const TaylorEvaluator& equations, const TaylorData& data, const Units& units, ConstView theta,
                 const double* jet, View by_x, View by_parameters);
 

@@ -45,8 +45,8 @@ class NonlinearProblem : public Problem {
 
   // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
   CallbackError residuals(double t, const double* jet, int order, double* F);
-  // F as residuals(), at `count` points side by side, a column being a block for each unknown or equation. False: they have
-  // to be evaluated one by one, for whatever reason; what was written is not to be used.
+  // F as residuals(), at `count` points side by side, a column being a block for each unknown or equation. False:
+  // they have to be evaluated one by one, for whatever reason; what was written is not to be used.
   bool residuals_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F);
   // Whether it is of use to try.
   virtual bool has_lanes(int) const { return false; }
@@ -155,16 +155,18 @@ class RecordedProblem final : public NonlinearProblem {
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
   CallbackError gradient_entries(double t, const double* jet, VaryingEntries& varying, double* values);
-  // The same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one by one, for
-  // whatever reason. Valid until the next evaluation.
+  // The same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one
+  // by one, for whatever reason. Valid until the next evaluation.
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
                                                  const std::vector<int>& limits);
-  // Each equation up to its limit, see TaylorEvaluator::values_within; rows that `differentiations` leaves out are evaluated, too.
+  // Each equation up to its limit, see TaylorEvaluator::values_within; rows that `differentiations` leaves out are
+  // evaluated, too.
   CallbackError residuals_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
                                  int more, double* F);
   CallbackError gradient_entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
                                         double* values);
-  // The same at `count` points side by side, see LaneEvaluator::evaluate_within. Null: as gradient_entries_side_by_side().
+  // The same at `count` points side by side, see LaneEvaluator::evaluate_within. Null: as
+  // gradient_entries_side_by_side().
   const LaneEvaluator* evaluate_within(int count, const LaneEvaluator::Points& points,
                                        const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
   // Made elsewhere.

@@ -37,14 +37,14 @@ class ParameterSeries {
   CallbackError evaluate(const TaylorData& data, const double* jet, int order, View f);
   // The Taylor coefficients of F_p as they are, m (order + 1) x count.
   CallbackError values(double t, const double* jet, int order, View F_p);
-  // Coefficients of the entries of F_p at several points (see LaneEvaluator): of entry e from e (order + 1) on. Null: they have to be
-  // evaluated one by one, for whatever reason. Valid until the next call.
+  // Coefficients of the entries of F_p at several points (see LaneEvaluator): of entry e from e (order + 1) on. Null:
+  // they have to be evaluated one by one, for whatever reason. Valid until the next call.
   const LaneBlock* values_side_by_side(const LaneBlock* t, const LaneBlock* jets, int order);
   // Those found last.
   const LaneBlock* last_values_side_by_side() const { return lanes_of_F_p_.data(); }
   const std::vector<ParameterGradient::Place>& places() const { return places_; }
-  // gradient += f^T weights, with f as evaluate() has it: m (order + 1) x q and count x q, which costs no more than the entries
-  // that there are.
+  // gradient += f^T weights, with f as evaluate() has it: m (order + 1) x q and count x q, which costs no more than
+  // the entries that there are.
   CallbackError add_gradient(const TaylorData& data, const double* jet, ConstView weights, View gradient);
   // gradient -= F_p^T weights, m x q.
   CallbackError add_gradient(double t, const double* jet, ConstView weights, View gradient);

@@ -20,9 +20,9 @@ constexpr double part = 0x1p-10, few_roundings = 4096.0;
 // Entries may vanish at the first point, where a search for consistent values begins.
 constexpr int complete_probes = 3;
 
-// An equation is judged by the groups that it has no unknown of. With g random groups an unknown shares its own with one of r others
-// with a probability of about r / g, in all divisions with its third power: 1.6 % with g = 4 r. Up to so many unknowns each is by
-// itself, and nothing is left to chance.
+// An equation is judged by the groups that it has no unknown of. With g random groups an unknown shares its own with
+// one of r others with a probability of about r / g, in all divisions with its third power: 1.6 % with g = 4 r. Up to
+// so many unknowns each is by itself, and nothing is left to chance.
 constexpr int divisions = 3, few_unknowns = 64, groups_an_entry = 4, longest_row = 30;
 
 std::size_t groups_of(const ColumnPattern& pattern, int rows) {

@@ -1,8 +1,8 @@
-// Whether F depends on unknowns that its pattern does not know of: groups of unknowns are moved, and equations that contain none of
-// them must not change.
+// Whether F depends on unknowns that its pattern does not know of: groups of unknowns are moved, and equations that
+// contain none of them must not change.
 //
-// Moves are finite, so that x_j^2 is noticed at x_j = 0, and nothing has to be differentiated: what does not depend on an unknown is
-// the same number.
+// Moves are finite, so that x_j^2 is noticed at x_j = 0, and nothing has to be differentiated: what does not depend
+// on an unknown is the same number.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -25,8 +25,8 @@ class PatternProbe {
     const std::vector<double>& F;
     const std::vector<double>& terms;
   };
-  // All groups until nothing has been found at a few points, then one at a time, always new ones. True: one is missing. Points where F cannot be evaluated are left out;
-  // `error`: what ends everything.
+  // All groups until nothing has been found at a few points, then one at a time, always new ones. True: one is
+  // missing. Points where F cannot be evaluated are left out; `error`: what ends everything.
   bool finds(const FunctionOfJet& evaluate, std::vector<double> derivatives, const Equations& equations,
              Missing& missing, CallbackError& error);
   long evaluations() const { return evaluations_; }

@@ -80,7 +80,8 @@ class Problem {
   // What else there is to say where their structure, or a rank, is lost just after the point (t, x); n values.
   virtual std::string about_singular_point(double, const double*) { return {}; }
 
-  // What the functions say at t is asked for once until forget_values(): they are the same all that time. By KeptValues.
+  // What the functions say at t is asked for once until forget_values(): they are the same all that time. By
+  // KeptValues.
   virtual void keep_values(double) {}
   virtual void forget_values() {}
 
@@ -127,7 +128,8 @@ class UserTime {
   Problem& problem_;
 };
 
-// While it lives, within one call of the user's, the functions are the same: at t each is asked once, if it can be kept.
+// While it lives, within one call of the user's, the functions are the same: at t each is asked once, if it can be
+// kept.
 class KeptValues {
  public:
   KeptValues(Problem& problem, double t) : problem_(problem) { problem_.keep_values(t); }

@@ -14,7 +14,8 @@ double power_of_two(int exponent) { return std::ldexp(1.0, std::clamp(exponent, 
 
 }  // namespace
 
-// Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those below 2^-900 the powers of their inverses.
+// Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those below 2^-900 the powers of their
+// inverses.
 double power_of_two_near(double x) {
   return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 130));
 }

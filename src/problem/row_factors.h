@@ -12,8 +12,8 @@ namespace sfdae::core {
 double power_of_two_near(double x);
 // What entries of A count beside those of E, tau: the unit of time of the problem.
 double unit_of_A(RowScaling rows, double tau);
-// From sizes of rows, their largest entries, to factors: powers of two that bring the largest row to [1, 2) and the others to once or
-// twice that, as a common factor of all rows changes nothing but a common factor.
+// From sizes of rows, their largest entries, to factors: powers of two that bring the largest row to [1, 2) and the
+// others to once or twice that, as a common factor of all rows changes nothing but a common factor.
 void become_row_factors(std::vector<double>& sizes, RowScaling rows);
 
 }  // namespace sfdae::core

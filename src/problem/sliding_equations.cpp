@@ -29,7 +29,8 @@ struct Factors {
   bool are_same() const { return below == above; }
 };
 
-// Numbers in place of parameters: factors of x' are the same; or, where there is no x', at least one unknown has the same factor.
+// Numbers in place of parameters: factors of x' are the same; or, where there is no x', at least one unknown has the
+// same factor.
 void demand_equal_factors(const Recorder& recorder, const Factors& factors, const std::string& name,
                           bool has_derivatives) {
   bool shares_one = false;

@@ -60,8 +60,8 @@ bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& valu
   return error.status == SFDAE_OK;
 }
 
-// unseen: it changes too much between the points; little: it fits, but so would many others, of rounding errors, or of a size
-// that does not matter within the reach.
+// unseen: it changes too much between the points; little: it fits, but so would many others, of rounding errors, or
+// of a size that does not matter within the reach.
 enum class Evidence { confirms, unseen, little, against };
 
 // Rounding errors of values of an entry, its values and derivatives being so large.
@@ -93,8 +93,8 @@ Evidence judge(const SuppliedLine& line, int entry, double h, const std::vector<
   return spread + noise > visible * own_size ? Evidence::little : Evidence::confirms;
 }
 
-// For entries first, ..., first + count - 1: not negative where judge() would say that they are confirmed, for the reason
-// that most are. In one loop without branches; all numbers are usable, and no terms are given.
+// For entries first, ..., first + count - 1: not negative where judge() would say that they are confirmed, for the
+// reason that most are. In one loop without branches; all numbers are usable, and no terms are given.
 void find_margins(const SuppliedLine& line, int first, int count, double h, const std::vector<double>& values,
                   double* margins) {
   const double *F0 = line.base.data() + first, *Fh = values.data() + first;
@@ -149,8 +149,8 @@ struct Finding {
 // The line of least squares through the points, relative to the first one.
 using Samples = std::array<double, positions.size()>;
 
-// coarse: the residual on larger scales. What is rounded coarsely, to single precision for example, is constant on small
-// scales, and shows its steps on larger ones only.
+// coarse: the residual on larger scales. What is rounded coarsely, to single precision for example, is constant on
+// small scales, and shows its steps on larger ones only.
 struct Noise {
   const SuppliedLine& line;
   int entry;
@@ -203,8 +203,8 @@ bool is_the_same(const Finding& a, const Finding& b) {
   return std::fabs(a.quotient - b.quotient) <= same * gap && std::fabs(a.supplied - b.supplied) <= same * gap;
 }
 
-// Function and derivative agree, to much less than a gap. On larger scales than those of the gap both may have vanished:
-// only what is of its size counts there.
+// Function and derivative agree, to much less than a gap. On larger scales than those of the gap both may have
+// vanished: only what is of its size counts there.
 bool agrees(const Finding& f, double gap, double scale_of_gap) {
   if (f.gap() > acquitting_gap * gap || f.own_bound > acquitting_bound * gap) return false;
   const double size = std::max(std::fabs(f.quotient), std::fabs(f.supplied));

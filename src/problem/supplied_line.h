@@ -23,7 +23,8 @@ struct SuppliedLine {
   // Writes all values at an offset from the origin. Those that are not finite count for no entry.
   std::function<CallbackError(double offset, double* values)> evaluate;
   std::vector<double> base;  // at offset 0
-  // Empty, or for each entry the size of what its value is the sum of, where that may be more than the value: of residuals.
+  // Empty, or for each entry the size of what its value is the sum of, where that may be more than the value: of
+  // residuals.
   std::vector<double> terms = {};
 };
 
@@ -38,13 +39,13 @@ struct LineContradiction {
 // The entries that neither one point nor two more confirm: few evaluations where all is right. Both throw Failure if
 // the function is stopped; other failures leave out the point.
 std::vector<int> unconfirmed_entries(const SuppliedLine& line);
-// Those of the entries whose derivative contradicts the function beyond doubt: on two scales at least, the same way, and
-// on no scale from the whole reach down to rounding it does not. least_gap: relative difference that counts.
+// Those of the entries whose derivative contradicts the function beyond doubt: on two scales at least, the same way,
+// and on no scale from the whole reach down to rounding it does not. least_gap: relative difference that counts.
 std::vector<LineContradiction> contradictions(const SuppliedLine& line, const std::vector<int>& entries,
                                               double least_gap);
 
-// Smallest relative difference of a derivative that counts as wrong: differences that a user supplies as derivatives, or
-// slopes of another interpolation, are not.
+// Smallest relative difference of a derivative that counts as wrong: differences that a user supplies as derivatives,
+// or slopes of another interpolation, are not.
 inline constexpr double least_wrong_part = 1e-2;
 
 // SFDAE_WRONG_DERIVATIVES, in words.

@@ -35,8 +35,8 @@ struct Orders {
   int f = -1;
 };
 
-// each: rows of [E A] in units of time of the user, or of [E tau A] where tau is longer; common: one factor for all; timed:
-// rows of [E tau A]; given: the factors that are preferred, right or not.
+// each: rows of [E A] in units of time of the user, or of [E tau A] where tau is longer; common: one factor for all;
+// timed: rows of [E tau A]; given: the factors that are preferred, right or not.
 enum class RowScaling { each, common, timed, given };
 // Of a number that was read.
 inline bool is_row_scaling(RowScaling rows) { return rows >= RowScaling::each && rows <= RowScaling::timed; }

@@ -106,8 +106,8 @@ LockstepMatrix difference(const LockstepMatrix& E, const LockstepMatrix& A, int 
   return result;
 }
 
-// Block row i of the array in columns y_(i+1), ..., y_1, x: E_(i+1-j) - A_(i-j) / j at y_j, A_i at x. They are the first
-// rows of `to`, and written before the others.
+// Block row i of the array in columns y_(i+1), ..., y_1, x: E_(i+1-j) - A_(i-j) / j at y_j, A_i at x. They are the
+// first rows of `to`, and written before the others.
 void write_block_row(const PerturbedData& data, const std::vector<int>& rows, int i, LockstepMatrix& to) {
   const int n = data.E(0).cols();
   const auto write = [&](const LockstepMatrix& block, int first) {

@@ -1,5 +1,5 @@
-// Ranks of one level of the derivative array with a certificate: by elimination in lockstep with perturbed copies of the
-// data.
+// Ranks of one level of the derivative array with a certificate: by elimination in lockstep with perturbed copies of
+// the data.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -36,8 +36,8 @@ struct CertificateSettings {
   TrialPerturbations& random;
   bool omits_suspects = false;  // rounding errors among them count as zeros always
   double rank_tol = 0.0;        // > 0: the user decides, relative to the largest entry of each matrix judged
-  // What norms say, to be confirmed as it is (known_rank_elimination.h); null: all ranks are searched for. Every row has to be
-  // in every level.
+  // What norms say, to be confirmed as it is (known_rank_elimination.h); null: all ranks are searched for. Every row
+  // has to be in every level.
   const RankSequence* suggested = nullptr;
 };
 

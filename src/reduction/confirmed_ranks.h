@@ -12,8 +12,8 @@
 
 namespace sfdae::core {
 
-// decisions: of whole levels at one point or several, in the order in which they were made, with v^ = 0. All small entries
-// are values. None if a certificate is not clear with exactly these ranks. Throws Failure: errors of callbacks.
+// decisions: of whole levels at one point or several, in the order in which they were made, with v^ = 0. All small
+// entries are values. None if a certificate is not clear with exactly these ranks. Throws Failure: errors of callbacks.
 std::optional<Significance> confirmed_ranks(SearchTask task, const std::vector<RankDecision>& decisions);
 
 }  // namespace sfdae::core

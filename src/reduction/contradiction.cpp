@@ -35,7 +35,8 @@ void scale_columns(Matrix& B) {
   }
 }
 
-// Columns and rows are divided by their largest entries, so that no units matter; those of rows with their right-hand sides.
+// Columns and rows are divided by their largest entries, so that no units matter; those of rows with their right-hand
+// sides.
 Equations equations_of(const DerivativeArray& array, const std::vector<char>& fixed, const double* x) {
   const int rows = array.M.rows(), derivatives = array.M.cols(), n = array.N.cols();
   const bool has_fixed = !fixed.empty();

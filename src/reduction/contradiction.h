@@ -15,8 +15,8 @@ struct ContradictingEquation {
   int equation, derivatives;
 };
 
-// M y = N x + g, m rows to each order, for all y and those x that are not fixed (n flags, or none; then x has to be that
-// of the array: g with N x added); empty if nothing contradicts, or there are too many equations to try.
+// M y = N x + g, m rows to each order, for all y and those x that are not fixed (n flags, or none; then x has to be
+// that of the array: g with N x added); empty if nothing contradicts, or there are too many equations to try.
 std::vector<ContradictingEquation> contradicting_equations(const DerivativeArray& array, int m,
                                                            const std::vector<char>& fixed, const double* x);
 

@@ -217,8 +217,8 @@ bool Analysis::agrees_in_balanced_units(IndexAnalysis& quick) {
          (are_clear_by_far(others, is_singular(values)) || is_certified_at_mu(quick, others));
 }
 
-// decisions: of all levels in balanced units, which lead to the values of norms in the usual ones. Where nothing but values
-// kept at level mu is too small for norms, a certificate of that level confirms what these say, rank by rank.
+// decisions: of all levels in balanced units, which lead to the values of norms in the usual ones. Where nothing but
+// values kept at level mu is too small for norms, a certificate of that level confirms what these say, rank by rank.
 bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = quick.values;
   if (values.u > 0 || values.v > 0 || quick.v_hat > 0 || settings_.by_svd) return false;

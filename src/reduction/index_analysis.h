@@ -40,8 +40,8 @@ struct Precedent {
   bool rank_E_constant = true;
 };
 
-// Of decisions of norms alone that lead to redundant equations, which are what a rank that is too small looks like: more is asked of those
-// (docs/decisions/32-certificates.md).
+// Of decisions of norms alone that lead to redundant equations, which are what a rank that is too small looks like:
+// more is asked of those (docs/decisions/32-certificates.md).
 inline constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 
 inline constexpr double useful_pivot_at_best = 1e-10;

@@ -21,8 +21,8 @@ namespace {
 // Rows of the array: six copies of more would take longer than all the rest. (Chosen.)
 constexpr int most_array_rows = 300;
 
-// Whether nothing is redundant though an analysis says so, by one matrix without a chain of decisions: the rows of the array of its
-// level, in balanced units. The source keeps these.
+// Whether nothing is redundant though an analysis says so, by one matrix without a chain of decisions: the rows of
+// the array of its level, in balanced units. The source keeps these.
 bool is_redundancy_refuted(CoefficientSource& source, Place place, const IndexAnalysis& analysis) {
   if (analysis.v_hat == 0 || (analysis.values.mu + 1) * source.m() > most_array_rows) return false;
   const UsualUnits usual = usual_units(source, place.t);

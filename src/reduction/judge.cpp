@@ -91,7 +91,8 @@ int Judge::decide(Question question, ConstView r, ConstView original) {
   return record(decision, question);
 }
 
-// Thresholds are 10 dimension unit_roundoff norm at least; a block of such columns has sqrt(dimension) times their length.
+// Thresholds are 10 dimension unit_roundoff norm at least; a block of such columns has sqrt(dimension) times their
+// length.
 double Judge::negligible(double norm) const {
   if (settings_.known_ranks != nullptr || settings_.rank_tol > 0.0) return -1.0;
   return std::sqrt(static_cast<double>(sizes_.dimension)) * unit_roundoff * norm;

@@ -76,8 +76,8 @@ class Judge {
   double entering_constraint_error() const { return sizes_.eps * sizes_.norm_A; }
   // Errors that E_0 leaves in the first stage.
   double diagonal_error() const { return unit_roundoff * sizes_.norm_E0; }
-  // What is left of a pivoted factorization that begins with entries of this size may be taken for zero once its columns
-  // are no longer: it is below what decides as a block, too. < 0: never, where ranks do not follow from noise.
+  // What is left of a pivoted factorization that begins with entries of this size may be taken for zero once its
+  // columns are no longer: it is below what decides as a block, too. < 0: never, where ranks do not follow from noise.
   double negligible(double norm) const;
   double norm_E0() const { return sizes_.norm_E0; }
   // Errors of what is judged by the next decide_stage, and of A^.

@@ -109,8 +109,8 @@ void follow(View a, int first, int end, View beside) {
            beside.block(first, 0, end - first, beside.cols), 1.0, beside.block(end, 0, below, beside.cols));
 }
 
-// A = L U in place in the columns [first, end), half by half. rows: exchanged for the largest pivots, and in what order they
-// are then; null: as they are. False if a pivot vanishes.
+// A = L U in place in the columns [first, end), half by half. rows: exchanged for the largest pivots, and in what
+// order they are then; null: as they are. False if a pivot vanishes.
 bool factor_columns(View a, int first, int end, std::vector<int>* rows) {
   if (const int count = end - first; count > pivots_at_once) {
     const int middle = first + count / 2;

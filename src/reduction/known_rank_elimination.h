@@ -1,8 +1,8 @@
 // Elimination of a matrix and of perturbed copies whose rank norms have suggested.
 //
-// Whether a rank is certain shows in the copies (lockstep_elimination.h), whichever pivots are taken as long as they are
-// large. Where the rank is known no entry has to be searched for by its significance: pivoted QR chooses columns, partial
-// pivoting rows, the same ones in all copies, and products of matrices do the rest
+// Whether a rank is certain shows in the copies (lockstep_elimination.h), whichever pivots are taken as long as they
+// are large. Where the rank is known no entry has to be searched for by its significance: pivoted QR chooses columns,
+// partial pivoting rows, the same ones in all copies, and products of matrices do the rest
 // (docs/decisions/82-starts-of-large-problems.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// Equations and unknowns from which on the ranks of norms are confirmed before others are searched for: below, the search
-// takes 20 ms at most.
+// Equations and unknowns from which on the ranks of norms are confirmed before others are searched for: below, the
+// search takes 20 ms at most.
 inline constexpr int large_problem = 64;
 
 // What LockstepMatrix::eliminate does, with `rank` pivots in the first `width` columns. Where there are none so many,

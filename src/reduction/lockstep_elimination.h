@@ -69,8 +69,8 @@ class LockstepMatrix {
   void normalize_rows();
 
   // Eliminates the first `width` columns. The rows without pivots come to stand below those that have one; their
-  // entries in these columns count as zero. Returns the rank. tolerance > 0: what is zero is decided by it alone, relative
-  // to the largest entry of these columns.
+  // entries in these columns count as zero. Returns the rank. tolerance > 0: what is zero is decided by it alone,
+  // relative to the largest entry of these columns.
   int eliminate(int width, Significance& significance, double tolerance = 0.0,
                 ZeroScale scale = ZeroScale::whole_rows);
 

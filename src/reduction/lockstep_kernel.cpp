@@ -118,8 +118,8 @@ struct Subtraction {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-// What subtract() and significance_of() do, operation by operation, in two halves for AVX2: GCC 12 moves eight numbers piece
-// by piece.
+// What subtract() and significance_of() do, operation by operation, in two halves for AVX2: GCC 12 moves eight
+// numbers piece by piece.
 __attribute__((target("avx2"), noinline)) void subtract_in_halves(LockstepWork& w, const Subtraction& of,
                                                                   const PivotRow& p) {
   constexpr int half = lane_count / 2;

@@ -30,8 +30,8 @@
 
 namespace sfdae::core {
 
-// Of the constraints and of what holds E x, or of the differential equations, too, which points without a step do not ask
-// for.
+// Of the constraints and of what holds E x, or of the differential equations, too, which points without a step do not
+// ask for.
 enum class RightHandSides { constraints, all };
 
 enum class LeadingTerm { automatic, projector, matrix, identity };

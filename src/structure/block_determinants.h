@@ -1,5 +1,5 @@
-// Determinants of the blocks of the system Jacobian: where one vanishes along a solution, the structure misleads there, and
-// the characteristic values are other ones.
+// Determinants of the blocks of the system Jacobian: where one vanishes along a solution, the structure misleads
+// there, and the characteristic values are other ones.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace sfdae::core {
 
-// All entries of the system Jacobian are numbers, which do not depend on the point: what has been decided about its blocks holds until
-// parameters change.
+// All entries of the system Jacobian are numbers, which do not depend on the point: what has been decided about its
+// blocks holds until parameters change.
 bool has_constant_blocks(const Structure& structure, const TaylorEvaluator& evaluator);
 
 class BlockDeterminants {
@@ -37,8 +37,8 @@ class BlockDeterminants {
   };
   // Of the jets wanted.
   int jet_order() const { return jacobian_.jet_order(); }
-  // At t and x, x', ... (one column each) of a jet of that order, at least; count() values. False: the equations cannot be
-  // evaluated there.
+  // At t and x, x', ... (one column each) of a jet of that order, at least; count() values. False: the equations
+  // cannot be evaluated there.
   bool measure(double t, const double* jet, std::vector<Value>& values);
 
  private:

@@ -115,7 +115,8 @@ class Basis {
     }
   }
 
-  // Parts that are rounding errors beside the dependent equation are left out, rows being measured by their largest entry.
+  // Parts that are rounding errors beside the dependent equation are left out, rows being measured by their largest
+  // entry.
   DependentEquation parts(int dependent) const {
     DependentEquation result{block_.equation(dependent), {}};
     const double least = negligible * block_.size_of(dependent);

@@ -1,4 +1,5 @@
-// Which equations of a diagonal block of the system Jacobian depend on which others there, rows being those of equations.
+// Which equations of a diagonal block of the system Jacobian depend on which others there, rows being those of
+// equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

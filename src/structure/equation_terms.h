@@ -1,5 +1,5 @@
-// Equations that take the place of recorded ones: f^_i = sum of factor D^order f_k over terms, D the total derivative by t,
-// factors constant; f_i is among the terms, as it stands.
+// Equations that take the place of recorded ones: f^_i = sum of factor D^order f_k over terms, D the total derivative
+// by t, factors constant; f_i is among the terms, as it stands.
 //
 // As the other equations stay, they have the solutions of the recorded ones [TNP17].
 //
@@ -66,14 +66,15 @@ class EquationTerms {
   int highest_order_ = 0;
 };
 
-// A Taylor coefficient of a derivative of f_k by x_j or x_j', times a factor: part of the derivative of D^order f_k by x_j^(s). order
-// of the coefficient: -1 where there is none.
+// A Taylor coefficient of a derivative of f_k by x_j or x_j', times a factor: part of the derivative of D^order f_k
+// by x_j^(s). order of the coefficient: -1 where there is none.
 struct SeriesTerm {
   int order;
   double factor;
 };
 
-// With f_k = a_1 x_j' + a_0 x_j: D^m f_k contains (binomial(m, s - 1) a_1^(m - s + 1) + binomial(m, s) a_0^(m - s)) x_j^(s).
+// With f_k = a_1 x_j' + a_0 x_j: D^m f_k contains (binomial(m, s - 1) a_1^(m - s + 1) + binomial(m, s) a_0^(m - s))
+// x_j^(s).
 SeriesTerm series_term(const EquationTerm& term, bool of_derivative, int s);
 
 // values[entry] += factor times coefficients[coefficient], a Taylor coefficient of a derivative of a recorded equation.

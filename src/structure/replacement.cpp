@@ -1,7 +1,7 @@
 // Combinations of equations in place of those that depend on others.
 //
-// With u^T J = 0, u_p = 1 and c_p the least of the offsets of u's equations, f^_p = sum u_i D^(c_i - c_p) f_i contains no highest
-// derivative any more; the value of the transversal becomes smaller each time, so that this ends.
+// With u^T J = 0, u_p = 1 and c_p the least of the offsets of u's equations, f^_p = sum u_i D^(c_i - c_p) f_i
+// contains no highest derivative any more; the value of the transversal becomes smaller each time, so that this ends.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/replacement.h"
 
@@ -24,7 +24,8 @@ constexpr double cancelled = 1e-12, present = 1e-9;
 // Beyond it equations would be differentiated more often than numbers bear.
 constexpr int highest_order = 8;
 
-// d f^ / d x_unknown^(order) at a point: its value, and that of its derivative along a jet; beside them, what was added up.
+// d f^ / d x_unknown^(order) at a point: its value, and that of its derivative along a jet; beside them, what was
+// added up.
 struct Derivative {
   int unknown, order;
   double value, slope, size, size_of_slope;

@@ -18,8 +18,8 @@ namespace sfdae::core {
 
 class Signature {
  public:
-  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row. In one word: recorded
-  // equations have orders up to 1, those that take their place some more.
+  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row. In one word:
+  // recorded equations have orders up to 1, those that take their place some more.
   struct Entry {
     Entry() : Entry(0, 0) {}
     Entry(int j, int its_order) : unknown(static_cast<unsigned>(j) & 0xffffff), order(its_order & 0xff) {}

@@ -127,8 +127,8 @@ RankDecision judge(Matrix J, double t, double rank_tol) {
   return decision_on(J.data(), size, t, rank_tol);
 }
 
-// Larger blocks are factored as sparse matrices: an estimate of the condition says as much where it is good. Else the dense
-// factorization has the last word, up to a size that takes seconds.
+// Larger blocks are factored as sparse matrices: an estimate of the condition says as much where it is good. Else the
+// dense factorization has the last word, up to a size that takes seconds.
 constexpr int largest_dense_block = 100, largest_in_doubt = 1500;
 constexpr double good_condition = 1e-9;
 

@@ -1,7 +1,8 @@
 // The structural analysis of a DAE [P01], and what numbers say of it.
 //
-// Where the system Jacobian is regular at a consistent point, the offsets tell what is to be differentiated, and how many
-// initial values are free. Where it is singular, numbers cancel that structure cannot see, and offsets mean nothing.
+// Where the system Jacobian is regular at a consistent point, the offsets tell what is to be differentiated, and how
+// many initial values are free. Where it is singular, numbers cancel that structure cannot see, and offsets mean
+// nothing.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -42,7 +43,8 @@ struct Structure {
 
 enum class BlockVerdict { regular, singular, unclear };
 
-// The diagonal blocks of the system Jacobian at a point, each judged by itself, rows and columns scaled by powers of two.
+// The diagonal blocks of the system Jacobian at a point, each judged by itself, rows and columns scaled by powers of
+// two.
 struct Certificate {
   std::vector<RankDecision> blocks;
   BlockVerdict verdict(int block) const;
@@ -65,8 +67,9 @@ struct CertifiedPoint {
 // The first `count` values of the jet moved by a few of its rounding errors, of random size and sign; side: 1 or -1.
 std::vector<double> moved_by_rounding(const CertifiedPoint& point, std::size_t count, double side);
 
-// Entries that rounding errors of the point change by more than a part of them are taken for zeros: an entry that vanishes at
-// consistent points only has no other value there. rank_tol: as in RankScale. False: the equations cannot be evaluated there.
+// Entries that rounding errors of the point change by more than a part of them are taken for zeros: an entry that
+// vanishes at consistent points only has no other value there. rank_tol: as in RankScale. False: the equations cannot
+// be evaluated there.
 bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
                        double rank_tol, Certificate& certificate);
 
@@ -78,7 +81,8 @@ class OrderedBlocks;
 // The same for many points: large blocks are ordered once, and where their entries are the same, so is the decision.
 class StructureJudge {
  public:
-  // jacobian: where entries are evaluated. Both live longer. ordered: what another judge of this structure has left, or null.
+  // jacobian: where entries are evaluated. Both live longer. ordered: what another judge of this structure has left,
+  // or null.
   StructureJudge(const Structure& structure, SystemJacobian& jacobian,
                  std::shared_ptr<OrderedBlocks> ordered = nullptr);
   const std::shared_ptr<OrderedBlocks>& ordered() const { return ordered_; }

@@ -1,4 +1,5 @@
-// The system Jacobian J_ij = d f_i / d x_j^(d_j - c_i) where equation i contains that derivative, else 0 [P01]; sparse, by rows.
+// The system Jacobian J_ij = d f_i / d x_j^(d_j - c_i) where equation i contains that derivative, else 0 [P01];
+// sparse, by rows.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,8 +22,8 @@ class SystemJacobian {
   // False: the equations cannot be evaluated there. jet: of jet_order(), at least.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet);
 
-  // Entries that do not depend on the point are not evaluated again before parameters change, nor are derivatives that are no entries:
-  // worth a list of its own where points are many. The evaluator is the same one from now on.
+  // Entries that do not depend on the point are not evaluated again before parameters change, nor are derivatives
+  // that are no entries: worth a list of its own where points are many. The evaluator is the same one from now on.
   void expect_many_points();
 
   // Until they are evaluated the next time, there are no values, and there is no memory for them.

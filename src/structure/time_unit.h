@@ -1,5 +1,6 @@
-// The unit of time of equations: that in which x and x' of the sizes of x matter to them as much as each other. Searches that weigh
-// or choose derivatives use it, as what they find must not depend on the unit that the user has chosen.
+// The unit of time of equations: that in which x and x' of the sizes of x matter to them as much as each other.
+// Searches that weigh or choose derivatives use it, as what they find must not depend on the unit that the user has
+// chosen.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,8 +17,8 @@ struct PointOfUnits {
   const std::vector<double>& sizes;
 };
 
-// The mean of the equations that contain both, of logarithms; 1 where there is none. In units of t; powers up to that order neither
-// overflow nor vanish.
+// The mean of the equations that contain both, of logarithms; 1 where there is none. In units of t; powers up to that
+// order neither overflow nor vanish.
 double time_unit(TaylorEvaluator& evaluator, const PointOfUnits& point, int highest_order);
 
 }  // namespace sfdae::core

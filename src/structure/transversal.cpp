@@ -1,6 +1,7 @@
-// Shortest augmenting paths, in phases: every phase finds the distance from the equations without unknown to the nearest
-// unknown that is free, changes the prices by it, and takes as many paths of that length as do not meet [HK73; BDM09].
-// Costs are M - sigma; where prices are u_i + v_j = cost the entry is tight, and paths run along tight entries.
+// Shortest augmenting paths, in phases: every phase finds the distance from the equations without unknown to the
+// nearest unknown that is free, changes the prices by it, and takes as many paths of that length as do not meet
+// [HK73; BDM09]. Costs are M - sigma; where prices are u_i + v_j = cost the entry is tight, and paths run along tight
+// entries.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/transversal.h"
 

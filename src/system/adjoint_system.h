@@ -1,10 +1,11 @@
 // What the driver of adjoints sees of a problem: the equations of sensitivities (sensitivity_system.h), transposed.
 //
-// A step computes S from earlier ones and from F_p by linear equations. Read backward these turn weights of S into weights of
-// the earlier ones, and add what F_p contributes to the gradient: as exact as the sensitivities of the same steps, at a cost that
-// hardly depends on the number of parameters [CLPS03 have this for index 0 and 1].
+// A step computes S from earlier ones and from F_p by linear equations. Read backward these turn weights of S into
+// weights of the earlier ones, and add what F_p contributes to the gradient: as exact as the sensitivities of the
+// same steps, at a cost that hardly depends on the number of parameters [CLPS03 have this for index 0 and 1].
 //
-// [CLPS03] Y. Cao, S. Li, L. Petzold, R. Serban: Adjoint sensitivity analysis for differential-algebraic equations: the adjoint
+// [CLPS03] Y. Cao, S. Li, L. Petzold, R. Serban: Adjoint sensitivity analysis for differential-algebraic equations:
+// the adjoint
 //          DAE system and its numerical solution. SIAM J. Sci. Comput. 24 (2003).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -33,8 +34,8 @@ struct AdjointValues {
   View weights, gradient;
 };
 
-// All S at a point: S = basis z + offset, z = coordinates S, one column of the offset for each parameter, in the user's units. Without
-// constraints z = S, and basis and coordinates, which are unit matrices then, are empty.
+// All S at a point: S = basis z + offset, z = coordinates S, one column of the offset for each parameter, in the
+// user's units. Without constraints z = S, and basis and coordinates, which are unit matrices then, are empty.
 struct TangentSpace {
   Matrix basis, coordinates, offset;  // n x d, d x n, n x count
   double inconsistency = 0.0;         // contradiction of redundant equations, relative

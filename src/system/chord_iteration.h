@@ -29,8 +29,9 @@ class ChordIteration {
   // After the change of the given norm; before: that of the last one, which counts from the second iteration on.
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before);
   // The same where the matrix may have entries that are larger by orders of magnitude than those at the point, which
-  // is_out_of_date() says; it is asked where it matters. Changes are small beside the error then, and the first one solves what
-  // is linear: at least three are made unless one is negligible, and only the last two say how they become smaller.
+  // is_out_of_date() says; it is asked where it matters. Changes are small beside the error then, and the first one
+  // solves what is linear: at least three are made unless one is negligible, and only the last two say how they
+  // become smaller.
   template <class IsOutOfDate>
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before,
                      IsOutOfDate is_out_of_date) {
@@ -44,8 +45,8 @@ class ChordIteration {
     return iteration > 1 && norm > slowest * before;
   }
 
-  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution: the first change solves what
-  // is linear, and the second one, small beside it, says nothing about the rate of what comes.
+  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution: the first
+  // change solves what is linear, and the second one, small beside it, says nothing about the rate of what comes.
   void doubt_matrix(bool is_in_doubt) { is_in_doubt_ = is_in_doubt; }
   // A new matrix will pay for the next point.
   bool is_slow() const { return is_slow_; }

@@ -34,9 +34,9 @@ struct ConsistencyRequest {
   }
   // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
   bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
-  // Changes that count as one where differentiated_stay(): the tolerances. If digits are trusted, as they are until that
-  // leads beyond what they explain, absolute parts count a millionth: published values are off by their last digit. Where
-  // neither a value nor its tolerance says anything the largest size has to do.
+  // Changes that count as one where differentiated_stay(): the tolerances. If digits are trusted, as they are until
+  // that leads beyond what they explain, absolute parts count a millionth: published values are off by their last
+  // digit. Where neither a value nor its tolerance says anything the largest size has to do.
   bool trusts_digits = false;
   std::vector<double> sizes() const;
   // The same request for values whose digits are trusted. Its tolerances are what their last digits explain.

@@ -57,8 +57,8 @@ class DaeSystem : public StrangenessFreeSystem {
   virtual std::string inconsistency_message() const;
   // What there is to say about a change of the characteristic values that was met last; empty: nothing.
   virtual std::string about_change() const { return {}; }
-  // Asked where steps have failed, before an integration ends for that: whether the characteristic values change near the
-  // point accepted last, and when, as far as that point tells.
+  // Asked where steps have failed, before an integration ends for that: whether the characteristic values change near
+  // the point accepted last, and when, as far as that point tells.
   virtual std::optional<double> change_nearby() { return std::nullopt; }
   // What vanishes at changes that no watch has found.
   virtual SingularPart vanishing_part() const { return SingularPart::unknown; }

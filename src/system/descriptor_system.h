@@ -25,7 +25,8 @@ struct DescriptorSystem {
 
 // Finite eigenvalues of (E, A). Throws Failure, SFDAE_SINGULAR for a singular pencil.
 PencilSpectrum poles(const DescriptorSystem& system, double rank_tol);
-// Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], of its regular part where it is singular
+// Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], of its regular part where it is
+// singular
 // [VD81]. Throws Failure.
 PencilSpectrum invariant_zeros(const DescriptorSystem& system, double rank_tol);
 

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// As for the extension of x (extension/extension_linearization.cpp): states are chosen anew where these move some unknown
-// by so much more than where they were chosen, and by so many of its sizes if they change by theirs.
+// As for the extension of x (extension/extension_linearization.cpp): states are chosen anew where these move some
+// unknown by so much more than where they were chosen, and by so many of its sizes if they change by theirs.
 constexpr double worth_a_choice = 3.0, harmless_move = 30.0;
 
 }  // namespace
@@ -258,8 +258,8 @@ bool ExtendedSensitivityStep::are_good_states(double move) const {
   return move <= std::max(harmless_move, worth_a_choice * move_of_choice_);
 }
 
-// With other states where those there are determine the rest no more. move: by how many of their sizes unknowns move if states do
-// by theirs, in what was solved last. False: there are no states.
+// With other states where those there are determine the rest no more. move: by how many of their sizes unknowns move
+// if states do by theirs, in what was solved last. False: there are no states.
 template <class Solve, class Move>
 bool ExtendedSensitivityStep::solve_with_good_states(Solve solve, Move move) {
   const bool is_solved = solve();

@@ -1,14 +1,14 @@
 // BDF steps of sensitivities by the minimal extension of recorded equations.
 //
-// Where numbers confirm the structure of the equations, with its offsets c_i and d_j, equation i differentiated up to c_i
-// times determines the Taylor coefficients up to d_j of all x_j from d of the x_j, the states. Differentiated by p that is
-// linear, with states discretized as x is:
+// Where numbers confirm the structure of the equations, with its offsets c_i and d_j, equation i differentiated up to
+// c_i times determines the Taylor coefficients up to d_j of all x_j from d of the x_j, the states. Differentiated by
+// p that is linear, with states discretized as x is:
 //
 //     sum_{j,l} (dF_i,k / dx_j,l) S_j,l = -(F_p)_i,k,  k = 0 ... c_i,      S_s,1 = c S_s,0 + rest_s,  s a state
 //
 // one sparse matrix in place of an elimination of the derivative array. The jets of x have all derivatives that these
-// equations contain: they fulfil the equations, which determine them. States are chosen anew where they move other unknowns
-// much more than when they were chosen.
+// equations contain: they fulfil the equations, which determine them. States are chosen anew where they move other
+// unknowns much more than when they were chosen.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -24,7 +24,8 @@
 
 namespace sfdae::core {
 
-// The equations of the extension differentiated: the coefficients (i, k) of each equation, k <= limits[i], and (j, l) of each unknown.
+// The equations of the extension differentiated: the coefficients (i, k) of each equation, k <= limits[i], and (j, l)
+// of each unknown.
 struct ExtendedEquations {
   // Of an entry of the matrix: factor times a Taylor coefficient of a derivative of an equation.
   struct Term {
@@ -59,8 +60,8 @@ class ExtendedSensitivityStep {
 
   // rest, S: n x count, in the user's units. Not possible any more: no states determine the rest, S is as it was.
   PointStatus solve(const Jet& jet, double c, const double* rest, double* S);
-  // What the constraints leave open, in the user's units: S = xp + T2 z with the states of S for z. T2: n x num_states(), xp: n x count.
-  // Not possible any more: as solve().
+  // What the constraints leave open, in the user's units: S = xp + T2 z with the states of S for z. T2: n x
+  // num_states(), xp: n x count. Not possible any more: as solve().
   PointStatus find_tangents(const Jet& jet, View T2, View xp);
   int num_states() const { return equations_.num_states(); }
 
@@ -68,7 +69,8 @@ class ExtendedSensitivityStep {
   const ExtendedEquations& equations() const { return equations_; }
   std::size_t num_entries() const { return pattern_.row.size(); }
   const EliminationList* list() const { return has_pattern_ ? planned_.list() : nullptr; }
-  // Largest sizes of the unknowns met, which are to be kept up to date; whether the states serve that move unknowns by so much of these.
+  // Largest sizes of the unknowns met, which are to be kept up to date; whether the states serve that move unknowns
+  // by so much of these.
   std::vector<double>& sizes() { return sizes_; }
   bool are_good_states(double move) const;
   const CallbackError& callback_error() const { return callback_error_; }

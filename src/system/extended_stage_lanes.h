@@ -1,8 +1,9 @@
-// The stages of a Radau step of sensitivities linearized side by side, one in each lane: tangents T2 and xp by the minimal extension, and
-// Z1^T (E, A, f), as SensitivityPoint has them one by one (docs/decisions/68-sensitivities-side-by-side.md).
+// The stages of a Radau step of sensitivities linearized side by side, one in each lane: tangents T2 and xp by the
+// minimal extension, and Z1^T (E, A, f), as SensitivityPoint has them one by one
+// (docs/decisions/68-sensitivities-side-by-side.md).
 //
-// Z1 is the orthonormal basis of the range of E T2, rows scaled, that the modified method of Gram and Schmidt finds [B67]: the range is
-// what counts, and that is found to rounding errors.
+// Z1 is the orthonormal basis of the range of E T2, rows scaled, that the modified method of Gram and Schmidt finds
+// [B67]: the range is what counts, and that is found to rounding errors.
 //
 // [B67] A. Bjoerck: Solving linear least squares problems by Gram-Schmidt orthogonalization. BIT 7 (1967), 1-21.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -31,7 +32,8 @@ class ExtendedStageLanes {
   bool begin(int s);
   // xdot: x' there, or null: that of the jet.
   void keep(int i, const Jet& jet, const double* xdot);
-  // Of all stages, into `stages`, which has their sizes. False: they have to be linearized one by one, for whatever reason.
+  // Of all stages, into `stages`, which has their sizes. False: they have to be linearized one by one, for whatever
+  // reason.
   bool linearize(const AnalyzedEquations& equations, SensitivityStages& stages);
   // What was kept of a stage.
   Jet jet(int i) const;

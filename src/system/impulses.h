@@ -7,15 +7,15 @@
 //
 //     sum_k (-1)^(k+1-p) C(k+1,p) E^(k+1-p) xi_k  =  sum_k (-1)^(k-p) C(k,p) A^(k-p) xi_k,     p = 0, ..., mu
 //
-// For constant E and A: E (x+ - x-) = A xi_0, E xi_0 = A xi_1, ..., E xi_(mu-1) = 0. Of a regular pencil, x+ is then the
-// consistency projector of x-, apart from what f asks for: in Weierstrass form what obeys an ODE stays, all else is what
-// is consistent. There are no impulses of order mu or more. In Taylor coefficients, theta_0 = x+ - x- and
+// For constant E and A: E (x+ - x-) = A xi_0, E xi_0 = A xi_1, ..., E xi_(mu-1) = 0. Of a regular pencil, x+ is then
+// the consistency projector of x-, apart from what f asks for: in Weierstrass form what obeys an ODE stays, all else
+// is what is consistent. There are no impulses of order mu or more. In Taylor coefficients, theta_0 = x+ - x- and
 // theta_j = (-1)^j j! tau^-j xi_(j-1),
 //
 //     sum_{j >= p} ( E_{j-p} + A_{j-p-1} / j ) theta_j = 0,     p = 0, ..., mu        (A_-1 = 0)
 //
-// with x+ = xp + T2 z: (mu+1) m equations for d + mu n unknowns, which have full column rank where u = 0, so that no rank
-// is decided here.
+// with x+ = xp + T2 z: (mu+1) m equations for d + mu n unknowns, which have full column rank where u = 0, so that no
+// rank is decided here.
 //
 // [T09] S. Trenn: Distributional differential algebraic equations. Dissertation, TU Ilmenau, 2009.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -51,8 +51,8 @@ struct InputsAfter {
   std::vector<double> values;
 };
 
-// data: the coefficients up to order mu, all rows. size: of what rounding errors are relative to, where values are changes of
-// a point, in scaled units.
+// data: the coefficients up to order mu, all rows. size: of what rounding errors are relative to, where values are
+// changes of a point, in scaled units.
 struct ImpulseEquations {
   const ConstrainedPoint& point;
   const TaylorData& data;
@@ -73,8 +73,8 @@ void add_impulse_block(const TaylorData& data, int p, int j, View C);
 // Rows p = 0, ..., mu of the equations, columns theta_1, ..., theta_mu.
 Matrix impulse_columns(const TaylorData& data, int mu);
 
-// y := the least squares solutions of C y = b for all right-hand sides; C and b are overwritten. False where C has no full column
-// rank, as where impulses can lead to several values.
+// y := the least squares solutions of C y = b for all right-hand sides; C and b are overwritten. False where C has no
+// full column rank, as where impulses can lead to several values.
 bool solve_least_squares(View C, View b, View y, Arena& arena);
 
 // What is left of the equations above for these theta and the coefficients of another point, beyond rounding errors and

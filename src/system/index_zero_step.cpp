@@ -21,8 +21,8 @@ constexpr int most_newton_iterations = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
-// Of the smallest value kept: changes of a matrix that leave its rank as it is, with room for what the smallest entry of a
-// pivoted QR factorization is above the smallest singular value.
+// Of the smallest value kept: changes of a matrix that leave its rank as it is, with room for what the smallest entry
+// of a pivoted QR factorization is above the smallest singular value.
 constexpr double negligible_change = 0.1;
 
 // Unknowns for each constraint from which on errors are mapped by the kernel of E: 4 n a operations instead of the

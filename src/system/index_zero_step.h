@@ -1,10 +1,11 @@
 // Steps of regular problems of strangeness index 0: F(t, x, c x + w_rest) = 0, solved as it stands.
 //
-// Where F_x' has rank d near the solution, these n equations say the same as F(t, x, y) = 0 and Z1^T F(t, x, c x + w_rest)
-// = 0: the values of F(t, x, .) are a manifold of dimension d through F(t, x, y) = 0 with the tangent space Z1. So a step
-// needs no projectors: one evaluation of F in each iteration, and one factorization of c F_x' + F_x. That is kept while c
-// changes little [BCP96, 5.2.2]; changes of x are multiplied by 2 / (1 + c / c of the matrix) then, half-way between what is
-// right where F_x' dominates and where F_x does (docs/decisions/38-kept-factorizations.md).
+// Where F_x' has rank d near the solution, these n equations say the same as F(t, x, y) = 0 and Z1^T F(t, x, c x +
+// w_rest) = 0: the values of F(t, x, .) are a manifold of dimension d through F(t, x, y) = 0 with the tangent space
+// Z1. So a step needs no projectors: one evaluation of F in each iteration, and one factorization of c F_x' + F_x.
+// That is kept while c changes little [BCP96, 5.2.2]; changes of x are multiplied by 2 / (1 + c / c of the matrix)
+// then, half-way between what is right where F_x' dominates and where F_x does
+// (docs/decisions/38-kept-factorizations.md).
 //
 // [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
 //         Differential-Algebraic Equations. SIAM, 1996.

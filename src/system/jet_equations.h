@@ -60,8 +60,8 @@ class JetEquations {
   bool staged_change(bool keep, std::vector<double>& change);
   // Of the last staged_change: see Trial.
   double moved_by_last_change() const { return moved_; }
-  // Whether the change of every x_i is small beside x_i, what is added up in the constraints of x_i by the last elimination, or the
-  // size of changes that counts as one.
+  // Whether the change of every x_i is small beside x_i, what is added up in the constraints of x_i by the last
+  // elimination, or the size of changes that counts as one.
   bool is_negligible(const Jet& jet, const std::vector<double>& change) const;
   // By the last elimination, for another change of x.
   void recover_derivatives(std::vector<double>& change);

@@ -16,8 +16,8 @@ namespace {
 using Vector = std::vector<double>;
 
 // Against endless searches; steps that reduce the residuals well do not count: of an exponential a Newton step takes
-// one power of e, and guesses may be hundreds of them away. There are limits for these, too: residuals that are measured anew, in
-// other units, after each step may be large again. Chosen, not measured.
+// one power of e, and guesses may be hundreds of them away. There are limits for these, too: residuals that are
+// measured anew, in other units, after each step may be large again. Chosen, not measured.
 constexpr int max_iterations = 200, max_good_steps = 1000;
 // A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
 constexpr double good_reduction = 0.5;
@@ -208,7 +208,8 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
 }
 
-// Which ranks are right shows in what they achieve. of_most_ranks: where to write the first trial without noise, or null.
+// Which ranks are right shows in what they achieve. of_most_ranks: where to write the first trial without noise, or
+// null.
 JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks) {
   // Larger residuals than this part of the coefficients tell nothing about which singular values vanish. Chosen, not
   // measured.

@@ -18,8 +18,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of what is added up in an equation, or of what moves: rounding errors, and errors of what moves, leave less where the jump moves
-// as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
+// Of what is added up in an equation, or of what moves: rounding errors, and errors of what moves, leave less where
+// the jump moves as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
 constexpr double jump_contradiction = 1e-6;
 // Changes of x after the jump, relative, that count as none.
 constexpr double converged_derivative = 1e-10;
@@ -103,7 +103,8 @@ bool JumpDerivatives::find_slopes(const LinearizedConstraints::Known& known, con
   return true;
 }
 
-// dx for z = 0. Along t the jet of the solution is shifted, and the derivative array not fulfilled by that corrected for.
+// dx for z = 0. Along t the jet of the solution is shifted, and the derivative array not fulfilled by that corrected
+// for.
 bool JumpDerivatives::find_particular(const Solution& at, const MovingJump& moving,
                                       LinearizedConstraints& constraints, View dx) {
   const int m = problem_.m(), n = problem_.n(), count = moving.directions(), mu = at.theta.cols() - 1;

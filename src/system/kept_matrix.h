@@ -1,5 +1,6 @@
-// Matrices of steps that are kept while c, of x' = c x + ..., changes little (docs/decisions/38-kept-factorizations.md), and while
-// exponentials do not become much smaller (docs/decisions/98-kept-matrices-and-exponentials.md).
+// Matrices of steps that are kept while c, of x' = c x + ..., changes little
+// (docs/decisions/38-kept-factorizations.md), and while exponentials do not become much smaller
+// (docs/decisions/98-kept-matrices-and-exponentials.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,8 +11,8 @@
 
 namespace sfdae::core {
 
-// Whether derivatives at the first jet are too large for the second one, as arguments of exponentials have fallen. arguments: of the
-// equations, or null.
+// Whether derivatives at the first jet are too large for the second one, as arguments of exponentials have fallen.
+// arguments: of the equations, or null.
 inline bool have_fallen(SteepArguments* arguments, const Jet& from, const Jet& to) {
   return arguments != nullptr && arguments->have_fallen({from.t, from.x.data()}, {to.t, to.x.data()});
 }
@@ -24,8 +25,8 @@ inline constexpr double largest_deviation = 0.25;
 // Deviations that slow iterations do not come from.
 inline constexpr double harmless_deviation = 0.05;
 
-// Iterations that it takes more than the matrix for c itself: what iterations have to gain from the predictor on, and gain in
-// one with the right matrix, as a rule, is that of the problems of benchmarks/index0_cost.cpp.
+// Iterations that it takes more than the matrix for c itself: what iterations have to gain from the predictor on, and
+// gain in one with the right matrix, as a rule, is that of the problems of benchmarks/index0_cost.cpp.
 inline double iterations_wasted(double deviation) {
   constexpr double usual_gain = 300.0, usual_rate = 0.03;
   if (deviation <= usual_rate) return 0.0;

@@ -40,8 +40,8 @@ class LinearSystem final : public DaeSystem {
   void give_up_projector() override;
   LinearProblem& problem() { return problem_; }
   std::string inconsistency_message() const override;
-  // " It is equations 0 and 2 that cannot hold together.", at the current point; with components of x fixed (n flags, or
-  // none), as they are. Empty if that is not so, or not known.
+  // " It is equations 0 and 2 that cannot hold together.", at the current point; with components of x fixed (n flags,
+  // or none), as they are. Empty if that is not so, or not known.
   std::string named_contradiction(const std::vector<char>& fixed, const double* x) const;
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }

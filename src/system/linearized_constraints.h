@@ -40,9 +40,9 @@ class LinearizedConstraints {
   // Moves it by a change of x within them. Returns its size relative to x.
   double move_by(std::vector<double> dx, Jet& jet);
 
-  // A change of x within the constraints with other right-hand sides, (mu + 1) m x count, all scaled; the last one is that of the point
-  // afterwards. sizes: what x moves by in each column, which rounding errors are relative to. False where redundant equations
-  // contradict each other.
+  // A change of x within the constraints with other right-hand sides, (mu + 1) m x count, all scaled; the last one is
+  // that of the point afterwards. sizes: what x moves by in each column, which rounding errors are relative to. False
+  // where redundant equations contradict each other.
   bool find_particular(ConstView f, const double* sizes, View dx);
 
   // The least change of x that fulfils the linearized constraints.

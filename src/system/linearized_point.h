@@ -1,8 +1,8 @@
 // The equations linearized at one point of x, in null-space form: what sensitivities and their adjoints have in common.
 //
-// The constraints are those of the derivative array along the jet: they depend on its derivatives only by factors of rows,
-// as F_mu = 0 holds. The differential equations are Z1^T F(t, x, x') = 0 differentiated where x' is that of the solution or
-// of its discretization: a jet of level mu leaves some derivatives open that F_x may contain.
+// The constraints are those of the derivative array along the jet: they depend on its derivatives only by factors of
+// rows, as F_mu = 0 holds. The differential equations are Z1^T F(t, x, x') = 0 differentiated where x' is that of the
+// solution or of its discretization: a jet of level mu leaves some derivatives open that F_x may contain.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,8 +20,8 @@ namespace sfdae::core {
 
 class LinearizedPoint {
  public:
-  // With the ranks known; they are judged anew where they do not fit. xdot: x' for the differential equations, in the user's
-  // units, or null: that of the jet.
+  // With the ranks known; they are judged anew where they do not fit. xdot: x' for the differential equations, in the
+  // user's units, or null: that of the jet.
   struct Place {
     const Jet& jet;
     const double* xdot;
@@ -43,16 +43,16 @@ class LinearizedPoint {
  protected:
   // The derivative array along the jet.
   PointStatus evaluate(AnalyzedEquations& equations, const Jet& jet);
-  // f: right-hand sides of it, at least one column; what the elimination makes of them is in f_hat. store: null, or where the
-  // elimination is kept.
+  // f: right-hand sides of it, at least one column; what the elimination makes of them is in f_hat. store: null, or
+  // where the elimination is kept.
   struct Reduced {
     ConstView f;
     Matrix& f_hat;
     StoredElimination* store;
   };
   PointStatus reduce(AnalyzedEquations& equations, const RankSequence& known, const Reduced& reduced, Arena& arena);
-  // Level 0 alone, with the directions that the constraints leave open in tangents_, scaled: Z1 is a basis of E times these, as it is
-  // with the elimination.
+  // Level 0 alone, with the directions that the constraints leave open in tangents_, scaled: Z1 is a basis of E times
+  // these, as it is with the elimination.
   PointStatus evaluate_along_tangents(AnalyzedEquations& equations, const Jet& jet, Arena& arena);
   ConstView Z1() const { return has_tangents_ ? ConstView(Z1_) : form_.Z1(); }
   // E and A of F1. With x' of its own, where they contain it, they come from slope_data_.

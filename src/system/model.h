@@ -112,8 +112,8 @@ class Model {
     return only != nullptr ? std::vector<const TaylorEvaluator*>{only} : std::vector<const TaylorEvaluator*>{};
   }
 
-  // Adds what is known of the equations and tells them apart: recorded ones, patterns, what is prescribed; not the values of
-  // parameters.
+  // Adds what is known of the equations and tells them apart: recorded ones, patterns, what is prescribed; not the
+  // values of parameters.
   virtual void add_equations(WordHash& hash) {
     if (const TaylorEvaluator* known = structure_evaluator()) core::add_equations(known->record(), hash);
   }
@@ -131,7 +131,8 @@ class Model {
   // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
   // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;
-  // Of the system that is to be restored, which may be one that sensitivities can be asked of; false where there are none of that form.
+  // Of the system that is to be restored, which may be one that sensitivities can be asked of; false where there are
+  // none of that form.
   virtual bool expect(SystemForm form, bool /*for_sensitivities*/) { return form == SystemForm::reduced; }
   virtual void undo_restore() = 0;
   virtual void finish_restore() = 0;
@@ -165,11 +166,11 @@ class Model {
   };
   virtual std::optional<Extension> extension() { return std::nullopt; }
 
-  // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis; nothing
-  // of an integration is disturbed. Throws Failure.
+  // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis;
+  // nothing of an integration is disturbed. Throws Failure.
   virtual Jump jump(const PointOfInterest& point, const ModelOptions& options) = 0;
-  // How the values after such a jump move, n x directions, by its equations. False where they do not say it: then jumps that are moved
-  // have to. Throws Failure.
+  // How the values after such a jump move, n x directions, by its equations. False where they do not say it: then
+  // jumps that are moved have to. Throws Failure.
   virtual bool differentiate_jump(const MovingJump&, const ModelOptions&, View /*after*/) { return false; }
 
   // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is

@@ -169,7 +169,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed(bool is_turned) {
   return std::nullopt;
 }
 
-// What has fallen and risen may be as small as it became for a while, as where diodes block: it has another sign behind a zero.
+// What has fallen and risen may be as small as it became for a while, as where diodes block: it has another sign
+// behind a zero.
 bool NonlinearChangeWatch::has_passed_zero(const Fall& fall, const Jet& now) {
   if (!witness().speaks()) return fall.has_turned;
   return !witness().keeps_signs(fall.at_lowest, fall.at_highest, now);
@@ -228,7 +229,8 @@ StructuralWitness& NonlinearChangeWatch::witness() {
 
 bool NonlinearChangeWatch::is_never_singular() { return witness().is_always_regular(); }
 
-// At a point of the step that is tried, by consistent values nearby; all of it where structure says that nothing has vanished there.
+// At a point of the step that is tried, by consistent values nearby; all of it where structure says that nothing has
+// vanished there.
 std::optional<double> NonlinearChangeWatch::kept_consistently(double t) {
   const std::optional<Jet> jet = search_.consistent_at(t);
   if (!jet) return std::nullopt;

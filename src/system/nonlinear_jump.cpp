@@ -20,7 +20,8 @@ using Vector = std::vector<double>;
 // Changes of the iteration relative to x: it converges quadratically, and ends with the second of them.
 constexpr double converged_change = 1e-7, no_change = 1e-14;
 constexpr int most_jump_iterations = 50;
-// Changes that grow by more are overshoots: a part of the last one is made instead, a quarter of it first, down to this one. (Chosen.)
+// Changes that grow by more are overshoots: a part of the last one is made instead, a quarter of it first, down to
+// this one. (Chosen.)
 constexpr double most_growth = 2.0, shortest = 1e-3;
 // Of what is added up in an equation at another point: its factors are not the same there. Iterations leave less.
 // (Chosen.)

@@ -1,10 +1,10 @@
 // The jump of a nonlinear problem from values of other equations to consistent ones: impulses.h, with the equations
 // linearized at the point after the jump.
 //
-// That makes sense where impulses, and what jumps, are in the equations linearly, with factors that neither jump nor have
-// impulses themselves: E(x) x' with an E that depends on what stays. That is tested at points between the values before
-// and after the jump, and with impulses smeared over a short time; where it is not so, there is no answer that does not
-// depend on how the switch works inside, and the jump is refused.
+// That makes sense where impulses, and what jumps, are in the equations linearly, with factors that neither jump nor
+// have impulses themselves: E(x) x' with an E that depends on what stays. That is tested at points between the values
+// before and after the jump, and with impulses smeared over a short time; where it is not so, there is no answer that
+// does not depend on how the switch works inside, and the jump is refused.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,8 @@
 
 namespace sfdae::core {
 
-// Where the equations of impulses are linearized: a jet after the jump, theta (impulses.h), all rows of the equations there.
+// Where the equations of impulses are linearized: a jet after the jump, theta (impulses.h), all rows of the equations
+// there.
 struct JumpPoint {
   Jet jet;
   Matrix theta;

@@ -1,5 +1,5 @@
-// The stages of a Radau step of recorded equations side by side: what NonlinearStages does, one stage to a lane. Where that
-// cannot be done, for whatever reason, the stages are looked at one by one from where the iteration stands.
+// The stages of a Radau step of recorded equations side by side: what NonlinearStages does, one stage to a lane.
+// Where that cannot be done, for whatever reason, the stages are looked at one by one from where the iteration stands.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

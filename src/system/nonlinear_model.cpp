@@ -123,8 +123,8 @@ void NonlinearModel::give_up_structure() {
   problem_->follow_structure(false);
 }
 
-// Which of the jets that fulfil the equations is found depends on the rows. Where what is differentiated does not stay, the
-// whole array is asked whether it has to move that far.
+// Which of the jets that fulfil the equations is found depends on the rows. Where what is differentiated does not
+// stay, the whole array is asked whether it has to move that far.
 double NonlinearModel::largest_move(const PointOfInterest& point, const ModelOptions& options) const {
   const std::vector<double> sizes = options.request_at(point.x).sizes();
   const Signature& signature = problem_->structure()->signature;

@@ -279,8 +279,8 @@ PointStatus NonlinearSystem::renew_jacobian_at_accepted() {
   return status;
 }
 
-// A Jacobian that is renewed, for a slow iteration or to look at the ranks, says as a rule that these hold. Else they are
-// judged.
+// A Jacobian that is renewed, for a slow iteration or to look at the ranks, says as a rule that these hold. Else they
+// are judged.
 PointStatus NonlinearSystem::review_index_zero() {
   ChordIteration& chord = iteration_.chord();
   const bool is_due = rank_check_.count_point();
@@ -361,8 +361,9 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
 
-// From start_. With a linearization there, whose derivatives may be those of another solution, and with what a search finds: what
-// polynomials say of x is accurate, and the result nearer to it is taken. Else step by step. inverse_weights: of tolerances, or null.
+// From start_. With a linearization there, whose derivatives may be those of another solution, and with what a search
+// finds: what polynomials say of x is accurate, and the result nearer to it is taken. Else step by step.
+// inverse_weights: of tolerances, or null.
 void NonlinearSystem::restore_anew(const double* inverse_weights) {
   Jet first = start_;
   const bool has_first = restore_with_linearization_at(start_) == PointStatus::ok;
@@ -376,9 +377,9 @@ void NonlinearSystem::restore_anew(const double* inverse_weights) {
   else if (!problem_.prescribed().empty() || restore_step_by_step(begin) != PointStatus::ok) throw failure;
 }
 
-// A search from start_ finds a jet that is consistent, but it has moved x where nothing asks for it, and w maybe: with the linearization
-// there another one that keeps w may be found. False: none is, and what is differentiated would move beyond the tolerances, begin has
-// the derivatives that were found; or why the search has failed.
+// A search from start_ finds a jet that is consistent, but it has moved x where nothing asks for it, and w maybe:
+// with the linearization there another one that keeps w may be found. False: none is, and what is differentiated
+// would move beyond the tolerances, begin has the derivatives that were found; or why the search has failed.
 bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Failure& failure) {
   jet_ = start_;
   try {
@@ -401,11 +402,12 @@ bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Fai
   return !moves_differentiated(found, inverse_weights);
 }
 
-// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step takes one power of
-// e, and the first jet may be hundreds of them away. Steps to where the equations cannot be evaluated are halved.
+// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step
+// takes one power of e, and the first jet may be hundreds of them away. Steps to where the equations cannot be
+// evaluated are halved.
 PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
-  // Steps, those that gain nothing, as the first one to where exponentials are large, and halvings; what a gain is, and a step after
-  // which the linearization may serve for the rest. Chosen, not measured.
+  // Steps, those that gain nothing, as the first one to where exponentials are large, and halvings; what a gain is,
+  // and a step after which the linearization may serve for the rest. Chosen, not measured.
   constexpr int most = 1000, most_in_vain = 8, most_halvings = 40;
   constexpr double gain = 0.9, near = 0.1;
   if (problem_.mu() > 0 || linearization_.ranks().count == 0) return PointStatus::not_converged;

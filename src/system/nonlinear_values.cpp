@@ -55,7 +55,8 @@ Distance distance_between(const ConstrainedPoint& point, const ConsistencyReques
 // By more than what the accuracy of the iteration leaves open: of what is differentiated, or, where that makes no
 // difference, altogether.
 bool is_farther(const ConsistencyRequest& request, const Distance& one, const Distance& other) {
-  // By weights: iterations that are slow where constraints are bent end at a minimum only if every step is one toward it.
+  // By weights: iterations that are slow where constraints are bent end at a minimum only if every step is one toward
+  // it.
   if (request.is_weighted()) return one.whole >= other.whole;
   constexpr double nearer = 1.01, negligible = 1e-3;  // in tolerances
   if (one.of_differentiated > nearer * other.of_differentiated + negligible) return true;
@@ -80,11 +81,12 @@ Jet between(const Jet& from, const Jet& to, double part) {
   return jet;
 }
 
-// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones. The first component
-// that would have to change; -1: none.
+// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones. The
+// first component that would have to change; -1: none.
 int violated_component(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
-  // Of a component, of what is added up in its constraints, or of what is largest in the units of the equations, to which that may be
-  // nothing; consistent jets are better by orders of magnitude. Chosen: one of 6000 random starts had 0.1.
+  // Of a component, of what is added up in its constraints, or of what is largest in the units of the equations, to
+  // which that may be nothing; consistent jets are better by orders of magnitude. Chosen: one of 6000 random starts
+  // had 0.1.
   constexpr double consistent = 1e-6, beside = 1e-8, rounding = 1e-14;
   Vector tolerances = request.tolerances;
   tolerances.resize(index(jet.n), 0.0);

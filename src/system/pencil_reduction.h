@@ -1,15 +1,17 @@
 // The finite eigenvalues of a matrix pencil lambda E - A of any index, m x n, regular or singular.
 //
-// E x' = A x is a linear problem: its strangeness-free system has the same solutions, and so the same finite eigenvalues,
-// without chains at infinity. On the kernel of A2, x = T2 z, there is left  Z1^T E T2 z' = Z1^T A T2 z,  d x (d + u), with a
-// first matrix of full row rank [KM06, theorem 3.32]. QZ for the pencil as it is would make large numbers of chains at
-// infinity of length k, eps^(-1/k), which nothing distinguishes from eigenvalues.
+// E x' = A x is a linear problem: its strangeness-free system has the same solutions, and so the same finite
+// eigenvalues,
+// without chains at infinity. On the kernel of A2, x = T2 z, there is left  Z1^T E T2 z' = Z1^T A T2 z,  d x (d + u),
+// with a first matrix of full row rank [KM06, theorem 3.32]. QZ for the pencil as it is would make large numbers of
+// chains at infinity of length k, eps^(-1/k), which nothing distinguishes from eigenvalues.
 //
 // Where u > 0 the transposed pencil is reduced once more: there L blocks are L^T blocks, which have no solutions but 0
 // (Van Dooren [VD79] does both by staircases). What remains is the regular part.
 //
 // [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006.
-// [VD79] P. Van Dooren: The computation of Kronecker's canonical form of a singular pencil. Linear Algebra Appl. 27 (1979)
+// [VD79] P. Van Dooren: The computation of Kronecker's canonical form of a singular pencil. Linear Algebra Appl. 27
+// (1979)
 //        103-140.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

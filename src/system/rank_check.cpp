@@ -140,9 +140,9 @@ PointStatus RankCheck::review_by_comparison(const Jet& jet, const double* invers
   return PointStatus::not_converged;
 }
 
-// With redundant equations there is a choice of constraints and of differential equations, of which a linearization far off makes a
-// wrong one: rows that nothing violates in place of constraints, or equations that say little of how x moves at the end of
-// the step (docs/decisions/97-redundant-equations.md).
+// With redundant equations there is a choice of constraints and of differential equations, of which a linearization
+// far off makes a wrong one: rows that nothing violates in place of constraints, or equations that say little of how
+// x moves at the end of the step (docs/decisions/97-redundant-equations.md).
 bool RankCheck::serves_at(const Jet& jet, const double* inverse_weights,
                           const ArrayLinearization& linearization) const {
   constexpr double least = 0.5;  // cosine

@@ -29,8 +29,8 @@ class RankCheck {
   PointStatus compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
   // A further point has converged: the linearization is renewed there where it has become slow, and now and then.
   PointStatus review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // A further point has converged: the known ranks are compared with those there, the linearization stays. not_converged: it does not
-  // serve there.
+  // A further point has converged: the known ranks are compared with those there, the linearization stays.
+  // not_converged: it does not serve there.
   PointStatus review_by_comparison(const Jet& jet, const double* inverse_weights, ArrayLinearization& linearization,
                                    NonlinearIteration& iteration);
 

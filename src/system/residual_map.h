@@ -1,7 +1,8 @@
 // The changes of x and y that solve a linearized derivative array without a step, as one matrix.
 //
-// Where several points are solved to rounding with one linearization, as outputs are, a product with it takes the place of
-// the elimination that residuals go through, of the constraints, and of what recovers y (docs/decisions/89-cheaper-outputs.md).
+// Where several points are solved to rounding with one linearization, as outputs are, a product with it takes the
+// place of the elimination that residuals go through, of the constraints, and of what recovers y
+// (docs/decisions/89-cheaper-outputs.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,8 +19,8 @@ class ResidualMap {
  public:
   // Memory for these sizes; what is known is forgotten.
   void resize(const AnalyzedEquations& problem);
-  // Of the linearization as it is, made once. False where there is none: it would cost more than it saves, redundant equations
-  // or prescribed components ask for more, or entries are not finite.
+  // Of the linearization as it is, made once. False where there is none: it would cost more than it saves, redundant
+  // equations or prescribed components ask for more, or entries are not finite.
   bool make(const AnalyzedEquations& problem, const ArrayLinearization& linearization, Arena& arena);
   // Of scaled residuals f: x, y_1, ..., y_{mu+1}, one below the other, scaled.
   void apply(const double* f, double* changes) const;

@@ -1,4 +1,5 @@
-// Rounding errors of linearizations at guesses, which say nothing about solutions (docs/decisions/102-rounding-errors-of-guesses.md).
+// Rounding errors of linearizations at guesses, which say nothing about solutions
+// (docs/decisions/102-rounding-errors-of-guesses.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,9 +8,10 @@
 
 namespace sfdae::core {
 
-// Whether what error_of(j) says of the n unknowns at the point where the equations were linearized is far above the tolerances and what
-// solutions are known to have: at a guess where exponentials are larger by orders of magnitude, for example. Every change is below
-// that, and looks as if it had converged. Rounding errors at the point accepted last are true ones.
+// Whether what error_of(j) says of the n unknowns at the point where the equations were linearized is far above the
+// tolerances and what solutions are known to have: at a guess where exponentials are larger by orders of magnitude,
+// for example. Every change is below that, and looks as if it had converged. Rounding errors at the point accepted
+// last are true ones.
 template <class ErrorOf>
 bool is_drowned(const Jet& origin, const Jet& accepted, ErrorOf error_of, const double* inverse_weights) {
   constexpr double far_above = 10.0;

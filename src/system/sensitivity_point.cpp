@@ -9,8 +9,8 @@
 
 namespace sfdae::core {
 
-// Right-hand sides are transformed in one way, whether the matrices were eliminated here or before: bits are the same once an
-// integration goes on from a checkpoint.
+// Right-hand sides are transformed in one way, whether the matrices were eliminated here or before: bits are the same
+// once an integration goes on from a checkpoint.
 PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
                                         Arena& arena) {
   const bool is_known = constant_matrices_ >= 0 && constant_matrices_ == equations.problem().constant_matrices();

@@ -16,8 +16,8 @@ class SensitivityPoint final : public LinearizedPoint {
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
   void forget() { constant_matrices_ = -1; }
 
-  // The same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is no form.
-  // Not possible: see there.
+  // The same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is
+  // no form. Not possible: see there.
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, ExtendedSensitivityStep& extension,
                         const Place& place, Arena& arena);
 

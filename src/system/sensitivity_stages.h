@@ -33,7 +33,8 @@ class SensitivityStages {
   // The matrix of z alone; false if it is singular. Then right-hand sides for its transpose, s d x any number.
   bool factor(const StageMethod& method, double h, Arena& arena);
   void solve_transposed(View weights) const;
-  // Errors of the differential part at the last stage: T2 z with Z1^T E T2 z = Z1^T E e; scaled. False: that is singular.
+  // Errors of the differential part at the last stage: T2 z with Z1^T E T2 z = Z1^T E e; scaled. False: that is
+  // singular.
   bool map_errors(ConstView errors, View mapped, Arena& arena) const;
   // Of stage i, scaled.
   void expand(int i, View S) const;

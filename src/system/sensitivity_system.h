@@ -7,7 +7,8 @@
 // with the Z1, A2 of the state, discretized as the state is [FTB97, MP96]. One column for each of `count` parameters,
 // n x count in column-major order, in the user's units everywhere.
 //
-// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale differential-algebraic
+// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale
+// differential-algebraic
 //         systems. Appl. Numer. Math. 25 (1997).
 // [MP96]  T. Maly, L. R. Petzold: Numerical methods and software for sensitivity analysis of differential-algebraic
 //         systems. Appl. Numer. Math. 20 (1996).
@@ -43,18 +44,19 @@ class SensitivitySystem {
   // All of what follows is about the current point of the system of x, which has converged there.
   // F1 with S' = c S + rest, and F2; xdot: D_h x. S comes with a guess.
   virtual PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) = 0;
-  // Stage i of the step that the system of x has solved last, or of one whose stages it has been moved to, one by one. xdot:
-  // x' there, as discretized or true.
+  // Stage i of the step that the system of x has solved last, or of one whose stages it has been moved to, one by
+  // one. xdot: x' there, as discretized or true.
   virtual PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) = 0;
   virtual PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) = 0;
   // Of a step h from S_start; S: one block for each stage. ok or singular.
   virtual PointStatus solve_kept_stages(const StageMethod& method, double h, const double* S_start, double* S) = 0;
   // S with F2 = 0 whose differential part is that of the guess.
   virtual PointStatus restore(const double* guess, double* S) = 0;
-  // What an error of the differential part means for S; at the point or at the end of the stages that were solved for last.
+  // What an error of the differential part means for S; at the point or at the end of the stages that were solved for
+  // last.
   virtual void error_in_S(const double* errors, double* mapped) = 0;
-  // S' of sensitivities restored here, or of a stage kept here. It comes with the value of S' of a polynomial, which is corrected where the
-  // derivative array does not determine it.
+  // S' of sensitivities restored here, or of a stage kept here. It comes with the value of S' of a polynomial, which
+  // is corrected where the derivative array does not determine it.
   virtual PointStatus derivative(const double* S, double* Sdot) = 0;
   // The S nearest to the directions given, as the request measures changes of x. Throws Failure where there is none.
   virtual void start(const ConsistencyRequest& request, const double* directions, double* S) = 0;

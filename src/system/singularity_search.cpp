@@ -21,8 +21,8 @@ namespace {
 
 // Consistent values that differ from the interpolated ones by more, relative, are those of another point.
 constexpr double nearness = 1e-3;
-// Where no step succeeds they may only say that nothing has vanished, which they do as well from where the errors of a run
-// at loose tolerances have led away from them.
+// Where no step succeeds they may only say that nothing has vanished, which they do as well from where the errors of
+// a run at loose tolerances have led away from them.
 constexpr double nearness_at_end = 1e-2;
 // Corrections of interpolated values that are larger, relative, lead elsewhere.
 constexpr double largest_correction = 1e-2;
@@ -289,8 +289,8 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
   return std::nullopt;
 }
 
-// Calls the function with jets through values near those of a jet and the consistent one among them; not at all where there
-// are none, or where they are not found. within: relative.
+// Calls the function with jets through values near those of a jet and the consistent one among them; not at all where
+// there are none, or where they are not found. within: relative.
 template <class Use>
 void SingularitySearch::use_consistent(const Jet& jet, double within, Use use) {
   const std::vector<double> x(jet.x.begin(), jet.x.begin() + jet.n);

@@ -49,8 +49,8 @@ class SingularitySearch {
   // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
   // step that has failed.
   std::optional<double> find_ahead(double h);
-  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution where x is
-  // not; none where none is near.
+  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution where
+  // x is not; none where none is near.
   std::optional<Jet> consistent_at(double t);
   // What is kept at a jet of the smallest values at the reference of the last search.
   double kept_of(const Jet& jet);

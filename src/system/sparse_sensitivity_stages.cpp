@@ -11,8 +11,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Entries of the matrix of all stages: more, or more of all that a full one has, are not worth trying. By judgement: of a full
-// matrix of which a third is set an elimination leaves little out.
+// Entries of the matrix of all stages: more, or more of all that a full one has, are not worth trying. By judgement:
+// of a full matrix of which a third is set an elimination leaves little out.
 constexpr double most_entries = 100000.0, most_of_all = 0.3;
 
 }  // namespace

@@ -30,7 +30,8 @@ class SparseSensitivityStages {
   void prepare(const IndexAnalysis& analysis);
   // Reading: prepared for the values of the analysis as it was, pivots included. Throws DamagedArchive.
   void archive(Archive& archive, const IndexAnalysis& analysis);
-  // Whether this is the way to solve the stages of the method: matrices are sparse, and pivots do not have to be chosen often.
+  // Whether this is the way to solve the stages of the method: matrices are sparse, and pivots do not have to be
+  // chosen often.
   bool is_possible(const StageMethod& method) const;
   // x' = xdot, in the user's units.
   PointStatus keep(const StageMethod& method, int i, double t, const double* x, const double* xdot);

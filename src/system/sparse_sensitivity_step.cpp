@@ -36,7 +36,8 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   return is_possible_;
 }
 
-// Without sparse factors the array solves the same equations, but where constraints depend on x', which is discretized here.
+// Without sparse factors the array solves the same equations, but where constraints depend on x', which is
+// discretized here.
 bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis, const Jet& jet) {
   if (prepare(analysis) || values_.empty()) return is_possible_;
   if (analysis.values.mu > 0 || (analysis.values.d < jet.n && parameters_.needs_slopes())) return false;

@@ -4,8 +4,9 @@
 //
 //     (c F_x' + F_x) S = -F_p - F_x' rest,     S' = c S + rest,
 //
-// constraints included: rows of the left kernel of F_x' have no part of S'. Nothing is eliminated, and the matrix is factored
-// anew in each step, with pivots and operations known from earlier ones where they serve (linalg/planned_lu.h).
+// constraints included: rows of the left kernel of F_x' have no part of S'. Nothing is eliminated, and the matrix is
+// factored anew in each step, with pivots and operations known from earlier ones where they serve
+// (linalg/planned_lu.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -37,8 +38,8 @@ class SparseSensitivityStep {
   SparseSensitivityStep(RecordedProblem& problem, ParameterSeries& parameters)
       : problem_(problem), parameters_(parameters) {}
 
-  // For the values that the analysis has found: whether this is the way to solve steps. It is not where the matrix is as
-  // well taken for a full one.
+  // For the values that the analysis has found: whether this is the way to solve steps. It is not where the matrix is
+  // as well taken for a full one.
   bool prepare(const IndexAnalysis& analysis);
   // The same, with the jet at which steps start: also small matrices that are not full.
   bool prepare(const IndexAnalysis& analysis, const Jet& jet);
@@ -54,7 +55,8 @@ class SparseSensitivityStep {
     const double* rest;
   };
   PointStatus solve(const Step& step, double* S);
-  // The same transposed, rest apart: weights of S become those of rest. weights: n x q, gradient: count x q, to which is added.
+  // The same transposed, rest apart: weights of S become those of rest. weights: n x q, gradient: count x q, to which
+  // is added.
   PointStatus solve_back(const Step& step, View weights, View gradient);
   const CallbackError& callback_error() const { return callback_error_; }
 

@@ -123,7 +123,8 @@ class StrangenessFreeSystem {
   // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over
   // the time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
   virtual void correct_derivative(double c, const double* x, double* xdot) = 0;
-  // The same with c = infinity and, where there is one, a linearization from nearby, of what w' consists of. False: it is not known.
+  // The same with c = infinity and, where there is one, a linearization from nearby, of what w' consists of. False:
+  // it is not known.
   virtual bool estimate_derivative(const double* x, double* xdot) {
     correct_derivative(std::numeric_limits<double>::infinity(), x, xdot);
     return true;

@@ -21,8 +21,9 @@
 
 namespace sfdae::core {
 
-// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column for each
-// stage. solve(x) and solve_pair(k, omega): of these systems, in place. r and z may be the same; omega: of q numbers.
+// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column
+// for each stage. solve(x) and solve_pair(k, omega): of these systems, in place. r and z may be the same; omega: of q
+// numbers.
 template <class Solve, class SolvePair>
 void solve_decoupled(const StageMethod& method, ConstView r, View rho, View z, std::complex<double>* omega,
                      Solve solve, SolvePair solve_pair) {

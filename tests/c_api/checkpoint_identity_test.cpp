@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A checkpoint is accepted by the problem that it was made with and by no other one, even if sizes and characteristic values
-// agree: recorded equations, data of tables, values of parameters, the method and the options of the analysis count.
+// A checkpoint is accepted by the problem that it was made with and by no other one, even if sizes and characteristic
+// values agree: recorded equations, data of tables, values of parameters, the method and the options of the analysis
+// count.
 
 #include <gtest/gtest.h>
 

@@ -77,8 +77,8 @@ static int A_constant(double t, int order, double* matrix, void* user) {
   return seen((record*)user, t, order);
 }
 
-/* A change of the characteristic values: the second equation becomes (t - 3/2) x2' = x2 + ..., x as before, so that errors
- * behave like t - 3/2. */
+/* A change of the characteristic values: the second equation becomes (t - 3/2) x2' = x2 + ..., x as before, so that
+ * errors behave like t - 3/2. */
 static int E_changing(double t, int order, double* matrix, void* user) {
   const int status = E(t, order, matrix, user);
   matrix[5] = order == 0 ? t - 1.5 : order == 1;
@@ -290,7 +290,8 @@ static void interrupted_runs_go_on_in_every_bit(void) {
     }
 }
 
-/* ... also when output is so frequent that the automatic choice changes its mind, as it does with steps of one stage. */
+/* ... also when output is so frequent that the automatic choice changes its mind, as it does with steps of one stage.
+ * */
 static void the_automatic_choice_is_the_same(void) {
   setting one, two;
   sfdae_solver *plain, *broken;
@@ -473,8 +474,8 @@ static void damage_is_noticed(void) {
   }
 }
 
-/* Other sizes are noticed always. Other options may be noticed; in any case nothing is read or written out of bounds, and
- * no call crashes. */
+/* Other sizes are noticed always. Other options may be noticed; in any case nothing is read or written out of bounds,
+ * and no call crashes. */
 static void foreign_checkpoints_do_no_harm(void) {
   int method, other, variant, k;
   for (method = SFDAE_METHOD_BDF; method <= SFDAE_METHOD_AUTOMATIC; method++)

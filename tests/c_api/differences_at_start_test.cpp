@@ -31,8 +31,8 @@ sfdae::LinearProblem chain(int mu, double k) {
   return problem;
 }
 
-// Beyond a hundred tolerances, which the campaign for differences counts as wrong, nothing comes with SFDAE_OK; and both
-// outcomes happen. Values come with either status.
+// Beyond a hundred tolerances, which the campaign for differences counts as wrong, nothing comes with SFDAE_OK; and
+// both outcomes happen. Values come with either status.
 TEST(DifferencesAtStart, AreNamedWhereTheyAreNotAccurate) {
   int accurate = 0, named = 0;
   for (int mu : {1, 2, 3})

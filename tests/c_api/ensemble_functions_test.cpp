@@ -112,8 +112,8 @@ TEST(EnsembleOfFunctions, IsThatOfTheFormulas) {
     }
 }
 
-// x' = c f(x), f = 1 up to x = 1 and not to be evaluated beyond: c t > 1 is out of reach. Nothing is evaluated after the
-// last output.
+// x' = c f(x), f = 1 up to x = 1 and not to be evaluated beyond: c t > 1 is out of reach. Nothing is evaluated after
+// the last output.
 Options up_to_the_end(const Ensemble& ensemble) {
   Options options;
   options.use_stop_time = 1;

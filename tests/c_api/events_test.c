@@ -2,7 +2,8 @@
  * Events: found, not missed, not found twice, right in time and in values, whatever happens in between.
  *
  * Oscillator with a constraint that follows it (d = 2, a = 2):
- *     x1' = x2,   x2' = -x1,   0 = x3 - x1 - x2 - cos(3 t),   0 = x4 - 2 x3;   x1 = sin t, x2 = cos t for x(0) = (0, 1).
+ *     x1' = x2,   x2' = -x1,   0 = x3 - x1 - x2 - cos(3 t),   0 = x4 - 2 x3;   x1 = sin t, x2 = cos t for x(0) = (0,
+ *     1).
  * Bouncing ball with a rod (index-2 part: x3 is the force that keeps x4 at 0):
  *     q' = v,   v' = -G,   x4' = x3,   0 = x4. */
 #include "checks.h"
@@ -444,7 +445,8 @@ static void clustered_outputs_hide_nothing(void) {
 
 /* ---- Restarts -------------------------------------------------------------------------------------------------- */
 
-/* From height 1 at rest: impacts at T, T + 2 r T, T + 2 (r + r^2) T, ..., T = sqrt(2 / G), each with r times the speed. */
+/* From height 1 at rest: impacts at T, T + 2 r T, T + 2 (r + r^2) T, ..., T = sqrt(2 / G), each with r times the
+ * speed. */
 static void bouncing_ball(void) {
   int method, backward, direction, k;
   FOR_METHODS(method)

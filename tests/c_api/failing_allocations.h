@@ -81,7 +81,8 @@ struct Sequence {
   int density = 4;          // of the allocations that fail, per doubling of their number
 };
 
-// Every so many allocations fail in turn, fewer where tests are small; all of them with SFDAE_TEST_STRIDE=1 in the environment.
+// Every so many allocations fail in turn, fewer where tests are small; all of them with SFDAE_TEST_STRIDE=1 in the
+// environment.
 inline long stride_of_faults(long usual) {
   if (const char* text = std::getenv("SFDAE_TEST_STRIDE")) return std::max(1L, std::atol(text));
   const int part = sfdae_test::scaled_count(1000, 10);

@@ -13,7 +13,8 @@
 
 namespace sfdae::test {
 
-// Two solvers and the system of which they are modes; courses derived from it make them and have int call(int k), k = 0, ..., count - 1.
+// Two solvers and the system of which they are modes; courses derived from it make them and have int call(int k), k =
+// 0, ..., count - 1.
 struct HybridCourse {
   sfdae_solver* solvers[2] = {nullptr, nullptr};
   sfdae_hybrid* hybrid = nullptr;
@@ -60,7 +61,8 @@ struct HybridCourse {
   int restore() { return sfdae_restore_hybrid_checkpoint(hybrid, checkpoint.data(), checkpoint.size()); }
 };
 
-// After a call that ran out of memory: whether what was under way goes on, which the test's results have to show then, or has ended.
+// After a call that ran out of memory: whether what was under way goes on, which the test's results have to show
+// then, or has ended.
 template <class Course>
 bool goes_on(Course& run, int k) {
   const int status = run.call(k);
@@ -68,8 +70,8 @@ bool goes_on(Course& run, int k) {
   return status >= 0;
 }
 
-// A test has course(), a new one; look(course) after the call that ran out of memory, repair(course, k) before that one is made again,
-// and compare(course) at the end.
+// A test has course(), a new one; look(course) after the call that ran out of memory, repair(course, k) before that
+// one is made again, and compare(course) at the end.
 //
 // Runs with the allocation number `first` of a call failing. False if it has fewer.
 template <class Test>

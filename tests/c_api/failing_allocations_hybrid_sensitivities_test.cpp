@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Memory that is missing where sensitivities are carried over transitions of hybrid systems: every call whose allocations fail,
-// once or from then on, leaves what it has, parameters too, and goes on when it is made again.
+// Memory that is missing where sensitivities are carried over transitions of hybrid systems: every call whose
+// allocations fail, once or from then on, leaves what it has, parameters too, and goes on when it is made again.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,8 @@ int capacitors(sfdae_record* record, sfdae_expression, const sfdae_expression* x
   return 0;
 }
 
-// They are joined at x_0 = level, and apart again, with twice the voltage x_0, at t = 2, from where x_0 soon reaches the level.
+// They are joined at x_0 = level, and apart again, with twice the voltage x_0, at t = 2, from where x_0 soon reaches
+// the level.
 int discharged(double, const double* x, const double*, double* g, void*) {
   *g = level - x[0];
   return 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Memory that is missing in hybrid systems: every call whose allocations fail, once or from then on, leaves what it has, and
-// goes on when it is made again.
+// Memory that is missing in hybrid systems: every call whose allocations fail, once or from then on, leaves what it
+// has, and goes on when it is made again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 namespace sfdae::test {
 namespace {
 
-// A mass with friction on a base of velocity t (2 - t): it sticks and slips; beside it, the rate of the base by a constraint.
+// A mass with friction on a base of velocity t (2 - t): it sticks and slips; beside it, the rate of the base by a
+// constraint.
 int on_base(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
             sfdae_expression* F, void* user) {
   const int above = *static_cast<const int*>(user);

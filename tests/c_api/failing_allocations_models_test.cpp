@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Memory that is missing where models are written as source text, singular points are passed, and mechanical systems are
-// solved with sparse matrices.
+// Memory that is missing where models are written as source text, singular points are passed, and mechanical systems
+// are solved with sparse matrices.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -18,7 +18,8 @@ sfdae_expression step_at_half(const sfdae_expression& t) {
   return sfdae_choose(sfdae_less(t, sfdae_number(0.5)), sfdae_number(0.0), sfdae_number(1.0));
 }
 
-// q' = i, q = v + v^3, v = s(t), w' = v - w: nonlinear, mu = 1; the index of x' = y, x = s(t) beside an ODE where linear.
+// q' = i, q = v + v^3, v = s(t), w' = v - w: nonlinear, mu = 1; the index of x' = y, x = s(t) beside an ODE where
+// linear.
 int driven_capacitor(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
                      sfdae_expression* F, void*) {
   F[0] = sfdae_subtract(xdot[0], x[2]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Memory that is missing where sensitivities go along a surface: every call whose allocations fail, once or from then on, goes on when
-// it is made again.
+// Memory that is missing where sensitivities go along a surface: every call whose allocations fail, once or from then
+// on, goes on when it is made again.
 #include <gtest/gtest.h>
 
 #include "failing_allocations_hybrid.h"

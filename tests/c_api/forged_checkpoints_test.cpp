@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checkpoints with wrong numbers in every place and a checksum that fits: refused by name with nothing changed, or taken where
-// any number will do, and then nothing is read or written elsewhere (by sanitizers) and steps end.
+// Checkpoints with wrong numbers in every place and a checksum that fits: refused by name with nothing changed, or
+// taken where any number will do, and then nothing is read or written elsewhere (by sanitizers) and steps end.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gradients of hybrid systems by the adjoint, against forward sensitivities over the same steps and transitions, and formulas.
+// Gradients of hybrid systems by the adjoint, against forward sensitivities over the same steps and transitions, and
+// formulas.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,8 +67,8 @@ struct Journey {
   int structure = SFDAE_STRUCTURE_OFF;
 };
 
-// Steps are the same, as there is one time only, at which they end; those of forward sensitivities with BDF where states are chosen
-// from the array.
+// Steps are the same, as there is one time only, at which they end; those of forward sensitivities with BDF where
+// states are chosen from the array.
 sfdae::Options options_for(const Journey& journey, double tolerance, int method) {
   sfdae::Options options = solver_options(tolerance, method);
   options.structure = journey.structure;
@@ -118,8 +119,8 @@ TEST_P(HybridGradients, AreThoseOfABouncingBall) {
   expect_forward_gradient(ball, journey, 1e-8, 1e-10);
 }
 
-// Both modes have positions, which impulses of the second one cannot restore: jumps from values moved along a direction would have to be
-// moved closely, and agree to 4e-8 only. Without structure the second mode does not start.
+// Both modes have positions, which impulses of the second one cannot restore: jumps from values moved along a
+// direction would have to be moved closely, and agree to 4e-8 only. Without structure the second mode does not start.
 TEST_P(HybridGradients, GoThroughARopeThatBecomesTight) {
   const Journey journey{by({"g", "", ""}, unit_directions(6, 3, 1, {2, 5})),
                         {0.3, 0.2, 0.5, 0.1, 0.0, 1.0},
@@ -129,7 +130,8 @@ TEST_P(HybridGradients, GoThroughARopeThatBecomesTight) {
   expect_forward_gradient(rope, journey, 1e-10, 2e-9);
 }
 
-// A pendulum as it is, with another friction on either side: both modes have the length, by impulses and by a function that turns it back.
+// A pendulum as it is, with another friction on either side: both modes have the length, by impulses and by a
+// function that turns it back.
 System divided_pendulum(const sfdae::Options& options, bool turns_back) {
   System system;
   for (bool is_rough : {false, true}) {
@@ -231,8 +233,8 @@ TEST_P(HybridGradients, BeginWithAModeThatIsLeftAtOnce) {
 
 // ---- Points in time ----------------------------------------------------------------------------------------------
 
-// At outputs, at fixed times of transitions, where weights are those of x after them, where a call has stopped for one, and at a
-// point that the adjoint goes by. Steps of forward sensitivities do not end there.
+// At outputs, at fixed times of transitions, where weights are those of x after them, where a call has stopped for
+// one, and at a point that the adjoint goes by. Steps of forward sensitivities do not end there.
 TEST_P(HybridGradients, HaveWeightsAtPointsThatWereReturned) {
   constexpr double tolerance = 1e-9;
   const Vector times = {0.0, 0.4, 0.7, 1.2, 1.5, 2.0};
@@ -278,8 +280,8 @@ TEST_P(HybridGradients, HaveWeightsAtPointsThatWereReturned) {
   EXPECT_LE(difference(gradients[1], gradients[0]), 1e3 * tolerance);
 }
 
-// mu = 1, driven by a table with kinks at t = 0.5 and 1.25; x_0 jumps, at the first kink and at zeros of a function, from one visit to the
-// next.
+// mu = 1, driven by a table with kinks at t = 0.5 and 1.25; x_0 jumps, at the first kink and at zeros of a function,
+// from one visit to the next.
 System driven(const sfdae::Options& options) {
   System system;
   for (int k = 0; k < 2; ++k) {

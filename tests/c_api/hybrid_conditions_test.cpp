@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Conditions of hybrid systems that are zero, to roundoff, where a mode begins: a mode is left if its condition rises from
-// there, however it does so, and stays if it falls or does not change.
+// Conditions of hybrid systems that are zero, to roundoff, where a mode begins: a mode is left if its condition rises
+// from there, however it does so, and stays if it falls or does not change.
 
 #include <gtest/gtest.h>
 

@@ -61,7 +61,8 @@ System rope_in_other_units(const sfdae::Options& options) {
   return system;
 }
 
-// After the jump factors of what jumps have moved with t, x, q: whatever the unit, velocities move as they do in the plain one.
+// After the jump factors of what jumps have moved with t, x, q: whatever the unit, velocities move as they do in the
+// plain one.
 TEST_P(HybridJumpDerivatives, DoNotDependOnUnitsThatMove) {
   const sfdae::Options options = solver_options(1e-9, GetParam());
   constexpr double end = 1.2;
@@ -99,8 +100,8 @@ TEST_P(HybridJumpDerivatives, DoNotDependOnUnitsThatMove) {
   }
 }
 
-// A length that only the second mode knows: with another one the mass is not on the circle when the rope is tight, and no impulse brings
-// it there. The linearized equations do, by an impulse of higher order.
+// A length that only the second mode knows: with another one the mass is not on the circle when the rope is tight,
+// and no impulse brings it there. The linearized equations do, by an impulse of higher order.
 TEST_P(HybridJumpDerivatives, AreRefusedWherePositionsWouldHaveToJump) {
   System system;
   const sfdae::Options options = solver_options(1e-8, GetParam());

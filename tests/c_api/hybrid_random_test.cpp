@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Random linear systems with known solutions piece by piece (weierstrass_modes.h) as hybrid systems that go back and forth
-// between two modes at given times.
+// Random linear systems with known solutions piece by piece (weierstrass_modes.h) as hybrid systems that go back and
+// forth between two modes at given times.
 
 #include <sfdae/hybrid.h>
 

@@ -293,7 +293,8 @@ TEST_P(HybridSensitivities, AreAccurateAfterTinySteps) {
     Point point{0.0, {start}, {}};
     system.hybrid.start(0, point, 1.0);
     ASSERT_EQ(system.hybrid.advance_to_transition(1.0, point), SFDAE_EVENT);
-    // x + S dx on both sides: t moves by -2 dx / start, x after it by 2 cos 2t times that, and by -x'/start through the delay.
+    // x + S dx on both sides: t moves by -2 dx / start, x after it by 2 cos 2t times that, and by -x'/start through
+    // the delay.
     const double dt = -2.0 / start;
     EXPECT_NEAR(system.hybrid.passage_sensitivities()[0], dt, 1e-9);
     const double after = 1.0 + std::sin(2.0 * point.t);
@@ -341,8 +342,8 @@ TEST_P(HybridSensitivities, AreNamedWhereAFunctionTouchesZero) {
 
 // ---- Derivatives by t --------------------------------------------------------------------------------------------
 
-// Events are searched for without x', which is there at all points that are returned: sin 2 pi t = x_0 through a diode that conducts
-// (without differential equations) or not, C x_0' = -x_0 / R.
+// Events are searched for without x', which is there at all points that are returned: sin 2 pi t = x_0 through a
+// diode that conducts (without differential equations) or not, C x_0' = -x_0 / R.
 TEST_P(HybridSensitivities, AreFoundWithSlopesWherePointsAreReturned) {
   const double pi = std::acos(-1.0);
   System system;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Sensitivities of random linear hybrid systems that are known piece by piece. The modes are those of weierstrass_modes.h with a
-// parameter p in all their parts, the consistency projector as well:
+// Sensitivities of random linear hybrid systems that are known piece by piece. The modes are those of
+// weierstrass_modes.h with a parameter p in all their parts, the consistency projector as well:
 //
 //     x = Q (I + p u v^T) (y1, y2),  y1_i' = (1 + p/2) lambda_i y1_i + (1 + p/3) g1_i,  N y2' = y2 + (1 + p/3) g2
 //

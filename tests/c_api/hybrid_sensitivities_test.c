@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Sensitivities of hybrid systems through the C API: x' = k to x = 1, x' = -k x after that, and what is refused in which order.
+ * Sensitivities of hybrid systems through the C API: x' = k to x = 1, x' = -k x after that, and what is refused in
+ * which order.
  */
 #include <math.h>
 #include <stddef.h>
@@ -220,7 +221,8 @@ static void gradients_are_those_of_the_formulas(void) {
   CHECK_STATUS(sfdae_destroy(&second), SFDAE_OK);
 }
 
-/* x = k t to the surface x = h, along which it stays, whatever h is changed to: gradients at 0.25 and 0.9 by h and k. */
+/* x = k t to the surface x = h, along which it stays, whatever h is changed to: gradients at 0.25 and 0.9 by h and k.
+ * */
 static void gradients_go_back_along_a_surface(void) {
   sfdae_solver *first = solver_of(rising), *second = solver_of(decaying);
   sfdae_hybrid* hybrid;

@@ -98,8 +98,8 @@ inline System rope(const sfdae::Options& options) {
   return system;
 }
 
-// Two modes of three differential equations and a constraint, of strangeness index 0 and 1, that follow one another at zeros of a
-// function of t and x; values jump by impulses one way, by a function the other way.
+// Two modes of three differential equations and a constraint, of strangeness index 0 and 1, that follow one another
+// at zeros of a function of t and x; values jump by impulses one way, by a function the other way.
 struct RandomModes {
   explicit RandomModes(unsigned seed) : random(seed) {
     for (double& c : coefficients) c = sfdae::core::symmetric_random(random);

@@ -364,8 +364,8 @@ static void chattering_ends(double start) {
 }
 
 /* x' = x > y ? -2 : 2,  y' = y > x ? -3 : 1.5 as three modes of x' = 2 - 4 a,  y' = -3 + 4.5 a: a = 0 (x < y), a = 1
- * (x > y), and the motion along x = y, where a, the part of the second, follows from x' = y': a = 10 / 17 (mu = 1). From
- * (1.5, 1) x = y is reached at t = 1/7 in 17/14; then x' = -6 / 17, and x(1) = 17/14 - 36/119 = 217/238. */
+ * (x > y), and the motion along x = y, where a, the part of the second, follows from x' = y': a = 10 / 17 (mu = 1).
+ * From (1.5, 1) x = y is reached at t = 1/7 in 17/14; then x' = -6 / 17, and x(1) = 17/14 - 36/119 = 217/238. */
 static int sides(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
                  sfdae_expression* F, void* user) {
   const sfdae_expression slides = sfdae_parameter(record, "slides", 0), above = sfdae_parameter(record, "above", 0);

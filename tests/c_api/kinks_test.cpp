@@ -246,8 +246,8 @@ TEST(Kinks, MayBeEvents) {
   }
 }
 
-// Seconds since 1970: within the rounding errors of t, 5e-5 s here, unknowns change by many tolerances. That is no jump, and
-// what is asked of a knot is the solution there.
+// Seconds since 1970: within the rounding errors of t, 5e-5 s here, unknowns change by many tolerances. That is no
+// jump, and what is asked of a knot is the solution there.
 TEST(Kinks, AreCrossedWhereTimesAreLarge) {
   const double day = 1.7e9;
   Input input{{0.0, 1.0, 2.0, 3.0, 10.0}, {0.0, 2.0, -1.0, 4.0, 4.0}, 1, Argument::plain, 0.0};

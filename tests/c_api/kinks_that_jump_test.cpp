@@ -70,7 +70,8 @@ TEST(Kinks, ThatAskForImpulsesAreNamed) {
   }
 }
 
-// As the velocities of a polygon do, derivatives of order p of splines jump at knots: mu = 4 differentiates those of p = 3.
+// As the velocities of a polygon do, derivatives of order p of splines jump at knots: mu = 4 differentiates those of
+// p = 3.
 TEST(Kinks, ThatAskForImpulsesAreNamedForSplines) {
   const Vector places = {0.0, 0.5, 1.0, 1.5, 2.0, 2.5}, values = {0.0, 0.3, -0.2, 0.5, 0.1, 0.4};
   for (int mu : {3, 4}) {
@@ -122,7 +123,8 @@ TEST(Kinks, OfAlgebraicUnknownsMayBeJumps) {
     }
 }
 
-// The knots of a drive of positions are where steps end, too: a pulse of width 0.02 within ten units of time, of degree 3.
+// The knots of a drive of positions are where steps end, too: a pulse of width 0.02 within ten units of time, of
+// degree 3.
 TEST(Kinks, OfDrivesOfMechanicalSystemsAreNotSteppedOver) {
   const Vector places = {0.0, 2.0, 4.0, 5.99, 6.0, 6.01, 8.0, 10.0},
                values = {0.0, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0};

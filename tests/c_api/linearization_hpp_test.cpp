@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Linearization at a point, through the C++ interface: problems of all kinds whose poles, zeros and transfer functions are
-// known.
+// Linearization at a point, through the C++ interface: problems of all kinds whose poles, zeros and transfer
+// functions are known.
 #include <sfdae/sfdae.hpp>
 
 #include <gtest/gtest.h>
@@ -31,7 +31,8 @@ int status_of(const std::function<void()>& call) {
   return SFDAE_OK;
 }
 
-// x1' = x3, x2' = x4, m x3' = -x1 x5 + force, m x4' = -x2 x5 - m g, 0 = x1^2 + x2^2 - l^2: strangeness index 2. SI units.
+// x1' = x3, x2' = x4, m x3' = -x1 x5 + force, m x4' = -x2 x5 - m g, 0 = x1^2 + x2^2 - l^2: strangeness index 2. SI
+// units.
 sfdae::NonlinearProblem pendulum() {
   sfdae::NonlinearProblem problem(5, 5);
   problem.equations = [](const auto& record_of, auto x, auto xdot, auto F) {
@@ -72,7 +73,8 @@ sfdae::MultibodyProblem pendulum_by_callbacks() {
   return problem;
 }
 
-// lambda (-l) + m g = 0 at the lower equilibrium, for the constraint (q^2 - l^2) / 2 and for twice that with x5 (-l) = -m g.
+// lambda (-l) + m g = 0 at the lower equilibrium, for the constraint (q^2 - l^2) / 2 and for twice that with x5 (-l)
+// = -m g.
 std::vector<double> lower_equilibrium() { return {0, -length, 0, 0, mass * gravity / length}; }
 
 void expect_pendulum(Descriptor& descriptor, double tolerance) {
@@ -213,9 +215,9 @@ TEST(PrescribedUnknowns, AreInputsOrHeld) {
   EXPECT_EQ(driven.poles().values.size(), 1u);
 }
 
-// RCL ladder with 5 sections, r = 1/5, c = l = 1, a capacitor beside the source of voltage (a loop, index 2) and a resistor at
-// the end; n = 2 * 5 + 1 potentials, 5 currents of inductors, 1 of the source. Admittance: Y = s c + 1 / (r + s l + 1 / Y'),
-// from the end on. At s = 1 that is a rational number.
+// RCL ladder with 5 sections, r = 1/5, c = l = 1, a capacitor beside the source of voltage (a loop, index 2) and a
+// resistor at the end; n = 2 * 5 + 1 potentials, 5 currents of inductors, 1 of the source. Admittance: Y = s c + 1 /
+// (r + s l + 1 / Y'), from the end on. At s = 1 that is a rational number.
 TEST(RclLadder, HasTheAdmittanceOfItsContinuedFraction) {
   constexpr int sections = 5, n = 3 * sections + 2;
   constexpr double r = 0.2, c = 1.0, l = 1.0;
@@ -270,7 +272,8 @@ TEST(FrozenPencils, AreNamedWhereTheyAreSingularOrOthers) {
   Descriptor singular = solver.linearize(choice);
   EXPECT_EQ(status_of([&] { singular.poles(); }), SFDAE_SINGULAR);
 
-  // x1' + t x2' = -x2 + x3, 0 = x1 + t x2, x3' = x2: as x1' + t x2' + x2 = 0, x3 = 0 and all else is 0. Frozen, x3 = x2.
+  // x1' + t x2' = -x2 + x3, 0 = x1 + t x2, x3' = x2: as x1' + t x2' + x2 = 0, x3 = 0 and all else is 0. Frozen, x3 =
+  // x2.
   sfdae::NonlinearProblem rotating(3, 3);
   rotating.equations = [](const auto& t, auto x, auto xdot, auto F) {
     F[0] = xdot[0] + t * xdot[1] + x[1] - x[2];
@@ -287,7 +290,8 @@ TEST(FrozenPencils, AreNamedWhereTheyAreSingularOrOthers) {
   EXPECT_NEAR(std::abs(frozen.values[0] - 1.0), 0.0, 1e-14);
 }
 
-// A rod between two supports that both hold it along its axis: one multiplier is not determined, and neither is the pencil.
+// A rod between two supports that both hold it along its axis: one multiplier is not determined, and neither is the
+// pencil.
 TEST(RedundantConstraints, MakeAPencilSingular) {
   sfdae::MultibodyProblem problem(2, 2);
   problem.equations = [](const auto&, auto q, auto, auto to) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Linearization in C: what is written, what is refused, and what stays untouched then. x1' = -2 x1 + x2 + u, 0 = x2 - k x1:
- * one pole at k - 2, x1 / u = 1 / (s + 2 - k).
+ * Linearization in C: what is written, what is refused, and what stays untouched then. x1' = -2 x1 + x2 + u, 0 = x2 -
+ * k x1: one pole at k - 2, x1 / u = 1 / (s + 2 - k).
  */
 #include <math.h>
 #include <stddef.h>

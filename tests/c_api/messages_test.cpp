@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What messages name is what is wrong: equations that contradict each other, alternatives of unclear ranks, the check that
-// helps.
+// What messages name is what is wrong: equations that contradict each other, alternatives of unclear ranks, the check
+// that helps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -187,7 +187,8 @@ TEST(Messages, NameEquationsThatFixedComponentsViolate) {
   EXPECT_GE(refused, 20);
 }
 
-// x1' = -x1 + x2, eps x2' = -x2 + x1, for eps where that is not clear: alternatives that differ, and tolerances that give them.
+// x1' = -x1 + x2, eps x2' = -x2 + x1, for eps where that is not clear: alternatives that differ, and tolerances that
+// give them.
 TEST(Messages, NameDifferentAlternativesOfUnclearRanks) {
   int unclear = 0;
   for (double eps = 1e-17; eps < 1e-7; eps *= 1.7)

@@ -377,7 +377,8 @@ static void every_output_is_accurate_and_consistent(void) {
       }
 }
 
-/* The first steps end at outputs, as there is no past for an accurate polynomial yet; later outputs are interpolated. */
+/* The first steps end at outputs, as there is no past for an accurate polynomial yet; later outputs are interpolated.
+ * */
 static void frequent_output_hardly_changes_the_steps(void) {
   int c;
   for (c = 0; c < CHOICES; c++) {

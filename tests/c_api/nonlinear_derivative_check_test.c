@@ -17,8 +17,8 @@ typedef struct {
   double domain; /* no values for t beyond */
 } mistake;
 
-/* F2^(k) offset by one derivative alone: that of order k + 1 remains the derivative of what is right, so that order k + 1
- * does not fit any more, either; the first one counts. */
+/* F2^(k) offset by one derivative alone: that of order k + 1 remains the derivative of what is right, so that order k
+ * + 1 does not fit any more, either; the first one counts. */
 static int derivative(double t, int k, const double* jet, double* F, double* F_x, double* F_xdot, void* user) {
   const mistake* wrong = (const mistake*)user;
   if (k > wrong->highest) return SFDAE_ORDER_NOT_AVAILABLE;

@@ -12,8 +12,8 @@
 
 static sfdae_nonlinear_problem form(int k) { return k == 0 ? recorded_pendulum() : differentiated_pendulum(); }
 
-/* Weights of the same size make the change of the positions that to the nearest point of the circle, as long as velocities
- * and forces weigh little. */
+/* Weights of the same size make the change of the positions that to the nearest point of the circle, as long as
+ * velocities and forces weigh little. */
 static void the_nearest_point_is_found(void) {
   static const double weights[N] = {1, 1, 1e6, 1e6, 1e6, 1e6};
   int k;

@@ -242,7 +242,8 @@ static void overdetermined_problems_are_solved(void) {
   }
 }
 
-/* Gear & Petzold: x1 + eta t x2 = e^-t,  x1' + eta t x2' + (1 + eta) x2 = 0; x = ((1 - eta t) e^-t, e^-t). mu = 1, a = 2. */
+/* Gear & Petzold: x1 + eta t x2 = e^-t,  x1' + eta t x2' + (1 + eta) x2 = 0; x = ((1 - eta t) e^-t, e^-t). mu = 1, a
+ * = 2. */
 static const double eta = -1;
 
 static int gear_petzold(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,

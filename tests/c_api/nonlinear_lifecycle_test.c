@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Nonlinear problems from init to destroy: every function with right and with wrong arguments. A call that fails says why
- * and leaves its outputs as they were.
+ * Nonlinear problems from init to destroy: every function with right and with wrong arguments. A call that fails says
+ * why and leaves its outputs as they were.
  */
 #include <limits.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Random piecewise linear systems with a surface, and Runge and Kutta's method of order 4 with small steps for the differential
-// equations that they hide, with Filippov's field along the surface.
+// Random piecewise linear systems with a surface, and Runge and Kutta's method of order 4 with small steps for the
+// differential equations that they hide, with Filippov's field along the surface.
 #pragma once
 
 #include <algorithm>

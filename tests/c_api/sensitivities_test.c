@@ -356,7 +356,8 @@ static void fixed_values_that_cannot_follow_are_named(void) {
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
-/* Functionals of x at 0.5, 1.25 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above. 1.25 is within a step. */
+/* Functionals of x at 0.5, 1.25 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above.
+ * 1.25 is within a step. */
 static void gradients_are_those_of_the_formulas(int method, long max_kept_steps) {
   const sfdae_options options = options_with(1e-9, method);
   sfdae_solver* solver = solver_of(oscillator, N, N, &options);

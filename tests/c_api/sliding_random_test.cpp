@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Random piecewise linear systems with a surface, as mixed up differential-algebraic equations of strangeness index 1, against
-// Runge and Kutta's method of order 4 with small steps for the differential equations that they hide, with Filippov's field
-// along the surface.
+// Random piecewise linear systems with a surface, as mixed up differential-algebraic equations of strangeness index
+// 1, against Runge and Kutta's method of order 4 with small steps for the differential equations that they hide, with
+// Filippov's field along the surface.
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Sensitivities along surfaces: parameters that the modes have in several ways, transitions of other kinds, checkpoints, and what is
-// refused.
+// Sensitivities along surfaces: parameters that the modes have in several ways, transitions of other kinds,
+// checkpoints, and what is refused.
 
 #include <gtest/gtest.h>
 
@@ -235,8 +235,8 @@ TEST_P(SlidingCases, NameSurfacesWithoutDerivatives) {
   EXPECT_NE(said.find("level"), std::string::npos) << said;
 }
 
-// v' = -sign(v - A sin t) mu, along the surface until t = 2 pi / 3, then above it. What is changed in the mode below, which is not under
-// way, makes the equations of the sliding mode anew: gradients go back through those that it had.
+// v' = -sign(v - A sin t) mu, along the surface until t = 2 pi / 3, then above it. What is changed in the mode below,
+// which is not under way, makes the equations of the sliding mode anew: gradients go back through those that it had.
 TEST_P(SlidingCases, GoBackThroughEquationsThatWereReplaced) {
   const auto fields = [](int above) -> Equations {
     return [above](const Expression& t, auto, auto xdot, auto F) {
@@ -262,7 +262,8 @@ TEST_P(SlidingCases, GoBackThroughEquationsThatWereReplaced) {
 
 // ---- Forces ------------------------------------------------------------------------------------------------------
 
-// A block with an unknown normal force N, pushed by rise t: v' = rise t - mu N sign(v), N = 9.81. It stops, rests, and goes on.
+// A block with an unknown normal force N, pushed by rise t: v' = rise t - mu N sign(v), N = 9.81. It stops, rests,
+// and goes on.
 TEST_P(SlidingCases, AreThoseOfABlockOnAFloor) {
   constexpr double g = 9.81;
   const auto block = [](int above) -> Equations {
@@ -332,8 +333,8 @@ TEST_P(SlidingCases, AreThoseOfMultibodySystems) {
 
 // ---- Transitions of other kinds ----------------------------------------------------------------------------------
 
-// x' = above ? -2 : 2, y' = above ? rate : -3 slides along x = y until y = 1 or a time; then both rest. From there a jump of the
-// user's leads back along the surface.
+// x' = above ? -2 : 2, y' = above ? rate : -3 slides along x = y until y = 1 or a time; then both rest. From there a
+// jump of the user's leads back along the surface.
 struct Corner : System {
   explicit Corner(const sfdae::Options& options, bool wants_gradients = false)
       : System(

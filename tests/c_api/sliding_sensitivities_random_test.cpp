@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Sensitivities of random piecewise linear systems with a surface (random_sliding.h), of strangeness index 1 and 2,
-// against differences of the reference: by a parameter p of all that the system consists of, the surface and hidden constraints
-// too; by a parameter r of one mode; by a start value. And gradients by the adjoint, against these of the same steps.
+// against differences of the reference: by a parameter p of all that the system consists of, the surface and hidden
+// constraints too; by a parameter r of one mode; by a start value. And gradients by the adjoint, against these of the
+// same steps.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,8 @@ using Values = std::vector<double>;
 
 constexpr Parameters in_use = {0.3, 0.2, 0.0};
 
-// At p the sample whose numbers are those of one plus p times those of another, times 1 / (1 + p / 5) where x' has that factor.
+// At p the sample whose numbers are those of one plus p times those of another, times 1 / (1 + p / 5) where x' has
+// that factor.
 struct Family {
   Sample at_zero, by_p;
   bool has_acceleration;  // a seventh unknown z = v', which needs u'
@@ -163,7 +165,8 @@ Exact exact_course(const Family& family) {
 }
 
 struct Outcome {
-  // In tolerances, relative to the largest derivative or 1; of dt/dp, where the time itself is off by more, in errors of the time.
+  // In tolerances, relative to the largest derivative or 1; of dt/dp, where the time itself is off by more, in errors
+  // of the time.
   double error = 0.0, error_of_times = 0.0;
   int compared = 0, index_along = -1;
   std::string failure;

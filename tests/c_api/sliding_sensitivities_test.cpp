@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Sensitivities along surfaces that both sides lead to, over where the motion begins and ends there, against formulas whose
-// parameters are moved.
+// Sensitivities along surfaces that both sides lead to, over where the motion begins and ends there, against formulas
+// whose parameters are moved.
 
 #include <gtest/gtest.h>
 
@@ -205,8 +205,8 @@ TEST_P(SlidingSensitivities, AreThoseOfTheEquivalentControl) {
   }
 }
 
-// A point on the unit circle with friction and a torque of (t - 2) rise from t = 2 on, by position and multiplier: it turns from
-// angle 1 by 1 / (2 friction), rests, and turns again from 2 + friction / rise on.
+// A point on the unit circle with friction and a torque of (t - 2) rise from t = 2 on, by position and multiplier: it
+// turns from angle 1 by 1 / (2 friction), rests, and turns again from 2 + friction / rise on.
 Equations on_circle(int above) {
   return [above](const Expression& t, auto x, auto xdot, auto F) {
     const Expression friction = sfdae::parameter(t, "friction", 0.5), rise = sfdae::parameter(t, "rise", 0.5);

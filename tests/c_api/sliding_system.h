@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Two modes with a switch between them, whose sensitivities, or gradients of all unknowns by the adjoint, are compared with formulas.
+// Two modes with a switch between them, whose sensitivities, or gradients of all unknowns by the adjoint, are
+// compared with formulas.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -210,8 +210,8 @@ TEST(Sliding, FindsTheEquivalentControl) {
   }
 }
 
-// A point on the unit circle with a friction of 1/2 and a torque of (t - 2) / 2 from t = 2 on, by position and multiplier:
-// it turns from angle 1, stops at 2 after turning by 1, rests until 3.
+// A point on the unit circle with a friction of 1/2 and a torque of (t - 2) / 2 from t = 2 on, by position and
+// multiplier: it turns from angle 1, stops at 2 after turning by 1, rests until 3.
 Equations on_circle(int above) {
   return [above](const auto& t, auto x, auto xdot, auto F) {
     const Expression moment = (above ? -0.5 : 0.5) + 0.5 * max(t - 2, 0.0);
@@ -330,7 +330,8 @@ TEST(Sliding, FollowsParameters) {
   EXPECT_EQ(system.hybrid.mode(2).visits, 1);
 }
 
-// Two surfaces, x0 = 0, which attracts, and x1 = 0: modes 0 and 1 below and above x0 = 0 where x1 > 0, 2 and 3 where x1 < 0.
+// Two surfaces, x0 = 0, which attracts, and x1 = 0: modes 0 and 1 below and above x0 = 0 where x1 > 0, 2 and 3 where
+// x1 < 0.
 struct TwoSurfaces {
   explicit TwoSurfaces(double rate_beyond) {
     for (int k = 0; k < 4; ++k)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a start asks of the user's functions: everything once at its point, and nothing that it has asked before another call.
+// What a start asks of the user's functions: everything once at its point, and nothing that it has asked before
+// another call.
 #include <gtest/gtest.h>
 #include <sfdae/sfdae.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The structure of recorded equations: what sfdae_get_structure returns for linear equations and for nonlinear ones, and
- * what it refuses.
+ * The structure of recorded equations: what sfdae_get_structure returns for linear equations and for nonlinear ones,
+ * and what it refuses.
  */
 #include <math.h>
 #include <stddef.h>
@@ -125,7 +125,8 @@ static void a_change_ends_the_integration(void) {
   sfdae_destroy(&solver);
 }
 
-/* A capacitor between two nodes: x0' - x1' + x0 - sin t = 0 and x1' - x0' + x1 = 0, C times the slopes. The sum has none. */
+/* A capacitor between two nodes: x0' - x1' + x0 - sin t = 0 and x1' - x0' + x1 = 0, C times the slopes. The sum has
+ * none. */
 static int floating_capacitor(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
                               const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   const sfdae_expression C = sfdae_number(1e-9);

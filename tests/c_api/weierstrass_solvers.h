@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Solvers of random linear modes (weierstrass_modes.h): given by functions, or both modes of a pair recorded in one problem.
+// Solvers of random linear modes (weierstrass_modes.h): given by functions, or both modes of a pair recorded in one
+// problem.
 #pragma once
 
 #include <sfdae/modes.h>

@@ -100,8 +100,8 @@ static void right_ones_leave_no_trace(void) {
   }
   CHECK(memcmp(x[0], x[1], sizeof x[0]) == 0 && memcmp(xdot[0], xdot[1], sizeof xdot[0]) == 0);
   CHECK(s[0].check_calls == 0 && s[1].check_calls > 0);
-  /* Three functions, orders 0 to mu + 1 = 3, beside t, and those that nobody has asked for at t: the last ones of E and A,
-   * 1 to 3 of f. The start goes on with these. */
+  /* Three functions, orders 0 to mu + 1 = 3, beside t, and those that nobody has asked for at t: the last ones of E
+   * and A, 1 to 3 of f. The start goes on with these. */
   CHECK(s[1].check_calls == 12 + 5);
   CHECK(calls[1] == calls[0] + 12);
   options.check_derivatives = 2;

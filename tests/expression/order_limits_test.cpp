@@ -101,7 +101,8 @@ void expect_equal_lanes(const TaylorEvaluator& source, const Limits& limits) {
 
 class EveryOperationWithinLimits : public testing::TestWithParam<Operator> {};
 
-// Equations share operands; what the first one wants to order 0 the second one wants to order 1, the third one to order 2.
+// Equations share operands; what the first one wants to order 0 the second one wants to order 1, the third one to
+// order 2.
 TEST_P(EveryOperationWithinLimits, HasTheBitsOfAllOrders) {
   Recording recording(2);
   const auto& x = recording.x;

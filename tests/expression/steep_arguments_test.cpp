@@ -50,7 +50,8 @@ TEST(SteepArguments, ThatAreKnownChangeNothing) {
   EXPECT_EQ(sharpened({0.6, 1e3}, inverse, 0.0, diode), inverse);
 }
 
-// Quotients and products: a reaction's exp(-8000 / T) at 400 K is known to a hundredth for changes of 0.2 K; the other one for 0.05.
+// Quotients and products: a reaction's exp(-8000 / T) at 400 K is known to a hundredth for changes of 0.2 K; the
+// other one for 0.05.
 TEST(SteepArguments, OfQuotientsAndProducts) {
   const auto reaction = [](Recording& r) {
     return std::vector<Term>{r.x[1] - exp(-8000.0 / r.x[0]), r.x[2] - exp(2.0 * r.x[1] * r.x[2])};
@@ -90,7 +91,8 @@ TEST(SteepArguments, FollowChangesOfParameters) {
   }
 }
 
-// Sources in arguments, and hyperbolic functions. Arguments of t alone, or of functions whose changes are not followed, are left alone.
+// Sources in arguments, and hyperbolic functions. Arguments of t alone, or of functions whose changes are not
+// followed, are left alone.
 TEST(SteepArguments, OfOtherKinds) {
   const auto with_source = [](Recording& r) { return std::vector<Term>{r.x[0] - sinh(r.t * (r.x[0] - sin(r.t)))}; };
   EXPECT_NEAR(sharpened({1.0}, {1.0}, 5.0, with_source)[0], 500.0, 1e-9);

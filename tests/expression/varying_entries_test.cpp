@@ -82,7 +82,8 @@ TEST(VaryingEntries, LeaveOutWhatIsConstant) {
   EXPECT_TRUE(varying.instructions().empty());
 }
 
-// Derivatives that are not wanted keep their values, and nothing is evaluated for them: not even where they do not exist.
+// Derivatives that are not wanted keep their values, and nothing is evaluated for them: not even where they do not
+// exist.
 TEST(VaryingEntries, LeaveOutWhatIsNotWanted) {
   Recording recording(2);
   const auto& x = recording.x;

@@ -241,8 +241,8 @@ TEST_P(DgeldaDefects, TheFirstDerivativeIsThatOfTheSolution) {
   }
 }
 
-// Without differential equations x' is found where it is returned, at TOUT as at T = TOUT, from four points more, and not before
-// the first step, which does without.
+// Without differential equations x' is found where it is returned, at TOUT as at T = TOUT, from four points more, and
+// not before the first step, which does without.
 TEST_P(DgeldaDefects, TheDerivativeIsThatOfTheSolutionWithoutDifferentialEquations) {
   for (int is_started : {0, 1}) {
     Functions functions(shared(kron(4, 3, 0.5)));

@@ -13,7 +13,8 @@ using sfdae_test::UserData;
 
 namespace {
 
-// E = [0 0; 1 -t], A = [-1 t; 0 0], f = (exp(-t), 0); x = ((1 + t) exp(-t), exp(-t)), characteristic values (1, 0, 2, 0).
+// E = [0 0; 1 -t], A = [-1 t; 0 0], f = (exp(-t), 0); x = ((1 + t) exp(-t), exp(-t)), characteristic values (1, 0, 2,
+// 0).
 UserData document_problem() {
   UserData data{2, {}, {}, {}};
   data.E = [](double t, int order, double* E) {

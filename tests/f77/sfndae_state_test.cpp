@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All state of SFNDAE lies in the caller's arrays: calls may be interrupted, interleaved and copied without an effect on
-// any bit, the documented lengths suffice, and nothing is written beyond them.
+// All state of SFNDAE lies in the caller's arrays: calls may be interrupted, interleaved and copied without an effect
+// on any bit, the documented lengths suffice, and nothing is written beyond them.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Events of families with known solutions: every component against a level, by all methods, forward and backward. What the
-// exact solution crosses is found, and nothing else.
+// Events of families with known solutions: every component against a level, by all methods, forward and backward.
+// What the exact solution crosses is found, and nothing else.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -130,7 +130,8 @@ TEST(EventFamilies, ConstantMatricesAndMechanics) {
     }
 }
 
-/// BDF steps do not depend on events nor on outputs: changes of sign at 3000 outputs are the events. With free components.
+/// BDF steps do not depend on events nor on outputs: changes of sign at 3000 outputs are the events. With free
+/// components.
 TEST(EventFamilies, EventsAreTheCrossingsThatOutputsShow) {
   for (const FamilyPointer& family :
        {FamilyPointer(kron(8, 1, 2.0, 2)), FamilyPointer(kron(6, 0, 2.0)), FamilyPointer(chain(4, 2))}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search for zeros, apart from any integration: functions with known zeros, rough values that are off, rounding errors.
+// The search for zeros, apart from any integration: functions with known zeros, rough values that are off, rounding
+// errors.
 #include "integrate/event_search.h"
 
 #include <gtest/gtest.h>
@@ -338,8 +339,8 @@ TEST(EventSearch, FailuresLeaveThePointSearchedLast) {
   EXPECT_NEAR(search.t(), 2 * pi, 8 * epsilon * pi);
 }
 
-/// Sums of sines with up to ten zeros in an interval: all of them are found that a fine grid finds, but for pairs that are
-/// closer than the grid.
+/// Sums of sines with up to ten zeros in an interval: all of them are found that a fine grid finds, but for pairs
+/// that are closer than the grid.
 TEST(EventSearch, MissesNothingThatMattersInRandomFunctions) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;

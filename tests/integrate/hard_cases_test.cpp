@@ -45,9 +45,9 @@ class Solved {
   sfdae_characteristics values;
 };
 
-// Nodes 1, 2: source, conductance G between them, capacitor C at node 2, coil L from there; x = (v1, v2, i_source, i_L).
-// C v2' = G (v1 - v2) - i_L, L i_L' = v2, v1 = 1, current balance at node 1: mu = 0, d = 2, a = 2 for all C, L > 0.
-// For t << L / R the capacitor charges like 1 - e^(-t G / C).
+// Nodes 1, 2: source, conductance G between them, capacitor C at node 2, coil L from there; x = (v1, v2, i_source,
+// i_L). C v2' = G (v1 - v2) - i_L, L i_L' = v2, v1 = 1, current balance at node 1: mu = 0, d = 2, a = 2 for all C, L
+// > 0. For t << L / R the capacitor charges like 1 - e^(-t G / C).
 TEST(HardCases, ATinyCapacitorStaysACapacitor) {
   for (double C : {1e-15, 1e-12, 1e-9})
     for (double L : {1e-7, 1e-6}) {
@@ -143,8 +143,8 @@ TEST(HardCases, SlopesOfStiffComponentsAreThoseOfTheSolution) {
   }
 }
 
-// tau x1' w = x0 + f0, tau x2' = x1 + f1, 0 = x2 + f2, tau x3' = -x3: mu = 2, d = 1, a = 3, derivatives by differences, in
-// units of time from picoseconds to days. Exact: x_i = sin(s + i), i < 3, x3 = e^-s with s = t / tau.
+// tau x1' w = x0 + f0, tau x2' = x1 + f1, 0 = x2 + f2, tau x3' = -x3: mu = 2, d = 1, a = 3, derivatives by
+// differences, in units of time from picoseconds to days. Exact: x_i = sin(s + i), i < 3, x3 = e^-s with s = t / tau.
 TEST(HardCases, DifferenceDerivativesDoNotDependOnTheUnitOfTime) {
   for (double unit : {1e-12, 1e-6, 1.0, 1e5})
     for (double variation : {0.0, 0.3}) {
@@ -232,8 +232,8 @@ TEST(HardCases, UnitsOfTheUnknownsDoNotMatter) {
     }
 }
 
-// x1' = x1 + cos t, 0 = x2, 0 = x2 again, rows mixed by a constant orthogonal matrix: the redundant row carries nothing but
-// rounding errors of f, which are no contradiction.
+// x1' = x1 + cos t, 0 = x2, 0 = x2 again, rows mixed by a constant orthogonal matrix: the redundant row carries
+// nothing but rounding errors of f, which are no contradiction.
 TEST(HardCases, RoundingErrorsOfRedundantRowsAreNoContradiction) {
   for (double angle = 0.1; angle < 3.0; angle += 0.37) {
     const double c = std::cos(angle), d = std::sin(angle);

@@ -198,7 +198,8 @@ TEST(Outputs, OfLinearProblemsAreAsAccurateAsSteps) {
           run.integrate(300, true, [&] {
             family->exact(run.t, exact.data(), slope.data());
             worst = std::max(worst, in_tolerances(run.x, exact, tol));
-            // Slopes of polynomials err by errors of values over distances of points, which are shortest near the start.
+            // Slopes of polynomials err by errors of values over distances of points, which are shortest near the
+            // start.
             const double distance = std::min(1.0, 0.03 * std::fabs(run.statistics().last_step));
             worst_slope = std::max(worst_slope, distance * in_tolerances(run.xdot, slope, tol));
           });
@@ -281,8 +282,8 @@ TEST(Outputs, ConsistentOnesOfMultibodySystemsTakeFewEvaluations) {
     }
 }
 
-// Positions, velocities and multipliers of a consistent output: an integration that starts there, where all that holds stays,
-// has the same multipliers.
+// Positions, velocities and multipliers of a consistent output: an integration that starts there, where all that
+// holds stays, has the same multipliers.
 TEST(Outputs, ConsistentOnesOfMultibodySystemsHaveTheirMultipliers) {
   for (const auto& [method, tol] : {std::pair{SFDAE_METHOD_RADAU, 1e-6}, std::pair{SFDAE_METHOD_BDF, 1e-4}}) {
     MultibodyCase andrews("andrews", 0.0);

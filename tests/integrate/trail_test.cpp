@@ -8,7 +8,8 @@
 
 namespace sfdae::core {
 
-// The first point and the newest 16 always; the others are nowhere further apart than a part of their distance from the end.
+// The first point and the newest 16 always; the others are nowhere further apart than a part of their distance from
+// the end.
 TEST(Trail, ReachesFarBackAndIsDenseAtTheEnd) {
   for (const std::size_t n : {std::size_t{2}, std::size_t{1500}}) {
     SCOPED_TRACE(n);

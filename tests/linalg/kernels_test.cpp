@@ -131,8 +131,8 @@ class EveryInstructionSet : public testing::TestWithParam<InstructionSet> {
 
 }  // namespace
 
-// What is left of any column when r_kk is chosen is not longer than r_kk: r_kk^2 >= sum_{i=k}^{j} r_ij^2. Updated squares
-// are known to 1e-8 relative.
+// What is left of any column when r_kk is chosen is not longer than r_kk: r_kk^2 >= sum_{i=k}^{j} r_ij^2. Updated
+// squares are known to 1e-8 relative.
 TEST_P(EveryInstructionSet, PivotedFactorsAreThoseOfTheMatrix) {
   for (const Shape shape : shapes)
     for (const Sample& sample : samples(shape)) {

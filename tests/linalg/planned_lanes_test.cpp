@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A listed elimination of several matrices at once: residuals of each, the same bits with every instruction set, and pivots that do
-// not serve for one of them.
+// A listed elimination of several matrices at once: residuals of each, the same bits with every instruction set, and
+// pivots that do not serve for one of them.
 #include "linalg/planned_lanes.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,8 @@ TEST(PlannedLanes, SolveEachSystem) {
         PlannedLanes lanes;
         LaneArray x(length);
         ASSERT_TRUE(lanes.solve(*lu.list(), values.data(), b.data(), count, x.data())) << named.name;
-        // After a refinement rounding errors of the residual are left, times the distance of scaled equations from these.
+        // After a refinement rounding errors of the residual are left, times the distance of scaled equations from
+        // these.
         for (int l = 0; l < lane_count; ++l)
           EXPECT_LE(relative_residual(pattern, values, b, x, l), 2e-15) << named.name << ", " << count;
         if (first.empty()) first = x;
@@ -117,7 +118,8 @@ TEST(PlannedLanes, RefusePivotsThatVanishForOneOfThem) {
   });
 }
 
-// Tiny pivots lose the rest to rounding, 1e-20 + 1 = 1, which a refinement sometimes finds again: what is not refused is right.
+// Tiny pivots lose the rest to rounding, 1e-20 + 1 = 1, which a refinement sometimes finds again: what is not refused
+// is right.
 TEST(PlannedLanes, RefuseSolutionsOfLargeResiduals) {
   SparseMatrix matrix = sfdae_test::arrow(9, 9);
   std::minstd_rand generator(1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recorded elimination: residuals with the values that pivots were chosen by and with others, pivots that are refused.
+// A recorded elimination: residuals with the values that pivots were chosen by and with others, pivots that are
+// refused.
 #include "linalg/recorded_elimination.h"
 
 #include <gtest/gtest.h>
@@ -129,7 +130,8 @@ struct BothFactors {
   SparseLu<double> lu;
 };
 
-// Against 1 / (|S| |S^-1|) of the scaled matrix, column by column of its inverse; the estimate is a lower bound of |S^-1|.
+// Against 1 / (|S| |S^-1|) of the scaled matrix, column by column of its inverse; the estimate is a lower bound of
+// |S^-1|.
 TEST(RecordedElimination, EstimatesTheConditionOfTheScaledMatrix) {
   for (const SparseMatrix& matrix : {sfdae_test::random_sparse(40, 2, 6), sfdae_test::flow(4)}) {
     const int n = matrix.pattern.size;

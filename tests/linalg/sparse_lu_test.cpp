@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sparse factorizations by all methods: residuals, scaling, pivots that become bad, singular matrices, copies, conditions.
+// Sparse factorizations by all methods: residuals, scaling, pivots that become bad, singular matrices, copies,
+// conditions.
 #include "linalg/sparse_lu.h"
 
 #include <gtest/gtest.h>
@@ -311,8 +312,8 @@ TYPED_TEST(SparseLuOf, CopiesGoOnWithTheSameBits) {
   }
 }
 
-// Solutions of 1e200 and 1e-200, right-hand sides likewise, with rows and columns whose scales are beyond the exponents of
-// double in sum.
+// Solutions of 1e200 and 1e-200, right-hand sides likewise, with rows and columns whose scales are beyond the
+// exponents of double in sum.
 TYPED_TEST(SparseLuOf, ScalesRightHandSidesWithoutOverflow) {
   const SparseMatrix matrix =
       sfdae_test::sparse_matrix(2, {{0, 0, 1e-200}, {0, 1, 1e-200}, {1, 0, 1e-200}, {1, 1, -1e-200}});
@@ -452,8 +453,8 @@ TEST(SparseLu, TakesItsOwnValues) {
     }
 }
 
-// A band of one off-diagonal line takes a few solutions, a full matrix n / 45 of them and more (2/3 n^3 operations at three times
-// the speed of 2 n^2), and both kinds the more the more is filled in.
+// A band of one off-diagonal line takes a few solutions, a full matrix n / 45 of them and more (2/3 n^3 operations at
+// three times the speed of 2 n^2), and both kinds the more the more is filled in.
 TEST(SparseLu, EstimatesWhatFactorizationsTake) {
   const auto cost = [](const SparsePattern& pattern) {
     SparseLu<double> lu;

@@ -71,8 +71,8 @@ TEST(UnitFit, FindsUnitsThatExplainAllSizes) {
   }
 }
 
-// Half the gradient, of which 1e-3 is the square that is left at most, is that of a sum of at most 2 (m + n) entries for
-// each exponent: no change by a bit makes the sum smaller.
+// Half the gradient, of which 1e-3 is the square that is left at most, is that of a sum of at most 2 (m + n) entries
+// for each exponent: no change by a bit makes the sum smaller.
 TEST(UnitFit, LeavesNoSmallerSumOfSquaresNearby) {
   const EntrySizes sizes = sizes_of(some_units(), 12.0, sparsely);
   UnitExponents x(m, n);

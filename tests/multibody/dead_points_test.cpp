@@ -176,8 +176,8 @@ TEST(DeadPoints, ThatAreNearlyMetArePassed) {
   EXPECT_GE(passed, runs * 9 / 10);
 }
 
-// Anchors that jump away stop integrations for another reason. Not those of particles: bars to an anchor so far away turn
-// over, which is what singular configurations look like.
+// Anchors that jump away stop integrations for another reason. Not those of particles: bars to an anchor so far away
+// turn over, which is what singular configurations look like.
 TEST(DeadPoints, AreNotToBlameWhereDataJump) {
   Draw draw(4);
   int stopped = 0, blamed = 0;

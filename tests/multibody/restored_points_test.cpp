@@ -1,5 +1,5 @@
-// Points within steps of mechanical systems: Newton's method on both levels leads to those that terms at every iterate lead
-// to, with fewer evaluations (docs/decisions/89-cheaper-outputs.md).
+// Points within steps of mechanical systems: Newton's method on both levels leads to those that terms at every
+// iterate lead to, with fewer evaluations (docs/decisions/89-cheaper-outputs.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
@@ -177,7 +177,8 @@ TEST(RestoredPoints, FulfilBothLevelsToRounding) {
   }
 }
 
-// What Newton's method leaves of velocities is corrected in the end, and forces are those of the velocities that are found.
+// What Newton's method leaves of velocities is corrected in the end, and forces are those of the velocities that are
+// found.
 TEST(RestoredPoints, HaveVelocitiesCorrectedInTheEnd) {
   const Balloon balloon;
   const std::unique_ptr<MultibodyProblem> problem = recorded(balloon);

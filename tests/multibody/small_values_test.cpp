@@ -125,8 +125,8 @@ TEST_P(SmallValues, NothingMoves) {
   EXPECT_NEAR(run.x[1], 1.0, 1e-14);
 }
 
-// A bar of a microsystem that hangs by one end, (x, y, angle), each in a unit of its own: its moment of inertia, 8e-21 kg m2, beside a
-// mass of 1e-9 kg is no zero.
+// A bar of a microsystem that hangs by one end, (x, y, angle), each in a unit of its own: its moment of inertia,
+// 8e-21 kg m2, beside a mass of 1e-9 kg is no zero.
 struct Bar {
   double length = 1e-5, mass = 1e-9;
   double unit[3] = {1.0, 1.0, 1.0};

@@ -114,8 +114,8 @@ void expect_close(const Steps& found, const Steps& expected, const std::string& 
   EXPECT_EQ(found.factorizations, expected.factorizations) << what;
 }
 
-// A lever with a heavy load: masses that are not diagonal, and more freedom than constraints, so that accelerations come
-// from the whole matrix [M C^T; C 0].
+// A lever with a heavy load: masses that are not diagonal, and more freedom than constraints, so that accelerations
+// come from the whole matrix [M C^T; C 0].
 struct Lever : MechanicalSystem {
   Lever() : MechanicalSystem({4, 1, 0}) {}
   template <class V>

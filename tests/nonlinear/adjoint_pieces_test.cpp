@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gradients where steps are made again from checkpoints: the same in every bit as with all steps kept, whatever happened on the way.
+// Gradients where steps are made again from checkpoints: the same in every bit as with all steps kept, whatever
+// happened on the way.
 #include <gtest/gtest.h>
 
 #include <algorithm>

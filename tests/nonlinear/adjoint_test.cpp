@@ -168,8 +168,9 @@ TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
   }
 }
 
-// At points within steps, several of them in one. With BDF x is the polynomial through the same points, made consistent; with Radau forward
-// sensitivities are linearized where x is interpolated, those of the adjoint where the shorter step leads.
+// At points within steps, several of them in one. With BDF x is the polynomial through the same points, made
+// consistent; with Radau forward sensitivities are linearized where x is interpolated, those of the adjoint where the
+// shorter step leads.
 TEST_P(RandomGradients, AreThoseOfForwardSensitivitiesWithinSteps) {
   for (double tolerance : {1e-4, 1e-9}) {
     for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(20, 3)); seed <= last; ++seed) {

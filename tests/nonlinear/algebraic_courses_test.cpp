@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Problems without differential equations whose constraints have several solutions: inverse kinematics and dynamics of arms, roots
-// of polynomials. Nothing but their own course limits steps.
+// Problems without differential equations whose constraints have several solutions: inverse kinematics and dynamics
+// of arms, roots of polynomials. Nothing but their own course limits steps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,8 +26,9 @@ struct Tracking {
   NonlinearEquations equations;
 };
 
-// The hand of an arm of two links, 1 and l long, follows that of an arm with given angles; the elbow stays 0.2 rad and more away from
-// being straight, and 0.34 rad from being folded. with_torques: the torques at the joints are unknowns, too: strangeness index 2.
+// The hand of an arm of two links, 1 and l long, follows that of an arm with given angles; the elbow stays 0.2 rad
+// and more away from being straight, and 0.34 rad from being folded. with_torques: the torques at the joints are
+// unknowns, too: strangeness index 2.
 Tracking arm(Random& random, bool with_torques) {
   const double rate = std::pow(10.0, random.real(-2.0, 2.0)), side = random.integer(0, 1) == 0 ? 1.0 : -1.0;
   const auto course = [&](double mean, double amplitude) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// States of the minimal extension that determine the other unknowns at one point and do not at another: others have to take their place in
-// time, and steps have to end before (docs/decisions/92-states-that-serve.md).
+// States of the minimal extension that determine the other unknowns at one point and do not at another: others have
+// to take their place in time, and steps have to end before (docs/decisions/92-states-that-serve.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,8 @@ double largest_error(const std::vector<double>& x, const std::vector<double>& ex
   return largest;
 }
 
-// Each coordinate is a bad state somewhere, and the multiplier is zero: by how many of its sizes it moves with the states says nothing.
+// Each coordinate is a bad state somewhere, and the multiplier is zero: by how many of its sizes it moves with the
+// states says nothing.
 TEST(ChoiceOfStates, FollowsAMotionOnATorus) {
   const FormulaProblem& problem = formula_problem("torus");
   const TestProblem& p = problem.data;
@@ -52,7 +53,8 @@ TEST(ChoiceOfStates, FollowsAMotionOnATorus) {
     }
 }
 
-// Its energy is known. Newton's method at each stage finds something even if the height is a state on both sides of the lowest point.
+// Its energy is known. Newton's method at each stage finds something even if the height is a state on both sides of
+// the lowest point.
 TEST(ChoiceOfStates, TakesAPendulumThroughItsLowestPoint) {
   const TestProblem p = pendulum();
   const NonlinearEquations equations = equations_of(

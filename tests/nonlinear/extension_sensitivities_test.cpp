@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sensitivities along the minimal extension: exact ones, those by the whole array, differences of solutions, known ones.
+// Sensitivities along the minimal extension: exact ones, those by the whole array, differences of solutions, known
+// ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +46,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, ExtensionSensitivities, testing::Values(SFDAE_
 
 // ---- Random systems --------------------------------------------------------------------------------------------
 
-// Some sparse systems side by side, each with its own unknowns: y_i = x_i + p/5 sin(x_i + 0.3 i) solves them in the time (1 + q) t.
+// Some sparse systems side by side, each with its own unknowns: y_i = x_i + p/5 sin(x_i + 0.3 i) solves them in the
+// time (1 + q) t.
 class TransformedSparseSystem {
  public:
   TransformedSparseSystem(unsigned seed, int count, SparseSystem::Mixing mixing) {
@@ -303,7 +305,8 @@ std::vector<double> end_with(const sfdae::NonlinearProblem& problem, std::vector
   return point.x;
 }
 
-// Of algebraic unknowns and differential ones, n = 160, with and without the error test; and of the adjoint, which the array serves.
+// Of algebraic unknowns and differential ones, n = 160, with and without the error test; and of the adjoint, which
+// the array serves.
 TEST_P(ExtensionSensitivities, AgreeWithDifferencesAndTheAdjoint) {
   constexpr int cells = 80;
   const sfdae::NonlinearProblem problem = diffusion(cells);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sensitivities along the minimal extension where derivatives vary by one thing only: time, a parameter that is changed, a branch. Those that
-// are numbers are evaluated once, and pairs of states x_a' = x_b eliminated, so that what only looks like one of these has to be told apart.
+// Sensitivities along the minimal extension where derivatives vary by one thing only: time, a parameter that is
+// changed, a branch. Those that are numbers are evaluated once, and pairs of states x_a' = x_b eliminated, so that
+// what only looks like one of these has to be told apart.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Singular points of the system Jacobian between steps of the minimal extension are named, and none where there is none.
+// Singular points of the system Jacobian between steps of the minimal extension are named, and none where there is
+// none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -92,7 +93,8 @@ TEST(ExtensionSingularPoints, OfBlocksOfSeveralEquationsAreNamed) {
   expect_named(equations, 1.0, {0.0, 0.0, 1.0}, 0.5);
 }
 
-// x_3 = sin t + (x_1'' - x_1') / (t - 0.5) is infinite there; without differential equations one step would go to the end.
+// x_3 = sin t + (x_1'' - x_1') / (t - 0.5) is infinite there; without differential equations one step would go to the
+// end.
 TEST(ExtensionSingularPoints, OfProblemsWithoutStatesAreNamed) {
   const auto equations = equations_of(3, 3, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
     using std::sin;
@@ -172,8 +174,8 @@ TEST(ExtensionSingularPoints, AreNamedInTheSameBitsAfterCheckpoints) {
     }
 }
 
-// Entries of the system Jacobian are numbers, and blocks are judged once; of one unknown, and of so many that they are sparse.
-// x_i = p x_(i + 1) for unknowns in a circle.
+// Entries of the system Jacobian are numbers, and blocks are judged once; of one unknown, and of so many that they
+// are sparse. x_i = p x_(i + 1) for unknowns in a circle.
 TEST(ExtensionSingularPoints, OfConstantBlocksAreFoundWhenParametersChange) {
   for (const int count : {1, 130}) {
     const NonlinearEquations circle{

@@ -79,7 +79,8 @@ TEST(ExtensionStartValues, AreNearestAsThoseOfTheArray) {
   }
 }
 
-// Pendula given beside their circle, with speeds along their rods: both constraints are bent on the way to the nearest point.
+// Pendula given beside their circle, with speeds along their rods: both constraints are bent on the way to the
+// nearest point.
 TEST(ExtensionStartValues, AreNearestFromAfar) {
   sfdae::NonlinearProblem pendulum(5, 5);
   pendulum.equations = [](const sfdae::Expression&, auto x, auto xdot, auto F) {

@@ -34,8 +34,8 @@ TEST(ExtensionUnits, OfTimeDoNotMatterToStartValues) {
   EXPECT_GT(compared, 600);
 }
 
-// Nor to characteristic values: the strangeness index counts what equations of each level do to x, and rounding errors of zeros
-// multiplied by powers of the unit are no effects.
+// Nor to characteristic values: the strangeness index counts what equations of each level do to x, and rounding
+// errors of zeros multiplied by powers of the unit are no effects.
 TEST(ExtensionUnits, OfTimeDoNotMatterToCharacteristicValues) {
   struct Case {
     unsigned seed;

@@ -84,8 +84,9 @@ Output output_within_step(int stages, int steps, double part, int failures) {
 }
 
 // Values by the polynomial of the step are made consistent at once, which is tried once; in long steps it is not
-// accurate enough. Two failures make the stages of the point fail with either linearization, so that the point is tried again; the
-// first try has put a guess for these stages in the place of the polynomial that shows how accurate it is.
+// accurate enough. Two failures make the stages of the point fail with either linearization, so that the point is
+// tried again; the first try has put a guess for these stages in the place of the polynomial that shows how accurate
+// it is.
 TEST(FailuresAtOutputs, ThatPassDoNotSpoilThePoint) {
   int passed = 0;
   for (int stages : {3, 5, 7})

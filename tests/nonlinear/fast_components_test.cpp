@@ -68,8 +68,8 @@ std::vector<double> found_events(int method, double tau, double w, double end, s
 
 }  // namespace
 
-// A step of either method covers up to a hundred of them. One in fifty at most is missed, by a step whose polynomial agrees with the
-// solution where it is looked at; none is invented.
+// A step of either method covers up to a hundred of them. One in fifty at most is missed, by a step whose polynomial
+// agrees with the solution where it is looked at; none is invented.
 TEST(FastComponents, CrossZeroManyTimesWithinSteps) {
   const double end = 100.0;
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
@@ -126,7 +126,8 @@ Calls calls_of(int method, double tau, bool with_noise) {
 
 }  // namespace
 
-// No polynomial follows rounding errors: if they counted, all steps would be searched at as many points as there can be.
+// No polynomial follows rounding errors: if they counted, all steps would be searched at as many points as there can
+// be.
 TEST(FastComponents, AreNotSoughtAmongRoundingErrors) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
     for (const double tau : {1.0, 1000.0}) {

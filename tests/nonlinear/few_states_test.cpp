@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Radau on raw equations with few states, whose stages are linearized one by one: random systems like those of mechanics with
-// known solutions, in any order of equations and unknowns.
+// Radau on raw equations with few states, whose stages are linearized one by one: random systems like those of
+// mechanics with known solutions, in any order of equations and unknowns.
 #include <gtest/gtest.h>
 
 #include <algorithm>

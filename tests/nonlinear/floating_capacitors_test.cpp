@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Diodes and capacitors between nodes, none of them to ground, at a sine, in volts and amperes: what is differentiated are differences of
-// potentials. Charges stay between the points of a step, and rounding errors of guesses count for nothing
-// (docs/decisions/102-rounding-errors-of-guesses.md).
+// Diodes and capacitors between nodes, none of them to ground, at a sine, in volts and amperes: what is
+// differentiated are differences of potentials. Charges stay between the points of a step, and rounding errors of
+// guesses count for nothing (docs/decisions/102-rounding-errors-of-guesses.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -127,8 +127,8 @@ INSTANTIATE_TEST_SUITE_P(Circuits, FloatingCapacitors, testing::Values(detector,
 
 }  // namespace
 
-// Before, 8 of the 14 runs of the detector did not see its second crest, a step of the clamp had no solution, and a node of the chain was
-// at 3e21 V, one of the others at 1e187 V, all with SFDAE_OK.
+// Before, 8 of the 14 runs of the detector did not see its second crest, a step of the clamp had no solution, and a
+// node of the chain was at 3e21 V, one of the others at 1e187 V, all with SFDAE_OK.
 TEST_P(FloatingCapacitors, KeepTheirCharges) {
   EXPECT_EQ(count_right(GetParam(), SFDAE_STRUCTURE_OFF, {1.7e-4, 1e-5, 1e-6, 1e-7}), 8);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Random mechanical systems that constraints catch: as first-order equations of index 3 and as multibody systems, against
-// M (v+ - v-) = -G^T p, G v+ = 0 solved here.
+// Random mechanical systems that constraints catch: as first-order equations of index 3 and as multibody systems,
+// against M (v+ - v-) = -G^T p, G v+ = 0 solved here.
 
 #include <sfdae/sfdae.hpp>
 

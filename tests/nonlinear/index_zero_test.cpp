@@ -30,8 +30,8 @@ double root_of_cubic(double x) {
 
 class Swinging : public testing::TestWithParam<int> {};
 
-// The first of these solutions errs by what is left of every iteration, damped by the rate: within ten tolerances at all
-// outputs.
+// The first of these solutions errs by what is left of every iteration, damped by the rate: within ten tolerances at
+// all outputs.
 TEST_P(Swinging, IsSolvedWithinTheTolerance) {
   for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) {
     NonlinearRun run(equations_of(2, 2, [](const auto& t, auto... a) { swinging(t, a...); }),
@@ -53,8 +53,8 @@ TEST_P(Swinging, IsSolvedWithinTheTolerance) {
 
 INSTANTIATE_TEST_SUITE_P(IndexZero, Swinging, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
-// Van der Pol's oscillator, eps x'' = (1 - x^2) x' - x: relaxations jump within a time of eps, where no old Jacobian is of
-// use. Compared with itself at a much smaller tolerance.
+// Van der Pol's oscillator, eps x'' = (1 - x^2) x' - x: relaxations jump within a time of eps, where no old Jacobian
+// is of use. Compared with itself at a much smaller tolerance.
 TEST(IndexZero, RelaxationsOfVanDerPolsOscillatorAreInTime) {
   const auto oscillator = equations_of(2, 2, [](const auto&, const auto* x, const auto* xdot, auto* F) {
     F[0] = xdot[0] - x[1];
@@ -135,8 +135,8 @@ TEST(IndexZero, ConstraintsThatVanishAreNoticed) {
   expect_stop_at_1(vanishing, {1.0, 1.0});
 }
 
-// (1 - t) x' + a x = f(t), linear: all of E vanishes at t = 1, where bounded solutions are a x = f, and none of them goes
-// on in one way only.
+// (1 - t) x' + a x = f(t), linear: all of E vanishes at t = 1, where bounded solutions are a x = f, and none of them
+// goes on in one way only.
 TEST(IndexZero, LeadingCoefficientsThatVanishAreNoticed) {
   for (const double a : {0.5, 1.0, 2.0}) {
     const auto vanishing = equations_of(1, 1, [a](const auto& t, const auto* x, const auto* xdot, auto* F) {

@@ -17,7 +17,8 @@ NonlinearEquations pendulum_equations() {
       5, 5, [](const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); });
 }
 
-// All constraints of x = (x, y, u, v, lambda), hidden ones included: |p|^2 = 1, p v = 0, |v|^2 - lambda |p|^2 - g y = 0.
+// All constraints of x = (x, y, u, v, lambda), hidden ones included: |p|^2 = 1, p v = 0, |v|^2 - lambda |p|^2 - g y =
+// 0.
 double violation(const std::vector<double>& x) {
   return largest({x[0] * x[0] + x[1] * x[1] - 1.0, x[0] * x[2] + x[1] * x[3],
                   (x[2] * x[2] + x[3] * x[3] - x[4] * (x[0] * x[0] + x[1] * x[1]) - Pendulum::gravity * x[1]) /

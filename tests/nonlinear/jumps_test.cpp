@@ -37,9 +37,9 @@ sfdae::Options loose_off() {
   return options;
 }
 
-// x = T(t) y with T a rotation by the angle w t of all pairs of neighbours, equations multiplied by a rotation S(t): the
-// distributions in y are those of the constant pencil, so that x+ = T(t) Q diag(I, 0) Q^-1 T(t)^-1 x- for f = 0, whatever
-// E' and A' do.
+// x = T(t) y with T a rotation by the angle w t of all pairs of neighbours, equations multiplied by a rotation S(t):
+// the distributions in y are those of the constant pencil, so that x+ = T(t) Q diag(I, 0) Q^-1 T(t)^-1 x- for f = 0,
+// whatever E' and A' do.
 TEST(Jumps, OfTimeVaryingEquationsAreThoseOfTheConstantOnes) {
   sfdae_test::Random random(5);
   for (int trial = 0; trial < 60; ++trial) {
@@ -88,8 +88,8 @@ TEST(Jumps, OfTimeVaryingEquationsAreThoseOfTheConstantOnes) {
   }
 }
 
-// Two nonlinear capacitors, q = v + v^3 and q = 3 v, are connected: q1' + i = 0, q2' - i = 0, q1 = v1 + v1^3, q2 = 3 v2,
-// v1 = v2. The charge is kept: v + v^3 + 3 v = q1 + q2, and the charge that flows is the impulse of i.
+// Two nonlinear capacitors, q = v + v^3 and q = 3 v, are connected: q1' + i = 0, q2' - i = 0, q1 = v1 + v1^3, q2 = 3
+// v2, v1 = v2. The charge is kept: v + v^3 + 3 v = q1 + q2, and the charge that flows is the impulse of i.
 TEST(Jumps, KeepTheChargeOfNonlinearCapacitors) {
   sfdae::NonlinearProblem problem(5, 5);
   problem.equations = [](const auto&, auto x, auto xdot, auto F) {
@@ -238,8 +238,9 @@ TEST(Impacts, OfRedundantConstraintsAreShared) {
             SFDAE_INCONSISTENT_EQUATIONS);
 }
 
-// The minimal extension with sparse matrices has the same jumps, also at breakpoints: a capacitor whose charge is q = v + v^3
-// follows a source that steps from 0 to 1 at t = 1/2, q' = i, v = s(t), and charges another one through i2, 3 w' = i2 = v - w.
+// The minimal extension with sparse matrices has the same jumps, also at breakpoints: a capacitor whose charge is q =
+// v + v^3 follows a source that steps from 0 to 1 at t = 1/2, q' = i, v = s(t), and charges another one through i2, 3
+// w' = i2 = v - w.
 TEST(Jumps, OfSparseEquationsAreTheSame) {
   sfdae::NonlinearProblem problem(5, 5);
   problem.equations = [](const auto& t, auto x, auto xdot, auto F) {
@@ -292,8 +293,8 @@ TEST(Jumps, HappenInEnsembles) {
   }
 }
 
-// A driven circuit, E x' = A x + f with redundant equations that agree, and with some that contradict the values before:
-// x1' = 0, x1 = 1.
+// A driven circuit, E x' = A x + f with redundant equations that agree, and with some that contradict the values
+// before: x1' = 0, x1 = 1.
 TEST(Jumps, AreRefusedWhereRedundantEquationsContradict) {
   sfdae::NonlinearProblem problem(2, 1);
   problem.equations = [](const auto&, auto x, auto xdot, auto F) {

@@ -87,7 +87,8 @@ TEST(KeptStepMatrices, GoOnFromCheckpointsInEveryBit) {
   }
 }
 
-// The contraction with the matrix for another c is its deviation, at best: from the gain that is usual follows what it takes more.
+// The contraction with the matrix for another c is its deviation, at best: from the gain that is usual follows what
+// it takes more.
 TEST(KeptStepMatrices, WasteMoreIterationsTheMoreTheyDeviate) {
   using sfdae::core::deviation_of;
   using sfdae::core::iterations_wasted;

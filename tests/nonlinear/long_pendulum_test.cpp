@@ -22,8 +22,8 @@ NonlinearEquations raw_pendulum() {
   });
 }
 
-// Released at rest from the horizontal it is there again after T = 4 K(sin 45 deg) / sqrt(g). Errors of the energy, 0, add up
-// over some 10 steps a radian; those of the phase are errors of the energy, added up once more.
+// Released at rest from the horizontal it is there again after T = 4 K(sin 45 deg) / sqrt(g). Errors of the energy,
+// 0, add up over some 10 steps a radian; those of the phase are errors of the energy, added up once more.
 TEST(LongPendulum, KeepsEnergyAndPhaseOverAHundredPeriods) {
   constexpr double K = 1.8540746773013719;
   const double period = 4.0 * K / std::sqrt(gravity), radians = 100.0 * 2.0 * std::acos(-1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A position that follows a path by a force, its equations mixed: in units of time that are too fast constraints vanish among
-// rounding errors, and the force seems free.
+// A position that follows a path by a force, its equations mixed: in units of time that are too fast constraints
+// vanish among rounding errors, and the force seems free.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,8 @@ namespace {
 using namespace sfdae_test;
 using sfdae::core::index;
 
-// q' = v, m v' = -c v - k q + F, q or sin(q / 3) = path, and T F' = u - F, with terms that make the solution follow given courses: sums
-// of these with random factors, in random units.
+// q' = v, m v' = -c v - k q + F, q or sin(q / 3) = path, and T F' = u - F, with terms that make the solution follow
+// given courses: sums of these with random factors, in random units.
 struct Servo {
   double rate, m, c, k, T;
   bool has_actuator, has_sine;

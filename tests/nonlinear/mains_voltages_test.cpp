@@ -88,9 +88,10 @@ INSTANTIATE_TEST_SUITE_P(All, MainsVoltages,
 
 }  // namespace
 
-// While changes within the tolerances counted as none whatever the exponential made of them, 24 to 46 of 60 such runs at 1e-3 ended
-// because a step had no solution, and with the minimal extension some were wrong by up to 1e10 tolerances. While matrices with
-// conductances that are too large could make them so small, some ended of seeds 9, 29, 34, 40 and 45, or were wrong.
+// While changes within the tolerances counted as none whatever the exponential made of them, 24 to 46 of 60 such runs
+// at 1e-3 ended because a step had no solution, and with the minimal extension some were wrong by up to 1e10
+// tolerances. While matrices with conductances that are too large could make them so small, some ended of seeds 9,
+// 29, 34, 40 and 45, or were wrong.
 TEST_P(MainsVoltages, AreNoHighVoltagesForDiodes) {
   int ended = 0, wrong = 0, violated = 0, all = 0;
   for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 9, 29, 34, 40, 45}) {

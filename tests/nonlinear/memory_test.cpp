@@ -47,8 +47,8 @@ NonlinearEquations brusselator(int cells) {
   });
 }
 
-// In steps of BDF, bytes for each unknown: some 1250 of them. What would be noticed: a decision of the report for each of them (80),
-// tolerances one by one (88), second copies of two patterns with their values (44 each).
+// In steps of BDF, bytes for each unknown: some 1250 of them. What would be noticed: a decision of the report for
+// each of them (80), tolerances one by one (88), second copies of two patterns with their values (44 each).
 TEST(Memory, OfLargeRecordedProblemsIsBounded) {
   constexpr int cells = 1500, n = 2 * cells;
   if (!is_told()) GTEST_SKIP() << "the C library does not tell what is in use";

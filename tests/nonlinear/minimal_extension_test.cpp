@@ -79,8 +79,8 @@ void circles(sfdae_record*, const Expression&, const Expression* x, const Expres
   F[2 * count] = x[2 * count] - 100.0 * (x[0] * x[0] + x[1] * x[1] - 1.0);
 }
 
-// Errors of unknowns that are no states count, where states are few and where they are not: z is zero and has 200 times the errors of x
-// and v, which might be as large as the tolerance by themselves.
+// Errors of unknowns that are no states count, where states are few and where they are not: z is zero and has 200
+// times the errors of x and v, which might be as large as the tolerance by themselves.
 TEST(Extension, TestsTheErrorsOfWhatFollowsFromStates) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
     NonlinearRun few({3, 3, circles<1>}, required(method)), more({5, 5, circles<2>}, required(method));
@@ -164,8 +164,8 @@ TEST(Extension, FindsTheIndexInAnyUnit) {
   }
 }
 
-// Currents of 1e-6 A beside voltages of 1 V, capacitors that are not grounded: rounding errors of the sums are large in units
-// of tight tolerances.
+// Currents of 1e-6 A beside voltages of 1 V, capacitors that are not grounded: rounding errors of the sums are large
+// in units of tight tolerances.
 TEST(Extension, StartsAtTightTolerances) {
   for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
     sfdae_options options = options_with(tolerance, SFDAE_METHOD_BDF);

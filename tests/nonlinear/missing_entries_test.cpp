@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patterns that lack an entry: it is named, or there is a failure, or the solution is right all the same; and linear problems with
-// patterns of E(t) and A(t).
+// Patterns that lack an entry: it is named, or there is a failure, or the solution is right all the same; and linear
+// problems with patterns of E(t) and A(t).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -97,8 +97,8 @@ TEST(MissingEntries, OfLargeSystemsAreNearlyAllFoundAtTheStart) {
 
 namespace {
 
-// e_i' = -b_i e_i + sin(t) e_w,  0 = (2 + cos t) e_i - e_w, and chains e_(i+1)' = e_i, 0 = (1 + t) e_k of the deviation e from
-// x_i = sin(w_i t + i); rows are permuted. mu is one less than the length of the chain.
+// e_i' = -b_i e_i + sin(t) e_w,  0 = (2 + cos t) e_i - e_w, and chains e_(i+1)' = e_i, 0 = (1 + t) e_k of the
+// deviation e from x_i = sin(w_i t + i); rows are permuted. mu is one less than the length of the chain.
 class LinearTwin {
  public:
   LinearTwin(unsigned seed, int matrices) : matrices_(matrices), numbers_(seed) {

@@ -11,8 +11,9 @@ namespace {
 
 using namespace sfdae_test;
 
-// w' = -w + sin t, e' = y - cos t with e = z - sin t = 0: x = (w, cos t, sin t), mu = 1. The first and the last equation
-// turn by an angle that depends on y, whose derivative is free in F_1 = 0: away from e = 0 the pivot |F| appears in F_y'.
+// w' = -w + sin t, e' = y - cos t with e = z - sin t = 0: x = (w, cos t, sin t), mu = 1. The first and the last
+// equation turn by an angle that depends on y, whose derivative is free in F_1 = 0: away from e = 0 the pivot |F|
+// appears in F_y'.
 NonlinearEquations turned_by_hidden_component(double strength) {
   return equations_of(3, 3, [strength](const auto& t, const auto* x, const auto* xdot, auto* F) {
     using std::sin, std::cos;

@@ -47,7 +47,8 @@ std::shared_ptr<const Record> recording_of(int n, Residual residual) {
   return recording.finish(F);
 }
 
-// The user's function and its patterns; matrices: SFDAE_MATRICES_... A pattern may be changed before the solver is created.
+// The user's function and its patterns; matrices: SFDAE_MATRICES_... A pattern may be changed before the solver is
+// created.
 class PatternedTwin {
  public:
   PatternedTwin(std::shared_ptr<const Record> record, int matrices)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Functions with sparsity patterns: what recorded equations give, with fewer evaluations and by their structure; and patterns
-// that are wrong are named.
+// Functions with sparsity patterns: what recorded equations give, with fewer evaluations and by their structure; and
+// patterns that are wrong are named.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -19,8 +19,8 @@ using Series = std::vector<long double>;
 
 sfdae_options required(int method = SFDAE_METHOD_BDF) { return options_of(SFDAE_STRUCTURE_REQUIRED, method); }
 
-// The Taylor series of x, y and l of one pendulum, given that of its length, by the equations of motion: order by order, with more digits.
-// Of x and y the smaller one is taken as given, of u and v that of the larger one.
+// The Taylor series of x, y and l of one pendulum, given that of its length, by the equations of motion: order by
+// order, with more digits. Of x and y the smaller one is taken as given, of u and v that of the larger one.
 class PendulumSeries {
  public:
   // values: x, y, u, v
@@ -64,8 +64,8 @@ class PendulumSeries {
   Series square_, x_, y_, l_;
 };
 
-// The largest error of the values of a chain, relative to x and y, to u and v, or to l of the same pendulum, all following from two values
-// of each.
+// The largest error of the values of a chain, relative to x and y, to u and v, or to l of the same pendulum, all
+// following from two values of each.
 double error_of_values(const std::vector<double>& x) {
   const int pendula = static_cast<int>(x.size()) / 5;
   Series radius(static_cast<std::size_t>(2 * pendula + 3), 0.0L);
@@ -149,7 +149,8 @@ TEST(PendulumChain, EndsWhereARodHasNoLength) {
   }
 }
 
-// z_1 + (z_0 - sin t) z_1' = 0, z_0 = sin t beside a chain: z_1' has a factor that is zero at all solutions, and z_1 is no state.
+// z_1 + (z_0 - sin t) z_1' = 0, z_0 = sin t beside a chain: z_1' has a factor that is zero at all solutions, and z_1
+// is no state.
 TEST(PendulumChain, IsNotConfirmedWhereStructureMisleadsBesideIt) {
   for (const int pendula : {2, 8, 14}) {
     const NonlinearEquations chain = pendulum_chain(pendula);

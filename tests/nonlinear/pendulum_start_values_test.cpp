@@ -1,5 +1,5 @@
-// Pendula in any units of length, mass and time, with forces of which nothing is known: positions and velocities that are consistent
-// stay, others end nearby, and no search goes on for ever.
+// Pendula in any units of length, mass and time, with forces of which nothing is known: positions and velocities that
+// are consistent stay, others end nearby, and no search goes on for ever.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
@@ -43,8 +43,8 @@ Case random_case(unsigned seed) {
   return c;
 }
 
-// How far the start has moved position and velocity from the nearest consistent ones, relative; or the status that says why there is
-// none.
+// How far the start has moved position and velocity from the nearest consistent ones, relative; or the status that
+// says why there is none.
 struct Outcome {
   int status;
   double distance;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rectifiers: while the diode blocks, steps grow, whatever the source does; its next pulse is not stepped over, nor is the crest of a
-// sine at which a diode without load conducts for a moment.
+// Rectifiers: while the diode blocks, steps grow, whatever the source does; its next pulse is not stepped over, nor
+// is the crest of a sine at which a diode without load conducts for a moment.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -102,7 +102,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, Pulses, testing::Values(SFDAE_METHOD_BDF, SFDA
 
 }  // namespace
 
-// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 5 % (Radau, short pulses) are still, and
+// Before they were looked for, 39 to 69 % of such runs were wrong, with SFDAE_OK; 0.2 % (BDF) and 5 % (Radau, short
+// pulses) are still, and
 // 0.6 % end with BDF within a pulse, as steps find no solution.
 TEST_P(Pulses, AreNotSteppedOver) {
   int wrong = 0, all = 0;
@@ -123,8 +124,9 @@ TEST_P(Pulses, AreNotSteppedOver) {
   EXPECT_LE(wrong, GetParam() == SFDAE_METHOD_BDF ? 2 : 7) << "of " << all;
 }
 
-// The polynomial through what steps see of the sine shows its crest, but not what the exponential makes of it. Before crests were
-// looked at by themselves, 35 (BDF) and 16 (Radau) of these 40 runs were off by more than 100 tolerances, with SFDAE_OK.
+// The polynomial through what steps see of the sine shows its crest, but not what the exponential makes of it. Before
+// crests were looked at by themselves, 35 (BDF) and 16 (Radau) of these 40 runs were off by more than 100 tolerances,
+// with SFDAE_OK.
 TEST_P(Pulses, AreNotSteppedOverAtCrests) {
   int wrong = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -140,8 +142,8 @@ TEST_P(Pulses, AreNotSteppedOverAtCrests) {
   EXPECT_EQ(wrong, 0) << "of " << all;
 }
 
-// Few samples may all be beside a crest, and nothing was seen of it after steps without a solution: Radau was off by 2000 to 14,000
-// tolerances in eight of these 18 runs.
+// Few samples may all be beside a crest, and nothing was seen of it after steps without a solution: Radau was off by
+// 2000 to 14,000 tolerances in eight of these 18 runs.
 TEST_P(Pulses, AreNotSteppedOverAtCrestsBetweenSamples) {
   constexpr double tolerance = 1e-7;
   for (const std::uint64_t seed : {2, 13, 30, 72, 76, 86, 109, 162, 172}) {
@@ -233,7 +235,8 @@ TEST_P(Pulses, AreNotSoughtInSmoothSolutions) {
   EXPECT_LE(steps_with(true), steps_with(false) * 13 / 10);
 }
 
-// Six phases, so that most steps contain the crest of one of them; the exponential, which makes that be looked at, is next to nothing.
+// Six phases, so that most steps contain the crest of one of them; the exponential, which makes that be looked at, is
+// next to nothing.
 TEST_P(Pulses, AreNotSoughtAtCrestsThatStepsResolve) {
   const auto steps_with = [&](double factor, double tolerance) {
     sfdae::NonlinearProblem problem(12, 12);

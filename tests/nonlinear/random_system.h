@@ -3,10 +3,12 @@
 //
 // z = S(t, x) has the parts w (differential), c (algebraic), blocks and free components, with deviations e = z - z*(t)
 // from a chosen solution:
-//   w_i' = z*_i' - b_i e_i + nonlinear terms in e_w, e_c, e_free        c_i:  e_i + 0.3 sin e_i = 0.4 (sin w_j - sin w*_j)
+//   w_i' = z*_i' - b_i e_i + nonlinear terms in e_w, e_c, e_free        c_i:  e_i + 0.3 sin e_i = 0.4 (sin w_j - sin
+//   w*_j)
 //   block of size k:  e_{i+1}' = e_i + sin(w) e_{i+1},  0 = e_k         mu = k - 1 for the longest block, else 0
 // S is a composition of rotations and of triangular maps with bounded nonlinear terms: x <-> z one to one. The
-// canonical equations r become F = Q(t, x) (r + strictly triangular products of r): the same zeros, other ranks elsewhere.
+// canonical equations r become F = Q(t, x) (r + strictly triangular products of r): the same zeros, other ranks
+// elsewhere.
 #ifndef SFDAE_TESTS_RANDOM_SYSTEM_H
 #define SFDAE_TESTS_RANDOM_SYSTEM_H
 

@@ -17,8 +17,8 @@ namespace {
 
 sfdae_options required(int method = SFDAE_METHOD_BDF) { return options_of(SFDAE_STRUCTURE_REQUIRED, method); }
 
-// Nodal equations of a random network: resistors of kilo-ohms, capacitors of nanofarads, most of them between nodes, and a
-// source of voltage at the first node, whose current is the last unknown. Time constants are microseconds.
+// Nodal equations of a random network: resistors of kilo-ohms, capacitors of nanofarads, most of them between nodes,
+// and a source of voltage at the first node, whose current is the last unknown. Time constants are microseconds.
 class Network {
  public:
   explicit Network(unsigned seed) {

@@ -165,8 +165,8 @@ TEST_P(RandomSensitivities, AreExactForAnyIndex) {
   for (int count : solved) EXPECT_GE(count, 2);
 }
 
-// Start values off the special solution: against central differences of runs from x0 + h S(0) and x0 - h S(0), which are
-// consistent to O(h^2).
+// Start values off the special solution: against central differences of runs from x0 + h S(0) and x0 - h S(0), which
+// are consistent to O(h^2).
 TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
   constexpr double h = 1e-4, end = 1.5;
   for (unsigned seed = 1, last = static_cast<unsigned>(scaled_count(50, 5)); seed <= last; ++seed) {
@@ -209,8 +209,8 @@ TEST_P(RandomSensitivities, AgreeWithDifferencesFromOtherStartValues) {
   }
 }
 
-// Directions that leave the constraints: what is nearest then, from guesses beyond the last of six digits. Values of round numbers
-// beside others, of different sizes.
+// Directions that leave the constraints: what is nearest then, from guesses beyond the last of six digits. Values of
+// round numbers beside others, of different sizes.
 TEST_P(RandomSensitivities, StartWhereNearestValuesMove) {
   constexpr double h = 1e-4;
   for (unsigned seed = 1; seed <= 8; ++seed) {
@@ -427,8 +427,8 @@ TEST_P(ErrorTestWithMethods, ChoosesStepsForThem) {
   EXPECT_LE(errors[1], 1e-3);
 }
 
-// A pendulum at rest, mu = 2, and what a push at the start does to it: S is the solution of the linear pendulum, of which x shows
-// nothing, neither for steps nor for orders. Errors of all steps add up.
+// A pendulum at rest, mu = 2, and what a push at the start does to it: S is the solution of the linear pendulum, of
+// which x shows nothing, neither for steps nor for orders. Errors of all steps add up.
 TEST_P(ErrorTestWithMethods, HoldsForHiddenConstraints) {
   constexpr double tolerance = 1e-7;
   for (bool test : {false, true}) {

@@ -147,9 +147,9 @@ TEST(SingularPoints, AreNotSeenInSmoothSystems) {
     }
 }
 
-// Van der Pol's equation with its acceleration as an unknown, and an algebraic unknown that varies as much with one that does
-// not: f3 turns by 1e4 and more against z, whose unit has nothing to do with that. The system Jacobian is the same everywhere, or
-// varies with z alone.
+// Van der Pol's equation with its acceleration as an unknown, and an algebraic unknown that varies as much with one
+// that does not: f3 turns by 1e4 and more against z, whose unit has nothing to do with that. The system Jacobian is
+// the same everywhere, or varies with z alone.
 TEST(SingularPoints, AreNotSeenWhereUnknownsAreInOtherUnits) {
   for (const double part : {0.0, 0.3}) {
     const auto equations = equations_of(3, 3, [part](const auto& t, const auto* x, const auto* xdot, auto* F) {
@@ -225,8 +225,8 @@ TEST(RandomSingularPoints, AreNamed) {
   EXPECT_EQ(counts.wrong, 0);
 }
 
-// At loose tolerances derivatives that are interpolated may be far from those of any solution, and extrapolated ones say
-// nothing: what vanishes there does not at consistent values nearby.
+// At loose tolerances derivatives that are interpolated may be far from those of any solution, and extrapolated ones
+// say nothing: what vanishes there does not at consistent values nearby.
 TEST(RandomSingularPoints, AreNotSeenInInterpolatedDerivatives) {
   struct Run {
     unsigned seed;

@@ -4,12 +4,13 @@
 // z = S(t, x) follows chosen curves z*(s), s = (t - start) / unit: differential ones (z0 rises), one that is algebraic,
 // a chain of length k = mu + 1, and a pair (p, q). With deviations e = z - z*,
 //
-//     e_i' = -b_i e_i + c sin e_j         0 = e + 0.3 sin e - 0.4 e_0         e_{i+1}' = e_i + sin(z_0) e_{i+1}, 0 = e_k
+//     e_i' = -b_i e_i + c sin e_j         0 = e + 0.3 sin e - 0.4 e_0         e_{i+1}' = e_i + sin(z_0) e_{i+1}, 0 =
+//     e_k
 //     fold:     p' = theta' q, p^2 + q^2 = 1:  p = sin theta, q = cos theta, singular at theta = pi/2
 //     impasse:  p' = -r, q^2 = p:  the solution ends where p = 0
 //
-// One of these equations is multiplied by phi, which vanishes at one point s* (or is near zero, but not zero, there). Then x is bent and
-// rotated, and equations are mixed by regular matrices that depend on x.
+// One of these equations is multiplied by phi, which vanishes at one point s* (or is near zero, but not zero, there).
+// Then x is bent and rotated, and equations are mixed by regular matrices that depend on x.
 #ifndef SFDAE_TESTS_SINGULAR_SYSTEM_H
 #define SFDAE_TESTS_SINGULAR_SYSTEM_H
 

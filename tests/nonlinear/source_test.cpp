@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Source text of models: it compiles without warnings, in C and Fortran, its Jacobian is that of its residual, and it can be
-// integrated by whoever has it, without the library.
+// Source text of models: it compiles without warnings, in C and Fortran, its Jacobian is that of its residual, and it
+// can be integrated by whoever has it, without the library.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -125,7 +125,8 @@ void expect_jacobian_of_residual(const Compiled& model, const Point& point, cons
     }
 }
 
-// The text in both languages: residual zero where it was made, equal to each other and with the right Jacobian near there.
+// The text in both languages: residual zero where it was made, equal to each other and with the right Jacobian near
+// there.
 void check_sources(NonlinearRun& run, std::size_t size, std::size_t num_parameters) {
   std::vector<double> in_c;
   const std::string c_text = source_of(run.solver(), SFDAE_SOURCE_C);
@@ -264,8 +265,8 @@ TEST(Source, OfEquationsWithManyKindsOfFormulasIsRight) {
   check_sources(run, 8, 1);
 }
 
-// A capacitor between two nodes: the derivatives in both equations are the same, and the sum of the equations takes the place
-// of one of them.
+// A capacitor between two nodes: the derivatives in both equations are the same, and the sum of the equations takes
+// the place of one of them.
 TEST(Source, OfReplacedEquationsIsRight) {
   const auto equations = [](sfdae_record*, const Expression& t, const Expression* x, const Expression* xdot,
                             Expression* F) {

@@ -126,8 +126,8 @@ TEST_P(SparseSensitivities, AreTheSameWithoutSlopes) {
   }
 }
 
-// Stages are linearized side by side: twice each where equations contain products of x' and parameters, as those of the chain do, and
-// not a third time for what each of them needs alone.
+// Stages are linearized side by side: twice each where equations contain products of x' and parameters, as those of
+// the chain do, and not a third time for what each of them needs alone.
 TEST(SparseSensitivities, LinearizeStagesOfRadauSideBySide) {
   const Problem problem = chain();
   const auto linearizations = [&](bool with_sensitivities, long& steps) {
@@ -150,8 +150,8 @@ TEST(SparseSensitivities, LinearizeStagesOfRadauSideBySide) {
   EXPECT_GE(all - own, 2 * 3 * steps);
 }
 
-// p x_0' = x_1 - x_0, 0 = x_1, 0 = x_0 + x_2 - sin t: F_p contains x', so that the whole array is eliminated, which is the same at all
-// stages of all steps. dx_0/dp = t x_0 / p^2.
+// p x_0' = x_1 - x_0, 0 = x_1, 0 = x_0 + x_2 - sin t: F_p contains x', so that the whole array is eliminated, which
+// is the same at all stages of all steps. dx_0/dp = t x_0 / p^2.
 TEST(ConstantMatrices, AreEliminatedOnce) {
   sfdae::NonlinearProblem problem(3, 3);
   problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {

@@ -145,7 +145,8 @@ Circuit bridge(double junction) {
   return c;
 }
 
-// Without capacitances: nothing but 1 GOhm beside each diode determines where the floating source is while all of them block.
+// Without capacitances: nothing but 1 GOhm beside each diode determines where the floating source is while all of
+// them block.
 Circuit leaky_bridge() {
   Circuit c{"leaky bridge",
             3,
@@ -280,8 +281,8 @@ TEST(StiffCircuits, KeepTheirRanksWhereOneScalingDoubtsThem) {
                   "bridge, " + std::to_string(start.junction * 1e15) + " fF, phase " + std::to_string(start.phase));
 }
 
-// A step that fails leaves a linearization at a guess where a diode would conduct 1e15 times as much: with that one every
-// shorter step converged at once, to its own guess.
+// A step that fails leaves a linearization at a guess where a diode would conduct 1e15 times as much: with that one
+// every shorter step converged at once, to its own guess.
 TEST(StiffCircuits, AreSolvedWhereDiodesTurnOn) {
   struct Drive {
     double junction, frequency, phase;

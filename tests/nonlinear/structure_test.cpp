@@ -212,8 +212,8 @@ TEST(Structure, NamesThemAfterAFailureToo) {
       << run.message();
 }
 
-// x0' = cos t x1: where cos t = 0 the derivative of row 0 determines x1, which the chain of index 3 makes part of the array,
-// and which structure leaves out.
+// x0' = cos t x1: where cos t = 0 the derivative of row 0 determines x1, which the chain of index 3 makes part of the
+// array, and which structure leaves out.
 TEST(Structure, IsNamedWhereRowsLeftOutAreNeeded) {
   for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC}) {
     NonlinearRun run(

@@ -94,8 +94,8 @@ int solve(const TestProblem& p, const Equations& equations, sfdae_options option
   return status;
 }
 
-// Correct digits at rtol = atol = 1e-4, 1e-6, 1e-8 of the best of IDA, DASSL, DASKR on forms of lower index made by hand, and of
-// RADAU5 and RADAU; 0: none of them solves it.
+// Correct digits at rtol = atol = 1e-4, 1e-6, 1e-8 of the best of IDA, DASSL, DASKR on forms of lower index made by
+// hand, and of RADAU5 and RADAU; 0: none of them solves it.
 struct PeerDigits {
   std::array<double, 3> bdf, radau;
 };
@@ -143,8 +143,8 @@ TEST(StartValuesOfTheTestSet, KeepWhatIsDifferentiated) {
   });
 }
 
-// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Of the
-// flexible slider crank the given digits allow 7.3; 1e-8 is below the rounding errors of its accelerations.
+// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Of
+// the flexible slider crank the given digits allow 7.3; 1e-8 is below the rounding errors of its accelerations.
 TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
   for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
     const auto known = peers.find(p.name);
@@ -187,7 +187,8 @@ TEST(ExactSolutionsOfTheTestSet, AreMetWithinAHundredTolerances) {
   }
 }
 
-// d = 0: the solution is determined by algebra at every point. Numbers of the paths grow to 1e5 in the fourth derivatives.
+// d = 0: the solution is determined by algebra at every point. Numbers of the paths grow to 1e5 in the fourth
+// derivatives.
 TEST(ProblemsWithoutDynamics, HaveErrorsOfRoundingWhateverTheTolerance) {
   for (const char* name : {"robot_arm", "nilpotent_4", "nilpotent_6", "km_ex32_gelda_demo"}) {
     const FormulaProblem& problem = formula_problem(name);
@@ -243,7 +244,8 @@ TEST(Constraints, HoldToRoundingAtEveryOutput) {
   });
 }
 
-// 100 oscillations of the angle from rest at pi/2: the period is 4 K(1/sqrt 2) / sqrt(g), K(1/sqrt 2) = Gamma(1/4)^2 / (4 sqrt pi).
+// 100 oscillations of the angle from rest at pi/2: the period is 4 K(1/sqrt 2) / sqrt(g), K(1/sqrt 2) = Gamma(1/4)^2
+// / (4 sqrt pi).
 TEST(Pendulum, KeepsEnergyAndPhaseOverAHundredPeriods) {
   const double quarter = std::tgamma(0.25);
   const double period = quarter * quarter / std::sqrt(std::acos(-1.0) * Pendulum::gravity);
@@ -259,7 +261,8 @@ TEST(Pendulum, KeepsEnergyAndPhaseOverAHundredPeriods) {
     const int status = run.integrate(0.0, 100.0 * period, p.x0);
     ASSERT_EQ(status, SFDAE_OK) << status_text(run, status);
     const double energy = 0.5 * (run.x[2] * run.x[2] + run.x[3] * run.x[3]) + Pendulum::gravity * run.x[1];
-    // Errors of single steps add up over some 700 units of time and size 10; what is wrong in phase grows with its square.
+    // Errors of single steps add up over some 700 units of time and size 10; what is wrong in phase grows with its
+    // square.
     EXPECT_LE(std::abs(energy), 1e4 * tolerance * Pendulum::gravity) << "method " << method;
     EXPECT_LE(std::abs(run.x[3]), 1e6 * tolerance) << "method " << method;
   }

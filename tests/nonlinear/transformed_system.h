@@ -66,7 +66,8 @@ class TransformedSystem {
   RandomSystem system_;
 };
 
-// A linear system of which the same is known: y_i = x_i + p/5 sin(0.3 i + t) x_{i-1}, z = R y, and for e = z - z*(t), in
+// A linear system of which the same is known: y_i = x_i + p/5 sin(0.3 i + t) x_{i-1}, z = R y, and for e = z - z*(t),
+// in
 // the time (1 + q) t,  e_i' = -b_i e_i for i < d,  e_{i+1}' = e_i, 0 = e_last  for the others. F = Q(t) times these.
 class LinearTransformedSystem {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Start values where unknowns have numbers of very different size: what is added up in other equations says nothing about a constraint
-// (docs/decisions/28-start-values.md).
+// Start values where unknowns have numbers of very different size: what is added up in other equations says nothing
+// about a constraint (docs/decisions/28-start-values.md).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -78,8 +78,8 @@ TEST(UnevenStartValues, FollowConstraintsOfSmallNumbers) {
   }
 }
 
-// Analyses look at the level above where they are in doubt. The jet that a search there has left halfway, with half the force, was where
-// the start began, and where it stayed.
+// Analyses look at the level above where they are in doubt. The jet that a search there has left halfway, with half
+// the force, was where the start began, and where it stayed.
 TEST(UnevenStartValues, DoNotBeginWhereASearchHasFailed) {
   const StartUnits units{
       {6.10722e-06, 1.04941e-06, 3775.78, 0.00520171}, {0.00202563, 0.732065, 359.344, 3.53649e-06}, 106.524};

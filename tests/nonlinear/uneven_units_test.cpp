@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recorded problems in SI units and in random ones: pressures of 1e7 Pa beside openings of 1e-4, oil of 1e9 Pa, networks of
-// pipes. Arrays of these are beyond double precision in part, the equations that structure asks for are not.
+// Recorded problems in SI units and in random ones: pressures of 1e7 Pa beside openings of 1e-4, oil of 1e9 Pa,
+// networks of pipes. Arrays of these are beyond double precision in part, the equations that structure asks for are
+// not.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,8 +62,8 @@ Model water_network() {
   return model;
 }
 
-// A bar that hangs by one end: masses, lengths, angles and forces in one block of the system Jacobian. Unknowns: the centre, the angle,
-// their velocities, the forces at the joint.
+// A bar that hangs by one end: masses, lengths, angles and forces in one block of the system Jacobian. Unknowns: the
+// centre, the angle, their velocities, the forces at the joint.
 constexpr double gravity = 9.81;
 double period(double length) { return std::sqrt(length / gravity); }
 Model bar(double length, double mass) {
@@ -153,7 +154,8 @@ void expect_solved(const Model& model, const Numbers& reference, int structure, 
 // The array alone says SFDAE_RANK_UNCLEAR in some of these units.
 TEST(UnevenUnits, OfAHydraulicCylinder) { expect_solved(cylinder(), exact_cylinder(5.0), SFDAE_STRUCTURE_AUTOMATIC); }
 
-// Flows that fulfil the demands change friction, and residuals of other equations, by far more than remains of the demands.
+// Flows that fulfil the demands change friction, and residuals of other equations, by far more than remains of the
+// demands.
 TEST(UnevenUnits, OfAWaterNetwork) {
   const Model model = water_network();
   const Numbers reference =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the whole derivative array says, and solutions with it, do not depend on the unit of time: nanoseconds, millions of years.
+// What the whole derivative array says, and solutions with it, do not depend on the unit of time: nanoseconds,
+// millions of years.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Voltage multipliers fed by pulses, in volts and amperes: capacitors in a chain that hangs on the source, so that its potential is the
-// one algebraic unknown of E x' = f(t, x), and every diode has a say in it. Points between those of the integration keep the charges
-// (docs/decisions/101-charges-between-points.md).
+// Voltage multipliers fed by pulses, in volts and amperes: capacitors in a chain that hangs on the source, so that
+// its potential is the one algebraic unknown of E x' = f(t, x), and every diode has a say in it. Points between those
+// of the integration keep the charges (docs/decisions/101-charges-between-points.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 
 using sfdae::Expression;
 
-// Potentials x_0 at the source, behind a resistance, and x_1, x_2, ...: diode k leads from k - 1 to k, the first one from ground;
-// capacitor k is between k - 2 and k, the first one at the source, the second one at ground.
+// Potentials x_0 at the source, behind a resistance, and x_1, x_2, ...: diode k leads from k - 1 to k, the first one
+// from ground; capacitor k is between k - 2 and k, the first one at the source, the second one at ground.
 struct VoltageMultiplier {
   double period, amplitude, resistance, load;
   std::vector<double> saturation, capacitance;
@@ -104,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, VoltageMultipliers, testing::Values(SFDAE_METH
 
 }  // namespace
 
-// While points between those of the integration could be any consistent ones, 26 of 320 such runs (40 multipliers) were off by 290 to
+// While points between those of the integration could be any consistent ones, 26 of 320 such runs (40 multipliers)
+// were off by 290 to
 // 6.7e6 tolerances with SFDAE_OK, pulses were stepped over, and nine runs ended.
 TEST_P(VoltageMultipliers, KeepChargesBetweenPoints) {
   for (const std::uint64_t seed : {1, 3, 7, 9, 10, 14, 35}) {

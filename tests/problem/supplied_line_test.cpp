@@ -16,8 +16,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Entry e: size sin(rate t + phase), or something that is not smooth, not finite, zero or constant; its derivative times
-// `factor`.
+// Entry e: size sin(rate t + phase), or something that is not smooth, not finite, zero or constant; its derivative
+// times `factor`.
 struct Entry {
   int kind;
   double size, rate, phase, factor;

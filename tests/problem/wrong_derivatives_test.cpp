@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives compared with their functions from one side: right ones are never called wrong, whatever the functions are
-// like; wrong ones are found, and named.
+// Derivatives compared with their functions from one side: right ones are never called wrong, whatever the functions
+// are like; wrong ones are found, and named.
 #include <gtest/gtest.h>
 
 #include <cmath>

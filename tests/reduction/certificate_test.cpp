@@ -232,8 +232,8 @@ TEST(Certificate, RoundingErrorsInPlaceOfZerosAreZeros) {
   EXPECT_EQ(analyze(p).status, SFDAE_RANK_UNCLEAR);
 }
 
-// x1' = -x1, x1 = s x2, x2 = s x3: d = 1 rests on E T2 = s^2 = 1e-28, which norms take for zero, in any units of the user. Ranks
-// that are suggested without it are not confirmed, nor those of other decisions.
+// x1' = -x1, x1 = s x2, x2 = s x3: d = 1 rests on E T2 = s^2 = 1e-28, which norms take for zero, in any units of the
+// user. Ranks that are suggested without it are not confirmed, nor those of other decisions.
 TEST(Certificate, SuggestedRanksThatLoseExactValuesAreNotConfirmed) {
   const double s = 1e-14;
   Pencil p(3);

@@ -301,8 +301,8 @@ TEST(Elimination, LargeMultipliersAreReplacedByReflections) {
   }
 }
 
-// A redundant equation leaves a row of A^ that is nothing but rounding errors, multiplied by |E^-1 A| tau at every stage:
-// they have to lie below the threshold, and the noise must not be so large that it hides the constraints.
+// A redundant equation leaves a row of A^ that is nothing but rounding errors, multiplied by |E^-1 A| tau at every
+// stage: they have to lie below the threshold, and the noise must not be so large that it hides the constraints.
 TEST(Elimination, ErrorsThatGrowFromStageToStageStayBelowTheThreshold) {
   const NoTraps no_traps;
   for (double w : {2.0, 0.1, 0.01, 0.003})

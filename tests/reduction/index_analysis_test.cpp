@@ -69,8 +69,8 @@ TEST_P(IndexAnalysisBothWays, KnowsTheFamilies) {
   EXPECT_EQ(describe(analyze(chain, 0.2, 1.0, settings).values), "mu = 2, d = 8, a = 6, u = 0, v = 0");
 }
 
-// At level mu values as small as 8e-7 are kept in balanced units, all else is clear by norms: a certificate of that level
-// at that point confirms it, and the problem stays in the usual units.
+// At level mu values as small as 8e-7 are kept in balanced units, all else is clear by norms: a certificate of that
+// level at that point confirms it, and the problem stays in the usual units.
 TEST(IndexAnalysis, SmallValuesAtTheLastLevelAreCertified) {
   const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(32, 3, 0.5);
   const IndexAnalysis analysis = analyze(family, 0.0, 1.0);
@@ -80,8 +80,8 @@ TEST(IndexAnalysis, SmallValuesAtTheLastLevelAreCertified) {
   EXPECT_EQ(analysis.certified_ranks.count, 0u);
 }
 
-// Entries of products of 120 rotations decay over 40 decades and more: they are no units. Norms are clear by far, or, of stiff
-// problems, clear, and certificates of their ranks confirm them, of constant matrices as well.
+// Entries of products of 120 rotations decay over 40 decades and more: they are no units. Norms are clear by far, or,
+// of stiff problems, clear, and certificates of their ranks confirm them, of constant matrices as well.
 TEST(IndexAnalysis, DecayingEntriesOfLargeProblemsAreNoUnits) {
   struct Case {
     int n, mu;
@@ -207,9 +207,10 @@ TEST_P(IndexAnalysisBothWays, AnUnclearRankIsNeverGuessed) {
   EXPECT_GE(errors, 5);
 }
 
-// Slow and stiff: with tau of 10 ... 500, |E^-1 A| tau is large, and every stage multiplies the rounding errors of the one
-// before by it. Judged by the smallest pivot alone, A^ of a redundant equation seems to be a constraint, or E T2 = 0 to
-// have rank 1: (4; 0, 4) instead of (2; 2, 2) for the first problem, (2; 2, 3) instead of (3; 1, 4) for the second.
+// Slow and stiff: with tau of 10 ... 500, |E^-1 A| tau is large, and every stage multiplies the rounding errors of
+// the one before by it. Judged by the smallest pivot alone, A^ of a redundant equation seems to be a constraint, or E
+// T2 = 0 to have rank 1: (4; 0, 4) instead of (2; 2, 2) for the first problem, (2; 2, 3) instead of (3; 1, 4) for the
+// second.
 TEST_P(IndexAnalysisBothWays, ErrorsThatGrowFromStageToStageAreNotTakenForValues) {
   AnalysisSettings settings;
   settings.by_svd = GetParam();

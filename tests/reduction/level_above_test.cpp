@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far up the derivative array an analysis along jets goes: level mu where its ranks are final, else the level above;
-// and how often it evaluates the problem for the units of the unknowns.
+// How far up the derivative array an analysis along jets goes: level mu where its ranks are final, else the level
+// above; and how often it evaluates the problem for the units of the unknowns.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -107,8 +107,8 @@ TEST(LockstepElimination, UnitsOfRowsAndColumnsChangeNothing) {
   }
 }
 
-// The third row is three times the second less two times the first: the pivot h takes errors of 1e-12 to 1e-12 / h in the
-// rest, where a value of 1e-4 would not be seen.
+// The third row is three times the second less two times the first: the pivot h takes errors of 1e-12 to 1e-12 / h in
+// the rest, where a value of 1e-4 would not be seen.
 TEST(LockstepElimination, ZerosThatMayHideValuesAreNotClear) {
   const double h = 1e-9;
   LockstepMatrix matrix = perturbed({{1.0, 1.0, 0.0}, {1.0, 1.0 + h, 1.0}, {1.0, 1.0 + 3.0 * h, 3.0}});
@@ -151,7 +151,8 @@ Rows random_rows(int rows, int cols, int rank, unsigned seed) {
 
 }  // namespace
 
-// Groups of eight rows, whole and not: what is left of the rows behind the rank of the first columns has the rest of it.
+// Groups of eight rows, whole and not: what is left of the rows behind the rank of the first columns has the rest of
+// it.
 TEST(LockstepElimination, FindsRanksOfLargeMatricesInParts) {
   for (int rows : {7, 8, 9, 31, 40})
     for (int width : {3, 12}) {
@@ -191,7 +192,8 @@ Significance with_rank(const Rows& rows, int width, int rank) {
 
 }  // namespace
 
-// A rank that is suggested is confirmed where it is right, in all parts, and in doubt where it is too small or too large.
+// A rank that is suggested is confirmed where it is right, in all parts, and in doubt where it is too small or too
+// large.
 TEST(KnownRankElimination, ConfirmsRightRanksAlone) {
   for (int rows : {7, 16, 40, 70})
     for (int width : {3, 12, 33}) {

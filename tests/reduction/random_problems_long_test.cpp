@@ -68,13 +68,14 @@ TEST_P(RandomProblems, AllHaveTheRightCharacteristicValues) {
   random.w = 1.0;
   const Tally tally = classify(1, count / 2 + 1, random, GetParam());
   EXPECT_EQ(tally.named_errors, 0);
-  // Rows times 1e-10 ... 1e10: where such a row is small by cancellation besides, its rounding errors cannot be told from
-  // entries, and the answer may be a named error.
+  // Rows times 1e-10 ... 1e10: where such a row is small by cancellation besides, its rounding errors cannot be told
+  // from entries, and the answer may be a named error.
   random.row_decades = 10;
   EXPECT_LE(classify(100001, count / 2, random, GetParam()).named_errors, 1 + count / 2000);
 }
 
-// Fast rotations at mu = 4 make Taylor coefficients grow until some decisions are unclear: these are named, none is wrong.
+// Fast rotations at mu = 4 make Taylor coefficients grow until some decisions are unclear: these are named, none is
+// wrong.
 TEST_P(RandomProblems, FastRotationsGiveTheRightValuesOrANamedError) {
   const int count = scaled_count(1000);
   RandomOptions random;

@@ -84,7 +84,8 @@ TEST(RankResult, MatchesKnownValuesAtTheirLevelAndAbove) {
   }
 }
 
-// Coupled chains of a differential-algebraic system of index 4: 4 pivots in E_0 and none later but those of the shorter one.
+// Coupled chains of a differential-algebraic system of index 4: 4 pivots in E_0 and none later but those of the
+// shorter one.
 TEST(RankResult, StagesRiseUnlessResidualsArePivots) {
   const auto list_of = [](std::initializer_list<int> ranks) {
     RankSequence list;

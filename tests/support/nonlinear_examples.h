@@ -53,7 +53,8 @@ inline RecordPointer record_with_redundant_equation() {
   return r.finish({r.xdot[0] + r.x[0] * r.x[1], constraint, constraint * (2.0 + r.x[0])});
 }
 
-// x1' = x1 x3, x2 = x1^2, x3 free: mu = 0, d = 1, a = 1, u = 1. With x3 = c(t) prescribed, x1 = x1(0) exp(integral of c).
+// x1' = x1 x3, x2 = x1^2, x3 free: mu = 0, d = 1, a = 1, u = 1. With x3 = c(t) prescribed, x1 = x1(0) exp(integral of
+// c).
 inline RecordPointer record_with_free_component() {
   Recording r(3);
   return r.finish({r.xdot[0] - r.x[0] * r.x[2], r.x[1] - r.x[0] * r.x[0]});

@@ -7,8 +7,8 @@
 
 namespace sfdae_test {
 
-// Mass points on massless rods in the plane, index raw, mu = 2: positions, velocities and a force for each. p is gravity, q the mass
-// of the second.
+// Mass points on massless rods in the plane, index raw, mu = 2: positions, velocities and a force for each. p is
+// gravity, q the mass of the second.
 inline sfdae::NonlinearProblem chain_of_rods(int links) {
   sfdae::NonlinearProblem problem(5 * links, 5 * links);
   problem.equations = [links](const sfdae::Expression& t, auto x, auto xdot, auto F) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Anderson's method for linear iterations: two differences see two directions of errors, and no more harm is done than by
-// none.
+// Anderson's method for linear iterations: two differences see two directions of errors, and no more harm is done
+// than by none.
 #include "system/anderson_mixing.h"
 
 #include <gtest/gtest.h>

@@ -37,8 +37,8 @@ TEST(ChordIteration, LeavesAnErrorBelowTheTargetForEveryRateAboveTheLeast) {
       }
 }
 
-// Newton's method on an exponential far above its solution, with the matrix of the guess, beside what is linear: the first change is
-// large, those after it are what is left of exp(-z), 1 / k.
+// Newton's method on an exponential far above its solution, with the matrix of the guess, beside what is linear: the
+// first change is large, those after it are what is left of exp(-z), 1 / k.
 TEST(ChordIteration, IsNotDeceivedByTheMatrixOfAGuess) {
   const double changes[] = {4539.0, 10.84, 7.5, 5.9, 4.9};
   for (bool is_in_doubt : {false, true}) {
@@ -58,8 +58,8 @@ TEST(ChordIteration, IsNotDeceivedByTheMatrixOfAGuess) {
   EXPECT_EQ(end_of(chord, {0.03, 0.001}, 100.0, 1e-4), 1);
 }
 
-// The matrix has an entry that is a thousand times too large: the first change solves what is linear, those that follow are a thousandth
-// of the error that is left, which is 100 tolerances.
+// The matrix has an entry that is a thousand times too large: the first change solves what is linear, those that
+// follow are a thousandth of the error that is left, which is 100 tolerances.
 TEST(ChordIteration, IsNotDeceivedByAMatrixThatIsOutOfDate) {
   for (bool is_out_of_date : {false, true}) {
     ChordIteration chord;

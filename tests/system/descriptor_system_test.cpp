@@ -126,8 +126,8 @@ double distance_to_nearest(Complex wanted, std::vector<Eigenvalue>& found, doubl
   return distance;
 }
 
-// Of an eigenvalue of the transformed form: |x| |y| (|A| + |lambda| |E|) / |y^T E x|, with blocks of size 1 or 2 and E = I
-// there.
+// Of an eigenvalue of the transformed form: |x| |y| (|A| + |lambda| |E|) / |y^T E x|, with blocks of size 1 or 2 and
+// E = I there.
 double condition(const Weierstrass& form, const DescriptorSystem& system, std::size_t k, ConstView P_inverse,
                  ConstView Q_inverse) {
   const int first = form.first[k], size = form.eigenvalues[k].imag() == 0.0 ? 1 : 2;
@@ -149,8 +149,8 @@ Complex entry_of_inverse(const DescriptorSystem& form, Complex s, int input, int
   return sum;
 }
 
-// E = P E^ Q, A = P A^ Q for random P, Q, without rounding errors: eigenvalues may be wrong by what some roundings of the
-// entries do to them. Chains of length k would turn these into eps^(1/k).
+// E = P E^ Q, A = P A^ Q for random P, Q, without rounding errors: eigenvalues may be wrong by what some roundings of
+// the entries do to them. Chains of length k would turn these into eps^(1/k).
 TEST(RandomDescriptorSystems, HaveTheEigenvaluesTheyWereBuiltWith) {
   Random random(1);
   int named = 0, eigenvalues = 0, too_large = 0;
@@ -209,8 +209,8 @@ TEST(RandomDescriptorSystems, HaveTheTransferFunctionOfTheirForm) {
   }
 }
 
-// lambda = -2 beside a chain at infinity of length 4, hidden by transformations: QZ makes numbers of the size eps^(-1/4) = 1e4
-// of the chain, which nothing distinguishes from eigenvalues.
+// lambda = -2 beside a chain at infinity of length 4, hidden by transformations: QZ makes numbers of the size
+// eps^(-1/4) = 1e4 of the chain, which nothing distinguishes from eigenvalues.
 TEST(QzOfThePencilAsItIs, MakesEigenvaluesOfChainsAtInfinity) {
   Random random(3);
   const int n = 5;
@@ -236,9 +236,9 @@ TEST(QzOfThePencilAsItIs, MakesEigenvaluesOfChainsAtInfinity) {
   EXPECT_GE(with_false_ones, 10);  // where rounding errors happen to be zero there are none
 }
 
-// Time constants of 1 ns and 1000 s with picofarads and megohms in SI units, coupled, beside an index 2 part: C1 v1' = -g1 v1 +
-// c v2, C2 v2' = -g2 v2 + c v1, v2 = x3, i = 1e-12 x3'. Exact values of the 2 x 2 matrix [-1e9 k; k' -1e-3] by its
-// characteristic polynomial, in the order that does not cancel.
+// Time constants of 1 ns and 1000 s with picofarads and megohms in SI units, coupled, beside an index 2 part: C1 v1'
+// = -g1 v1 + c v2, C2 v2' = -g2 v2 + c v1, v2 = x3, i = 1e-12 x3'. Exact values of the 2 x 2 matrix [-1e9 k; k'
+// -1e-3] by its characteristic polynomial, in the order that does not cancel.
 TEST(BadlyScaledSystems, KeepSmallEigenvaluesBesideLargeOnes) {
   const double C1 = 1e-12, g1 = 1e-3, C2 = 1e-3, g2 = 1e-6, c = 1e-8;
   DescriptorSystem system{Matrix(4, 4), Matrix(4, 4), Matrix(4, 0), Matrix(0, 4), Matrix(0, 0)};
@@ -328,8 +328,8 @@ TEST(InvariantZeros, AreThoseOfTheTransferFunction) {
   }
 }
 
-// Without outputs what is left are eigenvalues that inputs do not reach, without inputs those that outputs do not show; with
-// more outputs than inputs zeros are those that all have in common.
+// Without outputs what is left are eigenvalues that inputs do not reach, without inputs those that outputs do not
+// show; with more outputs than inputs zeros are those that all have in common.
 TEST(InvariantZeros, OfSystemsThatAreNotSquareComeFromTheRegularPart) {
   Random random(5);
   for (int trial = 0; trial < 50; ++trial) {

@@ -215,8 +215,8 @@ TEST(NonlinearSystem, GoesOnWithTheFactorizationThatIsKept) {
   }
 }
 
-// x_i' = -x_i for four, z = x1 x2 + x3: errors of w = x keep x1, ..., x4 and become dz = x2 dx1 + x1 dx2 + dx3. So by the
-// form that was judged and, once a step has been taken, by the kernel of E, in any units.
+// x_i' = -x_i for four, z = x1 x2 + x3: errors of w = x keep x1, ..., x4 and become dz = x2 dx1 + x1 dx2 + dx3. So by
+// the form that was judged and, once a step has been taken, by the kernel of E, in any units.
 TEST(NonlinearSystem, MapsErrorsToTheConstraints) {
   const auto record = [] {
     sfdae_test::Recording r(5);

@@ -95,7 +95,8 @@ TEST(NonlinearSystem, SolvesTheEquationsOfAStep) {
     }
 }
 
-// Newton's method with differences on the tangential equations in the two degrees of freedom, Z1 spanning any basis of them.
+// Newton's method with differences on the tangential equations in the two degrees of freedom, Z1 spanning any basis
+// of them.
 TEST(NonlinearSystem, StepsOfThePendulumFulfilTheTangentialEquationsAndAllConstraints) {
   for (double h : {1e-3, 0.02, 0.1}) {
     NonlinearExample e(sfdae_test::record_of_pendulum());
@@ -168,7 +169,8 @@ TEST(NonlinearSystem, SolvesTheStagesOfRadau) {
     }
 }
 
-// dw -> dx is a projection onto the directions that the constraints linearized leave open: with n = (x, y), t = (-y, x) and
+// dw -> dx is a projection onto the directions that the constraints linearized leave open: with n = (x, y), t = (-y,
+// x) and
 // v the speed  dp = alpha t, dv = beta t - alpha v n, dlambda = 2 (u, v)^T dv - g dy.
 TEST(NonlinearSystem, ErrorsOfComponentsKeepTheConstraints) {
   const double speed = 0.7, alpha = 0.3, beta = -0.4;

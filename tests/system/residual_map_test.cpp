@@ -83,8 +83,8 @@ TEST(ResidualMap, FollowsTheLinearization) {
   expect_same(e, map, arena);
 }
 
-// Where equations are redundant it is by the elimination that contradictions are seen. Free components and large arrays are
-// left to it, too.
+// Where equations are redundant it is by the elimination that contradictions are seen. Free components and large
+// arrays are left to it, too.
 TEST(ResidualMap, IsLeftToTheEliminationElsewhere) {
   Arena arena;
   for (const RecordPointer& record : {record_with_redundant_equation(), record_with_free_component()}) {

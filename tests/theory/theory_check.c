@@ -6,8 +6,8 @@
  * stable in the units in which the library balances the array: relative to the rows and columns of the matrices, not
  * to their largest entries. A basis of a null space is known to rounding over the smallest pivot kept, and pivots are
  * kept down to some 1e-8 of the data without doubt: 1e-8 of the product of the lengths. Residuals of stiff equations
- * cancel within formulas, where their size is not seen: a jet counts as consistent at 1e-9, here at 1e-7. What is computed from differences of
- * callbacks has an error of 1e-7 and enters E1, A1, A2 only, not those products. */
+ * cancel within formulas, where their size is not seen: a jet counts as consistent at 1e-9, here at 1e-7. What is
+ * computed from differences of callbacks has an error of 1e-7 and enters E1, A1, A2 only, not those products. */
 #include "theory_check.h"
 
 #include <float.h>

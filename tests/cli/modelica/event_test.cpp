@@ -111,9 +111,9 @@ TEST(Algorithms, MayAssignInSeveralWhens) {
 }
 
 TEST(Initial, SectionsAreRead) {
-  const FlatModel model = read(
-      "",
-      R"(Real 'x', 'y'; parameter Real 'p'(fixed = false, start = 2), 'q'(fixed = false); parameter Boolean 'steady' = true;
+  const FlatModel model = read("",
+                               R"(Real 'x', 'y'; parameter Real 'p'(fixed = false, start = 2), 'q'(fixed = false);
+    parameter Boolean 'steady' = true;
     parameter equation guess('y') = 1.5;
     initial equation
       if 'steady' then der('x') = 0; else 'x' = 1; end if;

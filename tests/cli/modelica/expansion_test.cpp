@@ -12,9 +12,12 @@ TEST(Arrays, OperatorsFollowLinearAlgebra) {
   const FlatModel model = read("", R"(
     parameter Real 'A'[2, 2] = [1, 2; 3, 4];
     Real 'v'[2] = {5, 6} * time, 'Av'[2] = 'A' * 'v', 'vA'[2] = 'v' * 'A', 'AA'[2, 2] = 'A' * 'A', 'A3'[2, 2] = 'A' ^ 3;
-    Real 'vv' = 'v' * 'v', 'e'[2] = 'v' .* 'v' ./ {1, 2} .^ 2 .+ 1, 't'[2, 2] = transpose('A'), 's'[2] = 2 * 'v' / 4 - 'v';
-    Real 'o'[2, 2] = outerProduct('v', 'v'), 'c'[3] = cross({1, 2, 3}, {4, 5, time}), 'k'[3] = skew({1, 2, 3}) * {4, 5, time};
-    Real 'd'[2, 2] = diagonal({1, 2}), 'i'[2, 2] = identity(2), 'l'[3] = linspace(0, 1, 3), 'b'[2, 3] = [1, 2, 3; {{4, 5, 6}}];
+    Real 'vv' = 'v' * 'v', 'e'[2] = 'v' .* 'v' ./ {1, 2} .^ 2 .+ 1,
+      't'[2, 2] = transpose('A'), 's'[2] = 2 * 'v' / 4 - 'v';
+    Real 'o'[2, 2] = outerProduct('v', 'v'), 'c'[3] = cross({1, 2, 3}, {4, 5, time}),
+      'k'[3] = skew({1, 2, 3}) * {4, 5, time};
+    Real 'd'[2, 2] = diagonal({1, 2}), 'i'[2, 2] = identity(2), 'l'[3] = linspace(0, 1, 3),
+      'b'[2, 3] = [1, 2, 3; {{4, 5, 6}}];
     Real 'cat1'[3] = cat(1, {1}, {2, 3}), 'cat2'[2, 3] = cat(2, 'A', {{7}, {8}});)");
   const Values v = {{"time", 1}, {"v[1]", 5}, {"v[2]", 6}};
   const auto check = [&](const std::string& name, double expected) {
@@ -40,8 +43,10 @@ TEST(Arrays, SlicesComprehensionsAndReductions) {
     parameter Integer 'n' = 3;
     Real 'x'['n', 2] = {{10 * 'i' + 'j' for 'j' in 1:2} for 'i' in 1:'n'} * time;
     Real 'c'['n'] = 'x'[:, 2], 'r'[2] = 'x'[end, :], 'p'[2] = 'x'[{3, 1}, 1], 'q'[2] = 'x'[2:end, 2];
-    Real 's' = sum('x'), 'm' = max('x'['i', 1] for 'i' in 1:'n'), 'f' = product({2, 3, 4}) * time, 'w' = sum(1 / 'k' for 'k' in 1:4);
-    Real 'z' = size('x', 1) + ndims('x') + sum(size('x')), 'y'[0], 'g' = sum('y'), 'ev'[3] = 2:2:6, 'h'[2, 3] = {'a' + 'b' for 'a' in 1:3, 'b' in {10, 20}};)");
+    Real 's' = sum('x'), 'm' = max('x'['i', 1] for 'i' in 1:'n'), 'f' = product({2, 3, 4}) * time,
+      'w' = sum(1 / 'k' for 'k' in 1:4);
+    Real 'z' = size('x', 1) + ndims('x') + sum(size('x')), 'y'[0], 'g' = sum('y'), 'ev'[3] = 2:2:6,
+      'h'[2, 3] = {'a' + 'b' for 'a' in 1:3, 'b' in {10, 20}};)");
   Values v = {{"time", 1}};
   for (int i = 1; i <= 3; ++i)
     for (int j = 1; j <= 2; ++j) v["x[" + std::to_string(i) + "," + std::to_string(j) + "]"] = 10 * i + j;
@@ -125,7 +130,8 @@ TEST(Inputs, AreSuppliedByBindings) {
 
 TEST(Equations, OfIfBranchesAreJoinedByTheirLeftSides) {
   const FlatModel model = read("", R"(Real 'x', 'y', 'z'; equation
-    if time < 1 then 'x' = 1; 'y' = 2; 'z' + 'x' = 3; elseif time < 2 then 5 = 'y'; 'x' = 4; 'z' - 'x' = 6; else 'x' = 7; 'z' = 9; 'y' = 8; end if;)");
+    if time < 1 then 'x' = 1; 'y' = 2; 'z' + 'x' = 3; elseif time < 2 then 5 = 'y'; 'x' = 4; 'z' - 'x' = 6;
+    else 'x' = 7; 'z' = 9; 'y' = 8; end if;)");
   ASSERT_EQ(model.equations.size(), 3U);
   for (const auto& [t, x, y, z] : {std::tuple{0.0, 1.0, 2.0, 2.0}, {1.5, 4.0, 5.0, 10.0}, {3.0, 7.0, 8.0, 9.0}}) {
     const Values v = {{"time", t}, {"x", x}, {"y", y}, {"z", z}};

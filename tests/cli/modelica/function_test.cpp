@@ -179,12 +179,15 @@ TEST(Functions, SolveLinearSystemsByElimination) {
   // Gauss without pivoting on a matrix of formulas.
   const FlatModel model = read(
       R"(function 'solve' input Real 'A'[:, size('A', 1)]; input Real 'b'[size('A', 1)]; output Real 'x'[size('b', 1)];
-    protected Integer 'n' = size('A', 1); Real 'M'[size('A', 1), size('A', 1)] = 'A'; Real 'r'[size('A', 1)] = 'b'; Real 'l';
+    protected Integer 'n' = size('A', 1); Real 'M'[size('A', 1), size('A', 1)] = 'A';
+      Real 'r'[size('A', 1)] = 'b'; Real 'l';
     algorithm
       for 'k' in 1:'n' - 1 loop for 'i' in 'k' + 1:'n' loop
-        'l' := 'M'['i', 'k'] / 'M'['k', 'k']; 'M'['i', :] := 'M'['i', :] - 'l' * 'M'['k', :]; 'r'['i'] := 'r'['i'] - 'l' * 'r'['k'];
+        'l' := 'M'['i', 'k'] / 'M'['k', 'k']; 'M'['i', :] := 'M'['i', :] - 'l' * 'M'['k', :];
+        'r'['i'] := 'r'['i'] - 'l' * 'r'['k'];
       end for; end for;
-      for 'i' in 'n':-1:1 loop 'x'['i'] := ('r'['i'] - sum('M'['i', 'j'] * 'x'['j'] for 'j' in 'i' + 1:'n')) / 'M'['i', 'i']; end for;
+      for 'i' in 'n':-1:1 loop
+        'x'['i'] := ('r'['i'] - sum('M'['i', 'j'] * 'x'['j'] for 'j' in 'i' + 1:'n')) / 'M'['i', 'i']; end for;
     end 'solve';)",
       "Real 'a'; Real 'x'[3] = 'solve'([4, 1, 0; 1, 'a', 1; 0, 1, 5], {6, 9, 17});");
   const Values v = {{"a", 2}};

@@ -87,7 +87,8 @@ TEST(Names, AreDecodedAndDiffer) {
 TEST(Attributes, AreKept) {
   const FlatModel model = read("type 'V' = Real(unit = \"V\", nominal = 10.0);", R"(
     parameter Real 'p' = 2.0;
-    'V' 'x'(start = 2 * 'p', fixed = true, min = -'p', max = 5, displayUnit = "kV", stateSelect = StateSelect.always) "a \"voltage\"";
+    'V' 'x'(start = 2 * 'p', fixed = true, min = -'p', max = 5, displayUnit = "kV",
+      stateSelect = StateSelect.always) "a \"voltage\"";
     output Integer 'n'(start = 3);
     parameter Real 'free'(fixed = false, start = 1);
     equation der('x') = 1; 'n' = 4;

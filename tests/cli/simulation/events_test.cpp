@@ -293,8 +293,8 @@ TEST(Events, ReinitOfWhatIsNoStateIsNamed) {
   EXPECT_CONTAINS(result.message, "reinit of y, whose derivative occurs nowhere");
 }
 
-// The source of a bridge of diodes with leakage: two of them switch at one instant, and their voltages there are rounding
-// errors of currents over a small conductance. The capacitor of 1 mF is charged to nearly the amplitude.
+// The source of a bridge of diodes with leakage: two of them switch at one instant, and their voltages there are
+// rounding errors of currents over a small conductance. The capacitor of 1 mF is charged to nearly the amplitude.
 TEST(Events, DiodesThatSwitchTogetherDoNotChatter) {
   Builder b;
   const double Goff = 1e-5, Ron = 0.01;

@@ -31,8 +31,8 @@ TEST(Modes, FrictionSticksAndSlides) {
                           choose(both(either(was_backward, starts_backward), v < 0.0), -1.0, 0.0)));
   const Result result = solve(b.model, until(8.0, 1e-9));
   EXPECT_SOLVED(result);
-  // Slides from t1 = asin(1/3): v = 3 (cos t1 - cos t) - (t - t1), until v = 0 at t2, where F < -1: it turns at once, v =
-  // 3 (cos t2 - cos t) + (t - t2), until t3, where F > 1.
+  // Slides from t1 = asin(1/3): v = 3 (cos t1 - cos t) - (t - t1), until v = 0 at t2, where F < -1: it turns at once,
+  // v = 3 (cos t2 - cos t) + (t - t2), until t3, where F > 1.
   const double t1 = std::asin(1.0 / 3.0);
   const auto forward = [&](double t) { return 3.0 * (std::cos(t1) - std::cos(t)) - (t - t1); };
   double t2 = 3.0, high = 5.0;
@@ -154,8 +154,8 @@ TEST(Modes, ReinitOfAPositionMovesTheOtherOne) {
   }
 }
 
-// The pulse of the Modelica Standard Library, its counter and its width by time events that events move: 0.2 on, 0.3 off
-// from 0.25 on. A timer counts from each rise.
+// The pulse of the Modelica Standard Library, its counter and its width by time events that events move: 0.2 on, 0.3
+// off from 0.25 on. A timer counts from each rise.
 TEST(Modes, PulsesAndTimersFollowTheirOwnEvents) {
   Builder b;
   const Term count = b.integer("count"), rise = b.discrete("rise"), entry = b.discrete("entry", {.start = 0.0}),

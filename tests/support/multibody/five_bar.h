@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plane five-bar linkage: uniform links of lengths l1, ..., l4 at angles q1, ..., q4, two arms (1, 2) and (3, 4) from hinges at the
-// origin and at (base, 0), whose ends are pinned together; gravity, a torsion spring at each ground hinge and a torque on link 1
-// that oscillates. Two degrees of freedom.
+// Plane five-bar linkage: uniform links of lengths l1, ..., l4 at angles q1, ..., q4, two arms (1, 2) and (3, 4) from
+// hinges at the origin and at (base, 0), whose ends are pinned together; gravity, a torsion spring at each ground
+// hinge and a torque on link 1 that oscillates. Two degrees of freedom.
 //
 //   0 = l1 cos q1 + l2 cos q2 - base - l3 cos q3 - l4 cos q4,   0 = l1 sin q1 + l2 sin q2 - l3 sin q3 - l4 sin q4
 #ifndef SFDAE_TESTS_MULTIBODY_FIVE_BAR_H

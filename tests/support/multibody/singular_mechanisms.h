@@ -11,8 +11,9 @@
 
 namespace sfdae_test {
 
-// A02 of the IFToMM benchmark library: N windows of homogeneous bars of length and mass 1 in the plane. Bars from (k, 0) to
-// (x_k, y_k), k = 0 ... N, and between (x_k, y_k) and (x_(k+1), y_(k+1)). All of them lie in one line again and again. As one
+// A02 of the IFToMM benchmark library: N windows of homogeneous bars of length and mass 1 in the plane. Bars from (k,
+// 0) to (x_k, y_k), k = 0 ... N, and between (x_k, y_k) and (x_(k+1), y_(k+1)). All of them lie in one line again and
+//    again. As one
 // angle, phi'' = -g (N + (N + 1) / 2) / (N + (N + 1) / 3) cos phi.
 struct Windows : MechanicalSystem {
   static constexpr double gravity = 9.81;
@@ -59,9 +60,9 @@ struct Windows : MechanicalSystem {
   double second;  // unit of time: so many units are one second
 };
 
-// Crank from (0, 0) to (x1, y1) and rod from there to the slider (x2, 0), both of length 1, masses 1 at the joint and the
-// slider, without gravity: x2 = 2 cos phi, (1 + 4 sin^2 phi) phi'^2 constant. Upright, phi = pi/2, the slider may stay at
-// x2 = 0 as well.
+// Crank from (0, 0) to (x1, y1) and rod from there to the slider (x2, 0), both of length 1, masses 1 at the joint and
+// the slider, without gravity: x2 = 2 cos phi, (1 + 4 sin^2 phi) phi'^2 constant. Upright, phi = pi/2, the slider may
+// stay at x2 = 0 as well.
 struct EqualSliderCrank : MechanicalSystem {
   EqualSliderCrank() : MechanicalSystem({3, 2, 0}) {}
   template <class V>
