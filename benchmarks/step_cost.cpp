@@ -14,9 +14,9 @@
 
 #include "c_api/problems.h"
 #include "linalg/dense.h"
+#include "linear/linear_system.h"
 #include "reduction/elimination.h"
 #include "replay.h"
-#include "system/linear_system.h"
 
 extern "C" {
 void dgesvd_(const char*, const char*, const int*, const int*, double*, const int*, double*, double*, const int*,

@@ -2,7 +2,7 @@
 // Runs for counting instructions. What counts are the calls of the function sfdae_counted_run: creating a solver,
 // starting, integrating; callbacks only copy values recorded before. For example
 //
-//   valgrind --tool=callgrind --collect-atstart=no --toggle-collect=sfdae_counted_run \
+//   valgrind --tool=callgrind --collect-atstart=no --toggle-collect=sfdae_counted_run
 //     result_hashes --only cost_kron_4_bdf
 #include <string>
 

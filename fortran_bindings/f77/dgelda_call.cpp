@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "linalg/matrix.h"
+#include "linear/linear_values.h"
 #include "problem/failure.h"
-#include "system/consistent_values.h"
 
 namespace sfdae::f77 {
 

@@ -6,7 +6,7 @@
 
 #include "f77/dgelda_problem.h"
 #include "f77/integration_call.h"
-#include "system/linear_model.h"
+#include "linear/linear_model.h"
 
 namespace sfdae::f77 {
 

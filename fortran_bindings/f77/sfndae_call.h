@@ -4,9 +4,9 @@
 
 #include <optional>
 
+#include "array/nonlinear_model.h"
 #include "f77/integration_call.h"
 #include "f77/sfndae_problem.h"
-#include "system/nonlinear_model.h"
 
 namespace sfdae::f77 {
 

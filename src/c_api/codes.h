@@ -7,7 +7,7 @@
 #include "multibody/multibody_partition.h"
 #include "reduction/null_space_form.h"
 #include "sfdae/sfdae.h"
-#include "system/consistent_values.h"
+#include "starts/consistent_values.h"
 #include "system/model.h"
 
 namespace sfdae::core {

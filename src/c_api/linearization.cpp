@@ -15,7 +15,7 @@
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
-#include "system/descriptor_system.h"
+#include "linear/descriptor_system.h"
 
 using namespace sfdae::core;
 

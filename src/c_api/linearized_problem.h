@@ -3,7 +3,7 @@
 #pragma once
 
 #include "c_api/solver.h"
-#include "system/descriptor_system.h"
+#include "linear/descriptor_system.h"
 
 namespace sfdae::core {
 

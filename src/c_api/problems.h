@@ -4,10 +4,10 @@
 
 #include <memory>
 
+#include "array/nonlinear_model.h"
+#include "linear/linear_model.h"
 #include "multibody/structured_multibody.h"
 #include "sfdae/sfdae.h"
-#include "system/linear_model.h"
-#include "system/nonlinear_model.h"
 
 namespace sfdae::core {
 

@@ -20,11 +20,11 @@
 #include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
 #include "integrate/checkpoint_identity.h"
-#include "integrate/events.h"
 #include "integrate/jump_rule.h"
 #include "linalg/kept_decisions.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
+#include "watch/events.h"
 
 struct sfdae_hybrid;
 

@@ -8,7 +8,7 @@
 
 #include "extension/least_change_step.h"
 #include "extension/minimal_extension.h"
-#include "system/consistent_values.h"
+#include "starts/consistent_values.h"
 #include "system/jet.h"
 
 namespace sfdae::core {

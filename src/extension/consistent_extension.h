@@ -13,7 +13,7 @@
 
 #include "extension/jet_search.h"
 #include "extension/minimal_extension.h"
-#include "system/consistent_values.h"
+#include "starts/consistent_values.h"
 #include "system/jet.h"
 #include "system/model.h"
 

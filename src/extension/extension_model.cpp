@@ -7,7 +7,6 @@
 
 #include "extension/consistent_extension.h"
 #include "extension/extension_change_watch.h"
-#include "extension/extension_sensitivities.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "structure/replacement.h"
@@ -54,15 +53,6 @@ std::optional<Model::Extension> ExtensionModel::extension() {
                    .entries = extension.column().size(),
                    .fill = linearization.fill(),
                    .states = linearization.choice().states()};
-}
-
-bool ExtensionModel::has_sensitivities() const {
-  return ExtensionSensitivities::are_possible(system_->extension().structure());
-}
-
-std::unique_ptr<SensitivitySystem> ExtensionModel::sensitivities(std::vector<int> parameters) {
-  if (!has_sensitivities()) return nullptr;
-  return std::make_unique<ExtensionSensitivities>(*system_, std::move(parameters));
 }
 
 std::unique_ptr<ChangeWatch> ExtensionModel::change_watch() {

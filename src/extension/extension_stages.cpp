@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/nonlinear_iteration.h"
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "system/kept_matrix.h"
-#include "system/nonlinear_iteration.h"
 #include "system/transformed_stages.h"
 
 namespace sfdae::core {

@@ -11,10 +11,10 @@
 #include <complex>
 #include <vector>
 
+#include "array/jet_history.h"
 #include "extension/extension_iteration.h"
 #include "extension/local_stages.h"
 #include "system/jet.h"
-#include "system/jet_history.h"
 #include "system/strangeness_free_system.h"
 
 namespace sfdae::core {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "array/rounding_of_guesses.h"
 #include "extension/archived_structure.h"
 #include "extension/strangeness_index.h"
 #include "linalg/index.h"
@@ -13,7 +14,6 @@
 #include "problem/failure.h"
 #include "structure/block_determinants.h"
 #include "structure/replacement.h"
-#include "system/rounding_of_guesses.h"
 
 namespace sfdae::core {
 

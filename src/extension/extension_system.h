@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
+#include "array/jet_history.h"
 #include "extension/extension_iteration.h"
 #include "extension/extension_linearization.h"
 #include "extension/extension_stages.h"
 #include "extension/minimal_extension.h"
 #include "structure/structure.h"
 #include "system/dae_system.h"
-#include "system/jet_history.h"
 
 namespace sfdae::core {
 

@@ -15,11 +15,11 @@
 #include <span>
 #include <vector>
 
+#include "array/jet_lanes.h"
 #include "linalg/lanes.h"
 #include "problem/nonlinear_problem.h"
 #include "structure/structure.h"
 #include "structure/system_jacobian.h"
-#include "system/jet_lanes.h"
 
 namespace sfdae::core {
 

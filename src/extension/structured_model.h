@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
+#include "array/nonlinear_model.h"
 #include "extension/extension_model.h"
 #include "system/model.h"
-#include "system/nonlinear_model.h"
 
 namespace sfdae::core {
 

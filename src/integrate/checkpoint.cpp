@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "integrate/events.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "watch/events.h"
 
 namespace sfdae::core {
 

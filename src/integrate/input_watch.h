@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "integrate/held_slopes.h"
-#include "integrate/input_samples.h"
 #include "integrate/integrator.h"
 #include "linalg/archive.h"
+#include "watch/input_samples.h"
 
 namespace sfdae::core {
 

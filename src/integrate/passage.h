@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "integrate/singular_point.h"
-#include "integrate/trail.h"
+#include "watch/singular_point.h"
+#include "watch/trail.h"
 
 namespace sfdae::core {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <utility>
 
-#include "integrate/event_values.h"
-#include "integrate/events.h"
 #include "integrate/integrator.h"
 #include "integrate/step_output.h"
+#include "watch/event_values.h"
+#include "watch/events.h"
 
 namespace sfdae::core {
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "integrate/events.h"
 #include "integrate/step_event_values.h"
+#include "watch/events.h"
 
 namespace sfdae::core {
 

@@ -12,7 +12,7 @@
 #include "multibody/multibody_position_search.h"
 #include "multibody/multibody_problem.h"
 #include "multibody/multibody_ranks.h"
-#include "system/consistent_values.h"
+#include "starts/consistent_values.h"
 
 namespace sfdae::core {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "multibody/multibody_problem.h"
-#include "system/consistent_values.h"
+#include "starts/consistent_values.h"
 
 namespace sfdae::core {
 

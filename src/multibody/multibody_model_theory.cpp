@@ -5,7 +5,7 @@
 #include "linalg/index.h"
 #include "multibody/multibody_model.h"
 #include "problem/failure.h"
-#include "system/jet_theory.h"
+#include "starts/jet_theory.h"
 
 namespace sfdae::core {
 

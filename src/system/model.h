@@ -19,10 +19,10 @@
 #include "reduction/index_analysis.h"
 #include "structure/structure.h"
 #include "system/change_watch.h"
-#include "system/consistent_values.h"
+#include "system/consistency_request.h"
 #include "system/dae_system.h"
-#include "system/impulses.h"
 #include "system/jet.h"
+#include "system/jump.h"
 #include "system/sensitivity_system.h"
 #include "system/value_change.h"
 

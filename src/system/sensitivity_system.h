@@ -21,7 +21,7 @@
 #include "linalg/archive.h"
 #include "problem/problem.h"
 #include "system/adjoint_system.h"
-#include "system/consistent_values.h"
+#include "system/consistency_request.h"
 #include "system/stage_method.h"
 #include "system/strangeness_free_system.h"
 

@@ -9,8 +9,8 @@
 
 #include "c_api/problems.h"
 #include "family_run.h"
+#include "linear/linear_system.h"
 #include "reduction/index_analysis.h"
-#include "system/linear_system.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether steps show what event functions do, by values where they began.
-#include "integrate/event_resolution.h"
+#include "watch/event_resolution.h"
 
 #include <gtest/gtest.h>
 

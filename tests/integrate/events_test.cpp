@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search for zeros, apart from any integration: functions with known zeros, rough values that are off, rounding
 // errors.
-#include "integrate/event_search.h"
+#include "watch/event_search.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Points that an integration has come through: what is kept of them.
-#include "integrate/trail.h"
+#include "watch/trail.h"
 
 #include <gtest/gtest.h>
 

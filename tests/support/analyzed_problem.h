@@ -11,9 +11,9 @@
 #include "c_api/problems.h"
 #include "family_problem.h"
 #include "linalg/arena.h"
+#include "linear/linear_system.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
-#include "system/linear_system.h"
 
 namespace sfdae_test {
 

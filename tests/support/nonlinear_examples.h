@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "array/nonlinear_system.h"
 #include "c_api/expressions.h"
 #include "recorded.h"
 #include "reduction/index_analysis.h"
-#include "system/consistent_jets.h"
-#include "system/nonlinear_system.h"
+#include "starts/consistent_jets.h"
 #include "test_set/formula_problems.h"
 #include "test_set/pendulum.h"
 #include "test_set/recorded.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poles, zeros and transfer functions of descriptor systems whose structure is known by construction.
-#include "system/descriptor_system.h"
+#include "linear/descriptor_system.h"
 
 #include <gtest/gtest.h>
 

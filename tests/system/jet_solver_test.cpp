@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Jets that are found fulfil the equations and their total derivatives; where none exists, the failure names what
 // remains.
-#include "system/jet_solver.h"
+#include "starts/jet_solver.h"
 
 #include <gtest/gtest.h>
 

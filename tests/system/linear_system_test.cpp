@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What integrators ask of a linear problem, against the equations that define the answers and exact solutions.
-#include "system/linear_system.h"
+#include "linear/linear_system.h"
 
 #include <gtest/gtest.h>
 

@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "array/nonlinear_system.h"
 #include "integrate/radau_method.h"
 #include "linalg/archive.h"
 #include "matrix_checks.h"
 #include "nonlinear_examples.h"
 #include "problem/failure.h"
-#include "system/nonlinear_system.h"
 
 namespace sfdae::core {
 

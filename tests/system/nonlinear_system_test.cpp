@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Steps of nonlinear problems fulfil their equations: those of the step and the constraints, hidden ones too.
-#include "system/nonlinear_system.h"
+#include "array/nonlinear_system.h"
 
 #include <gtest/gtest.h>
 

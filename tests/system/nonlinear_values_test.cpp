@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Consistent values of nonlinear problems are the nearest ones, keep what is fixed, or are refused.
-#include "system/nonlinear_values.h"
+#include "starts/nonlinear_values.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "matrix_checks.h"
 #include "nonlinear_examples.h"
 #include "problem/failure.h"
-#include "system/jet_solver.h"
+#include "starts/jet_solver.h"
 
 namespace sfdae::core {
 

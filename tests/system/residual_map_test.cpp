@@ -1,6 +1,6 @@
 // The map from residuals to changes is what the elimination does with them.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "system/residual_map.h"
+#include "array/residual_map.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <cmath>
 #include <vector>
 
+#include "array/nonlinear_system.h"
 #include "instruction_sets.h"
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "nonlinear_examples.h"
-#include "system/nonlinear_system.h"
 
 namespace sfdae::core {
 namespace {

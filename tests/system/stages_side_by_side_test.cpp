@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "array/nonlinear_system.h"
 #include "instruction_sets.h"
 #include "integrate/radau_method.h"
 #include "nonlinear_examples.h"
-#include "system/nonlinear_system.h"
 
 namespace sfdae::core {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "analyzed_problem.h"
 #include "linalg/dense.h"
+#include "linear/linear_model.h"
 #include "matrix_checks.h"
-#include "system/linear_model.h"
 #include "testset_linear.h"
 
 namespace sfdae::core {

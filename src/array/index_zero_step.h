@@ -1,0 +1,88 @@
+// Steps of regular problems of strangeness index 0: F(t, x, c x + w_rest) = 0, solved as it stands.
+//
+// Where F_x' has rank d near the solution, these n equations say the same as F(t, x, y) = 0 and Z1^T F(t, x, c x +
+// w_rest) = 0: the values of F(t, x, .) are a manifold of dimension d through F(t, x, y) = 0 with the tangent space
+// Z1. So a step needs no projectors: one evaluation of F in each iteration, and one factorization of c F_x' + F_x.
+// That is kept while c changes little [BCP96, 5.2.2]; changes of x are multiplied by 2 / (1 + c / c of the matrix)
+// then, half-way between what is right where F_x' dominates and where F_x does
+// (docs/decisions/38-kept-factorizations.md).
+//
+// [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
+//         Differential-Algebraic Equations. SIAM, 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "array/analyzed_equations.h"
+#include "array/nonlinear_iteration.h"
+#include "linalg/archive.h"
+#include "linalg/arena.h"
+#include "problem/taylor_data.h"
+#include "reduction/null_space_form.h"
+#include "system/chord_iteration.h"
+#include "system/jet.h"
+#include "system/step_matrix.h"
+
+namespace sfdae::core {
+
+class IndexZeroStep {
+ public:
+  IndexZeroStep(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  // Memory, for the values that the analysis has found; the problem is one that such steps solve, or not.
+  void resize();
+  bool is_possible() const { return is_possible_; }
+
+  // The Jacobian of later iterations. rows: preferred factors, or null.
+  PointStatus renew(const Jet& jet, const std::vector<double>* rows);
+  // That of a linearization made at the jet.
+  void take(const Jet& jet, const TaylorData& data);
+  void forget() { has_jacobian_ = false; }
+  bool has_jacobian_of(double t) const { return has_jacobian_ && origin_.t == t; }
+  bool has_jacobian() const { return has_jacobian_; }
+  // Whether the Jacobian is so near to the one whose ranks were judged that these hold for it, too. False where that
+  // cannot be said without an elimination.
+  bool has_ranks_of(const TaylorData& judged, const NullSpaceForm& form);
+
+  // As StrangenessFreeSystem::error_in_x, where there are few constraints; false elsewhere.
+  bool error_in_x(const double* dw, int count, double* dx);
+
+  // From the jet on to the x and x' of the step. noise: what rounding errors do to changes of x, scaled. count: of
+  // factorizations, raised.
+  struct Shared {
+    const std::vector<double>& noise;
+    ChordIteration& chord;
+    long& factorizations;
+  };
+  PointStatus solve(const IterationTask& task, const Shared& shared, Jet& jet);
+  // After a step that has been slow: whether c of the matrix is to blame, so that a new factorization will do.
+  bool blames_matrix();
+
+  // Reading: the Jacobian is there again. Throws DamagedArchive.
+  void archive(Archive& archive, long& factorizations);
+
+ private:
+  bool find_constraints(const TaylorData& data);
+  bool is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors);
+  bool maps_by_kernel() const;
+  bool prepare_kernel();
+  bool prepare_matrix(double c, const Shared& shared);
+  PointStatus evaluate(const IterationTask& task, Jet& jet);
+  double apply_change(const IterationTask& task, const std::vector<double>& noise, double factor, Jet& jet);
+
+  AnalyzedEquations& problem_;
+  Arena& arena_;
+  bool is_possible_ = false, has_jacobian_ = false;
+  Jet origin_;                // of the Jacobian
+  std::vector<double> rows_;  // preferred for it
+  TaylorData data_;
+  StepMatrix matrix_;
+  double deviation_ = 0.0;  // |c - c of the matrix| / |c + c of the matrix|: the contraction that keeping it costs
+  double waste_ = 0.0;      // iterations that keeping it has cost since it was made
+  std::vector<double> change_;
+  std::vector<char> is_constraint_;  // rows of E that vanish
+  bool has_kernel_ = false;          // that of the Jacobian
+  std::vector<double> kernel_;       // K, n x a: E K = 0, A2 K = I
+};
+
+}  // namespace sfdae::core

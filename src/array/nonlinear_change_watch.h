@@ -1,0 +1,84 @@
+// Changes of the characteristic values of a nonlinear problem along the way: noticed between steps, located.
+//
+// x is known at points of the integration only, and equations are linearized at some of these. Signs and sizes there
+// raise suspicions, as for linear problems (linear_change_watch.h); the solution interpolated in between dismisses
+// them, or says where a shorter step is needed. What is found in a short step is reported
+// (docs/decisions/31-nonlinear-singular-points.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "array/nonlinear_system.h"
+#include "array/singularity_sample.h"
+#include "array/singularity_search.h"
+#include "array/structural_witness.h"
+#include "system/change_watch.h"
+
+namespace sfdae::core {
+
+class NonlinearChangeWatch final : public ChangeWatch {
+ public:
+  explicit NonlinearChangeWatch(NonlinearSystem& system)
+      : system_(system), search_(system.analyzed_equations(), system.linearization(), system.callback_error()) {}
+  void start(double direction) override;
+  std::optional<LocatedChange> find(double t_last) override;
+  void accept() override;
+  // x is not known in between: steps that become short locate it.
+  std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
+  std::optional<LocatedChange> find_ahead(double h) override;
+  std::optional<LocatedChange> find_beyond() override;
+  // Nothing is kept: the watch starts anew at the point accepted last.
+  void archive(Archive& archive, double direction) override;
+
+ private:
+  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
+  struct Fall {
+    double highest = 0.0, lowest = 0.0;
+    Jet at_highest, at_lowest;
+    bool has_turned = false;  // a sign, from one sample to another
+  };
+
+  bool is_after(double t, double then) const { return (t - then) * direction_ > 0.0; }
+  void take_samples();
+  bool is_suspicious(const SingularitySample& now);
+  bool is_short(double t_last) const;
+  std::optional<LocatedChange> find_passed(bool is_turned);
+  bool has_passed_zero(const Fall& fall, const Jet& now);
+  std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
+                                    const SingularitySample& now);
+  std::optional<LocatedChange> change_at(double t, double t_last);
+  bool is_confirmed_ahead(double t, double h) const;
+  bool is_never_singular();
+  std::optional<double> kept_consistently(double t);
+  StructuralWitness& witness();
+  void shift(SingularitySample& sample);
+  void set_next_look();
+
+  NonlinearSystem& system_;
+  SingularitySearch search_;
+  Arena arena_;
+  double direction_ = 1.0;
+  SingularitySample older_, last_;  // of accepted points; signs are compared with the last one
+  int samples_ = 0;
+  SingularitySample within_, end_;  // of the step that is tried
+  bool has_within_ = false, has_end_ = false;
+  bool is_within_sure_ = false;          // its jet has converged
+  double next_look_ = 0.0;               // a value that goes straight on is zero then
+  int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
+  std::optional<double> expected_;       // the singular point, by the last look
+  Fall falls_[2];
+  Jet first_;  // of the integration
+  // What the structure says; made when it is asked for first.
+  std::optional<StructuralWitness> witness_;
+  // The singular point found last: where, and in a step of which size.
+  struct Suspect {
+    double t, step;
+    bool is_near(double time) const { return std::fabs(time - t) <= step; }
+  };
+  std::optional<Suspect> suspect_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,95 @@
+// The chord iteration for the nonlinear equations at one point, with a linearization from elsewhere.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "array/analyzed_equations.h"
+#include "array/array_linearization.h"
+#include "array/residual_map.h"
+#include "linalg/arena.h"
+#include "system/anderson_mixing.h"
+#include "system/chord_iteration.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+// What is to be solved besides the constraints, and how accurately.
+struct IterationTask {
+  bool has_step = false;  // Z1^T F(t, x, c x + w_rest) = 0, else dx keeps Z1^T E x
+  double c = 0.0;
+  const double* w_rest = nullptr;
+  const double* x_rest = nullptr;
+  const double* inverse_weights = nullptr;    // null: as accurately as rounding permits
+  SteepArguments* steep_arguments = nullptr;  // of the equations, or null
+  double tolerance = 0.0;                     // of the weighted changes of x
+  bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
+  const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
+};
+
+// Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
+// estimates. Chosen, not measured.
+inline constexpr double newton_tolerance = 0.01;
+
+class NonlinearIteration {
+ public:
+  NonlinearIteration(const AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  // Memory for the values that the analysis has found.
+  void resize();
+
+  // From the jet on, to the one that solves the task.
+  PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
+  // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
+  PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet, const ResidualMap* map = nullptr);
+  // Of one change without a step: relative, and the largest residual before it.
+  struct Improvement {
+    double change = 0.0, residual = 0.0;
+  };
+  // One such change of the jet.
+  PointStatus improve(ArrayLinearization& linearization, Jet& jet, Improvement& made);
+  // Redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
+  // linearization leave out equations that are not redundant: they contradict the others then.
+  PointStatus check_redundant(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+
+  // Contradiction of redundant equations at the point solved last, relative.
+  double inconsistency() const { return inconsistency_; }
+  bool has_contradiction() const;
+  ChordIteration& chord() { return chord_; }
+
+  // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
+  double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
+                      const ArrayResiduals& residuals, const double* dx, Jet& jet);
+  // is_out_of_date: see ChordIteration.
+  template <class IsOutOfDate>
+  bool has_converged(const IterationTask& task, int iteration, double norm, double before,
+                     IsOutOfDate is_out_of_date) {
+    // A rate that is measured once may be small by chance. Chosen, not measured.
+    constexpr double least_rate = 1e-3;
+    if (task.inverse_weights == nullptr) return is_rounding_error(iteration, norm, before);
+    return chord_.has_converged({task.tolerance, least_rate}, iteration, norm, before, is_out_of_date);
+  }
+
+ private:
+  static bool is_rounding_error(int iteration, double norm, double before);
+  ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
+  PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+  void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+  double apply_map(const IterationTask& task, const ArrayLinearization& linearization, Jet& jet);
+  void mix(const ArrayLinearization& linearization, Jet& jet);
+  double relative_norm(const ArrayLinearization& linearization, const double* dx, const Jet& jet) const;
+  double weighted_norm(const IterationTask& task, const ArrayLinearization& linearization, const double* dx) const;
+  bool derivatives_follow(const TaylorData& data, const Jet& jet, double residual, double largest) const;
+  void measure_inconsistency(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+
+  const AnalyzedEquations& problem_;
+  Arena& arena_;
+  ChordIteration chord_;
+  double inconsistency_ = 0.0;
+  std::vector<double> array_f_, transformed_f_;
+  std::vector<double> dx_, dy_, z_, xdot_;
+  AndersonMixing mixing_;
+  std::vector<double> change_, correction_;  // of x and y
+  Jet refined_;
+};
+
+}  // namespace sfdae::core

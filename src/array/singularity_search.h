@@ -1,0 +1,107 @@
+// Singular points of a nonlinear system between two points that an integration went through.
+//
+// The solution in between is interpolated. At a singular point the sign of det(Z1^T F_x' T2) changes (bases aligned
+// from point to point), or E T2 or A2 lose rank: values relative to one point, with the factors of rows from there,
+// vanish (docs/decisions/31-nonlinear-singular-points.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "array/analyzed_equations.h"
+#include "array/array_linearization.h"
+#include "array/jet_course.h"
+#include "array/singularity_sample.h"
+#include "linalg/arena.h"
+#include "reduction/stored_elimination.h"
+#include "system/singular_part.h"
+
+namespace sfdae::core {
+
+class SingularitySearch {
+ public:
+  SingularitySearch(AnalyzedEquations& problem, const ArrayLinearization& linearization,
+                    const CallbackError& callback_error)
+      : problem_(problem), linearization_(linearization), callback_error_(callback_error) {}
+
+  JetCourse& course() { return course_; }
+  const JetCourse& course() const { return course_; }
+  // Linearizes at the jet, with the known ranks. False where that is not possible. Throws Failure where a callback
+  // stops.
+  bool measure(const Jet& jet, SingularitySample& sample);
+  // At the interpolated jet.
+  bool measure_at(double t, SingularitySample& sample);
+  // Values that fall by this factor have vanished from now on.
+  void set_dip(double dip) { dip_ = dip; }
+  // A point between left and right where the sign changes and something vanishes.
+  std::optional<double> find_turn(double left, double right);
+  // A point between left and right where something vanishes. before, after: sizes at the ends of the value of that
+  // number in a sample, which raised the suspicion.
+  struct Suspicion {
+    double left, right;
+    std::size_t number;
+    double before, after;
+  };
+  std::optional<double> find_dip(const Suspicion& suspicion);
+  // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
+  // step that has failed.
+  std::optional<double> find_ahead(double h);
+  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution where
+  // x is not; none where none is near.
+  std::optional<Jet> consistent_at(double t);
+  // What is kept at a jet of the smallest values at the reference of the last search.
+  double kept_of(const Jet& jet);
+  // The same at the consistent jet near one from which no step succeeds: it may be farther away.
+  std::optional<double> kept_consistently_at_end(const Jet& reference, const Jet& jet);
+  // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
+  // values are found near.
+  CharacteristicValues values_at(double t);
+  // Of the two, at a jet near a singular point: what has fallen, relative to the reference of the last search.
+  SingularPart fallen_part(const Jet& jet);
+  SingularPart fallen_part_at(double t) { return fallen_part(interpolated(t)); }
+  // What is kept at `jet` of the smallest values at `reference`, 1 where that is not known.
+  double kept(const Jet& reference, const Jet& jet);
+
+ private:
+  // The smallest values kept of A^ and E T2.
+  struct Kept {
+    double constraints = 1.0, differential = 1.0;
+  };
+  bool reduce(const Jet& jet, const std::vector<double>* rows, RowScaling scaling);
+  bool correct(Jet& jet);
+  void improve_course();
+  bool set_reference(const Jet& jet);
+  const Jet& interpolated(double t);
+  std::optional<Jet> consistent_near(const Jet& jet, double within);
+  template <class Use>
+  void use_consistent(const Jet& jet, double within, Use use);
+  double kept_at(double t);
+  Kept relative(const Jet& jet);
+  bool is_resolved(double left, double right) const;
+  std::optional<double> find_ahead_of(double t, double before, double kept_before);
+  double smallest(double left, double middle, double right, double& kept);
+
+  AnalyzedEquations& problem_;
+  const ArrayLinearization& linearization_;
+  const CallbackError& callback_error_;
+  Arena arena_;
+  JetCourse course_;
+  Jet jet_;
+  TaylorData data_;
+  NullSpaceForm form_;
+  StoredElimination elimination_;
+  SingularitySample left_, middle_, right_;
+  std::vector<double> rows_;  // factors of the reference
+  Kept reference_;
+  std::vector<double> transformed_, dy_;
+  double dip_ = 0.0;
+  bool is_measured_ = false;                                        // middle_ is a sample of the last suspicion
+  bool has_failed_ = false;                                         // a point could not be evaluated
+  double credible_size_ = std::numeric_limits<double>::infinity();  // of x at interpolated points
+  double span_ = 0.0;                                               // that is searched
+};
+
+}  // namespace sfdae::core

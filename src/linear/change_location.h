@@ -1,0 +1,19 @@
+// Where between two points the characteristic values of a linear problem change, and to what.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "linear/linear_system.h"
+#include "system/change_watch.h"
+
+namespace sfdae::core {
+
+// Between left, where the values known hold, and right, where others do. The points of the system stay.
+std::optional<LocatedChange> locate_change(LinearSystem& system, double left, double right);
+
+// A point in between, although the values known hold at both ends; left: the point accepted last. Nothing if none is
+// found.
+std::optional<LocatedChange> locate_isolated_change(LinearSystem& system, double left, double right);
+
+}  // namespace sfdae::core

@@ -1,0 +1,63 @@
+// The stages of a Radau step of sensitivities linearized side by side, one in each lane: tangents T2 and xp by the
+// minimal extension, and Z1^T (E, A, f), as SensitivityPoint has them one by one
+// (docs/decisions/68-sensitivities-side-by-side.md).
+//
+// Z1 is the orthonormal basis of the range of E T2, rows scaled, that the modified method of Gram and Schmidt finds
+// [B67]: the range is what counts, and that is found to rounding errors.
+//
+// [B67] A. Bjoerck: Solving linear least squares problems by Gram-Schmidt orthogonalization. BIT 7 (1967), 1-21.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "array/analyzed_equations.h"
+#include "linalg/lanes.h"
+#include "linalg/planned_lanes.h"
+#include "problem/parameter_series.h"
+#include "sensitivity/extended_sensitivity_step.h"
+#include "sensitivity/sensitivity_stages.h"
+#include "sensitivity/sparse_sensitivity_step.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class ExtendedStageLanes {
+ public:
+  // All live longer.
+  ExtendedStageLanes(RecordedProblem& problem, ParameterSeries& parameters, ExtendedSensitivityStep& extension)
+      : problem_(problem), parameters_(parameters), extension_(extension) {}
+
+  // Whether s stages can be kept here, which are numbered 0, ..., s - 1 and come in this order.
+  bool begin(int s);
+  // xdot: x' there, or null: that of the jet.
+  void keep(int i, const Jet& jet, const double* xdot);
+  // Of all stages, into `stages`, which has their sizes. False: they have to be linearized one by one, for whatever
+  // reason.
+  bool linearize(const AnalyzedEquations& equations, SensitivityStages& stages);
+  // What was kept of a stage.
+  Jet jet(int i) const;
+  const double* xdot(int i, std::vector<double>& buffer) const;
+
+ private:
+  void resize();
+  bool find_tangents();
+  bool find_row_factors(const AnalyzedEquations& equations);
+  void write(const AnalyzedEquations& equations, SensitivityStages& stages) const;
+
+  RecordedProblem& problem_;
+  ParameterSeries& parameters_;
+  ExtendedSensitivityStep& extension_;
+  int s_ = 0, n_ = 0, jet_order_ = 0;
+  bool has_slopes_ = false;
+  std::vector<RecordedEntry> entries_;
+  std::vector<int> level_0_;             // limits of entries of level 0
+  LaneArray t_, jets_, x_xdot_;          // jets: n x (order + 1)
+  LaneArray matrix_, right_, tangents_;  // of the extension; columns: xp, then T2
+  LaneArray row_sizes_, row_factors_;
+  LaneArray Z1_, ZE_, ZA_, B_, Zf_;  // m x d, n x d, n x d by rows; columns of d
+  PlannedLanes planned_;
+  std::vector<double> factors_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,353 @@
+// The stages of an implicit Runge-Kutta step for sensitivities along the minimal extension.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sensitivity/extension_sensitivity_stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with
+// them, which S has to fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
+constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, rounding_of_changes = 1e-10;
+// One system for all stages takes less time than more iterations, or slower ones.
+constexpr int most_iterations_of_stages = 12;
+constexpr double slowest_rate = 0.2;
+// Of all stages, those in pairs counted once: full matrices of which take less time than iterations with the factors
+// of x.
+constexpr int most_states_of_stages = 120;
+// With factors of x iterations are as many for each parameter. Chosen, not measured.
+constexpr int most_iterated = 2;
+// The first change is all of S, the second one what rounding errors were.
+constexpr int most_refinements = 4;
+
+}  // namespace
+
+void ExtensionSensitivityStages::set_choice(const StateChoice& choice, const SensitivitySlots& slots) {
+  choice_ = &choice;
+  slots_ = &slots;
+  s_ = 0;
+  times_before_.clear();
+  source_.clear();
+  std::vector<int> number(index(equations_.extension().n()), 0);
+  for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
+  for (int column : equations_.extension().column())
+    source_.push_back(choice.is_slope(column)
+                          ? num_rows() + number[index(equations_.extension().columns()[index(column)].unknown)]
+                          : choice.slot(column));
+}
+
+void ExtensionSensitivityStages::resize(int s) {
+  const std::size_t size = index(num_rows()) * index(count()) * index(s) + 1;
+  for (auto* v : {&unknowns_, &r_, &transformed_})
+    if (v->size() < size) v->resize(size);
+}
+
+bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization* by, double* S) {
+  resize(task.method.s);
+  const bool is_there = by != nullptr && iterate(task, [&] { take_away(task, *by); });
+  if (!is_there && !solve_together(task)) return false;
+  return copy_to(task.method.s, S);
+}
+
+// False: not finite.
+bool ExtensionSensitivityStages::copy_to(int s, double* S) const {
+  for (int i = 0; i < s; ++i)
+    for (int q = 0; q < count(); ++q) {
+      const double* const from = unknowns_.data() + index(i * count() + q) * index(num_rows());
+      for (int j = 0; j < equations_.extension().n(); ++j) *S++ = from[slots_->of_x(j)];
+    }
+  return all_finite(unknowns_.data(), index(num_rows()) * index(count()) * index(s));
+}
+
+// ---- By states -------------------------------------------------------------------------------------------------
+
+// Solved and refined: pivots need not be large.
+bool ExtensionSensitivityStages::solve_locally(const Task& task, const ExtensionLinearization& linearization,
+                                               LocalStages* by, double* S) {
+  const int s = task.method.s;
+  resize(s);
+  if (by != nullptr && count() <= most_iterated && iterate(task, [&] { take_away(task, *by); })) return copy_to(s, S);
+  // As many states in pairs as there may be.
+  if (!local_.is_of_use(s, 2 * most_states_of_stages)) return false;
+  const auto value = [&](std::size_t e, int i) { return task.rows[index(i)].values[e]; };
+  if (!local_.linearize(task.method, task.h, value, linearization, most_states_of_stages)) return false;
+  ++factorizations_;
+  std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
+  for (int iteration = 0; iteration < most_refinements; ++iteration) {
+    set_residuals(task);
+    take_away(task, local_);
+    const double change = add_changes(task);
+    if (change <= negligible_error_of_hidden) return copy_to(s, S);
+  }
+  return false;
+}
+
+void ExtensionSensitivityStages::take_away(const Task& task, LocalStages& by) {
+  const int rows = num_rows();
+  for (int q = 0; q < count(); ++q) by.solve({block(r_, 0, q), rows, task.method.s, count() * rows});
+}
+
+// ---- Iterations ------------------------------------------------------------------------------------------------
+
+template <class TakeAway>
+bool ExtensionSensitivityStages::iterate(const Task& task, TakeAway take_away) {
+  const bool has_hidden = equations_.extension().highest_level() > 0;
+  const double target = has_hidden ? negligible_error_of_hidden : negligible_error;
+  predict(task);
+  // Where constraints are hidden every other iteration may gain little.
+  double before = std::numeric_limits<double>::infinity(), earlier = before, rate_before = 1.0,
+         most = before;  // what has to be left with the slowest rate that is of use
+  for (int iteration = 0; iteration < most_iterations_of_stages; ++iteration) {
+    set_residuals(task);
+    take_away();
+    const double change = add_changes(task);
+    if (!(change <= std::numeric_limits<double>::max())) return false;
+    // The first change takes away what the prediction is off by; nothing is known of the next one.
+    const double rate = iteration > 0 ? change / before : 1.0;
+    const bool is_slow = iteration > 1 && (change > slowest_rate * std::max(before, earlier) || change > most);
+    const bool is_there =
+        change * std::min(std::max(rate, rate_before), 1.0) <= target || (is_slow && change <= rounding_of_changes);
+    if (is_there) note_step(task);
+    if (is_there || is_slow) return is_there;
+    earlier = iteration > 0 ? before : change;
+    before = change;
+    rate_before = iteration > 0 ? rate : has_hidden ? 1.0 : 0.0;
+    most = slowest_rate * (iteration > 0 ? most : change);
+  }
+  return false;
+}
+
+// By the polynomial of the last step, or as at the start of this one.
+void ExtensionSensitivityStages::predict(const Task& task) {
+  if (extrapolate(task)) return;
+  const int n = equations_.extension().n();
+  std::fill(unknowns_.begin(), unknowns_.end(), 0.0);
+  for (int i = 0; i < task.method.s; ++i)
+    for (int q = 0; q < count(); ++q)
+      for (int j = 0; j < n; ++j) block(unknowns_, i, q)[slots_->of_x(j)] = task.S_start[std::ptrdiff_t(q) * n + j];
+}
+
+bool ExtensionSensitivityStages::extrapolate(const Task& task) {
+  constexpr double farthest = 3.0;  // in steps; chosen, not measured
+  const std::size_t points = times_before_.size(), size = index(num_rows()) * index(count());
+  if (points < 3) return false;
+  const double span = times_before_.back() - times_before_.front();
+  const double distance = task.jets[index(task.method.s - 1)].t - times_before_.back();
+  if (!(std::fabs(distance) <= farthest * std::fabs(span))) return false;
+  for (int i = 0; i < task.method.s; ++i) {
+    double* const to = block(unknowns_, i, 0);
+    std::fill_n(to, size, 0.0);
+    for (std::size_t k = 0; k < points; ++k) {
+      double L = 1.0;
+      for (std::size_t j = 0; j < points; ++j)
+        if (j != k) L *= (task.jets[index(i)].t - times_before_[j]) / (times_before_[k] - times_before_[j]);
+      const double* const from = before_.data() + k * size;
+      for (std::size_t r = 0; r < size; ++r) to[r] += L * from[r];
+    }
+  }
+  return true;
+}
+
+void ExtensionSensitivityStages::note_step(const Task& task) {
+  const std::size_t size = index(num_rows()) * index(count()) * index(task.method.s);
+  before_.resize(std::max(before_.size(), size));
+  std::copy_n(unknowns_.begin(), size, before_.begin());
+  times_before_.clear();
+  for (int i = 0; i < task.method.s; ++i) times_before_.push_back(task.jets[index(i)].t);
+}
+
+// r_: right-hand sides less what the unknowns make of the rows.
+void ExtensionSensitivityStages::set_residuals(const Task& task) {
+  const std::vector<int>& states = choice_->states();
+  const int s = task.method.s, size = static_cast<int>(states.size()) * count();
+  changes_.resize(std::max(changes_.size(), index(size) * index(s) + 1));
+  slopes_.resize(changes_.size());
+  double* next = changes_.data();
+  for (int i = 0; i < s; ++i)
+    for (int q = 0; q < count(); ++q) {
+      const double* const at = block(unknowns_, i, q);
+      const double* const start = task.S_start + std::ptrdiff_t(q) * equations_.extension().n();
+      for (int j : states) *next++ = at[slots_->of_x(j)] - start[j];
+    }
+  const int ld = std::max(size, 1);
+  multiply(1.0 / task.h, Op::plain, ConstView{changes_.data(), size, s, ld}, Op::transposed,
+           ConstView{task.method.D.data(), s, s, s}, 0.0, View{slopes_.data(), size, s, ld});
+  for (int i = 0; i < s; ++i)
+    for (int q = 0; q < count(); q += at_once) {
+      const int width = std::min(at_once, count() - q);
+      if (width == 1) subtract_rows<1>(task.rows[index(i)], i, q, 1);
+      else subtract_rows<at_once>(task.rows[index(i)], i, q, width);
+    }
+}
+
+// The first `used` parameters from q on, of at most `width`: others repeat the last.
+template <int width>
+void ExtensionSensitivityStages::subtract_rows(const SensitivityRows& rows, int i, int q, int used) {
+  const std::size_t num_rows = index(this->num_rows()), d = choice_->states().size();
+  sources_.resize(std::max(sources_.size(), (num_rows + d) * width + 1));
+  double* const y = sources_.data();
+  const double* right[width];
+  double* r[width];
+  for (int c = 0; c < width; ++c) {
+    const int of = q + std::min(c, used - 1);
+    const double *const at = block(unknowns_, i, of), *const slopes = slopes_.data() + index(i * count() + of) * d;
+    for (std::size_t k = 0; k < num_rows; ++k) y[k * width + index(c)] = at[k];
+    for (std::size_t k = 0; k < d; ++k) y[(num_rows + k) * width + index(c)] = slopes[k];
+    right[c] = rows.right.data() + index(of) * num_rows;
+    r[c] = block(r_, i, of);
+  }
+  const int* const first = equations_.extension().first().data();
+  const int* const source = source_.data();
+  const double* const values = rows.values.data();
+  for (std::size_t row = 0; row < num_rows; ++row) {
+    double sum[width];
+    for (int c = 0; c < width; ++c) sum[c] = right[c][row];
+    for (int e = first[row]; e < first[row + 1]; ++e) {
+      const double* const from = y + index(source[e]) * width;
+      for (int c = 0; c < width; ++c) sum[c] -= values[e] * from[c];
+    }
+    for (int c = 0; c < width; ++c) r[c][row] = sum[c];
+  }
+}
+
+// As the stages of x: multiplied by T^-1 they are one real system and (s - 1) / 2 complex ones. r_ becomes the changes.
+void ExtensionSensitivityStages::take_away(const Task& task, ExtensionLinearization& by) {
+  const StageMethod& method = task.method;
+  const int s = method.s, size = num_rows() * count();
+  const View r{r_.data(), size, s, size}, transformed{transformed_.data(), size, s, size};
+  multiply(1.0, Op::plain, r, Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, transformed);
+  by.solve_step(transformed.column(0), count());
+  pair_.resize(index(size) + 1);
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    double *const first = transformed.column(2 * k + 1), *const second = transformed.column(2 * k + 2);
+    for (int i = 0; i < size; ++i) pair_[index(i)] = {first[i], -second[i]};
+    by.solve_pair(index(k), pair_.data(), count());
+    for (int i = 0; i < size; ++i) {
+      first[i] = pair_[index(i)].real();
+      second[i] = -pair_[index(i)].imag();
+    }
+  }
+  multiply(1.0, Op::plain, transformed, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, r);
+}
+
+// The largest change of S relative to the largest entry of its column, both in units of x. Not finite where anything
+// is not.
+double ExtensionSensitivityStages::add_changes(const Task& task) {
+  const std::size_t n = index(equations_.extension().n()), rows = index(num_rows());
+  per_scale_.resize(n);
+  for (std::size_t j = 0; j < n; ++j) per_scale_[j] = task.scales[j] > 0.0 ? 1.0 / task.scales[j] : 1.0;
+  double largest = 0.0;
+  for (int q = 0; q < count(); ++q) {
+    double size = 0.0, change = 0.0, sum = 0.0;
+    for (int i = 0; i < task.method.s; ++i) {
+      double* __restrict to = block(unknowns_, i, q);
+      const double* __restrict by = block(r_, i, q);
+      for (std::size_t k = 0; k < rows; ++k) to[k] += by[k];
+      for (std::size_t j = 0; j < n; ++j) {
+        const std::size_t slot = index(slots_->of_x(static_cast<int>(j)));
+        const double of_x = std::fabs(to[slot]) * per_scale_[j], of_change = std::fabs(by[slot]) * per_scale_[j];
+        size = std::max(size, of_x);
+        change = std::max(change, of_change);
+        sum += of_change;
+      }
+    }
+    if (!(sum <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
+    if (change > 0.0) largest = std::max(largest, size > 0.0 ? change / size : 1.0);
+  }
+  return largest;
+}
+
+// ---- Together --------------------------------------------------------------------------------------------------
+
+// Entries of S_j' of a state are in the columns of S_j of all stages.
+void ExtensionSensitivityStages::make_pattern(int s) {
+  if (s == s_) return;
+  s_ = 0;  // while memory may be missing
+  const MinimalExtension& extension = equations_.extension();
+  const int q = num_rows();
+  std::vector<std::pair<int, int>> places;  // column, row
+  const auto add_places = [&](int row, int column) {
+    const bool is_slope = choice_->is_slope(column);
+    for (int i = 0; i < s; ++i)
+      for (int k = is_slope ? 0 : i; k < (is_slope ? s : i + 1); ++k)
+        places.emplace_back(k * q + choice_->slot(column), i * q + row);
+  };
+  for (int row = 0; row < q; ++row)
+    for (int e = extension.first()[index(row)]; e < extension.first()[index(row + 1)]; ++e)
+      add_places(row, extension.column()[index(e)]);
+  const SparsePattern pattern = pattern_of(s * q, places, positions_);
+  together_.analyze(pattern);
+  values_.assign(pattern.row.size(), 0.0);
+  right_.assign(index(pattern.size) * index(count()) + 1, 0.0);
+  solution_ = right_;
+  s_ = s;
+}
+
+void ExtensionSensitivityStages::set_values(const Task& task) {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  const std::vector<int>& column = equations_.extension().column();
+  const std::size_t* position = positions_.data();
+  for (std::size_t e = 0; e < column.size(); ++e)
+    for (int i = 0; i < s_; ++i) {
+      const double value = task.rows[index(i)].values[e];
+      if (!choice_->is_slope(column[e])) {
+        values_[*position++] += value;
+        continue;
+      }
+      for (int k = 0; k < s_; ++k) values_[*position++] += task.method.D_at(i, k) / task.h * value;
+    }
+}
+
+void ExtensionSensitivityStages::set_right_hand_sides(const Task& task) {
+  const std::size_t q = index(num_rows()), n = index(equations_.extension().n());
+  for (int i = 0; i < s_; ++i) {
+    const SensitivityRows& rows = task.rows[index(i)];
+    double sum = 0.0;
+    for (int k = 0; k < s_; ++k) sum += task.method.D_at(i, k) / task.h;
+    for (std::size_t j = 0; j < index(count()); ++j) {
+      double* const to = right_.data() + (j * index(s_) + index(i)) * q;
+      std::copy_n(rows.right.data() + j * q, q, to);
+      for (const SensitivitySlots::Entry& entry : slots_->slopes())
+        to[entry.row] += sum * rows.values[entry.entry] * task.S_start[j * n + index(entry.state)];
+    }
+  }
+}
+
+bool ExtensionSensitivityStages::solve_together(const Task& task) {
+  make_pattern(task.method.s);
+  set_values(task);
+  set_right_hand_sides(task);
+  ++factorizations_;
+  if (!together_.solve(values_, right_.data(), count(), solution_.data())) return false;
+  for (int i = 0; i < s_; ++i)
+    for (int q = 0; q < count(); ++q)
+      std::copy_n(solution_.data() + index(q * s_ + i) * index(num_rows()), num_rows(), block(unknowns_, i, q));
+  return true;
+}
+
+void ExtensionSensitivityStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
+  local_.archive(archive, linearization);
+  int s = s_;
+  archive.small(s);
+  if (archive.is_reading()) {
+    if (s < 0 || s > max_stages || (s > 0 && s % 2 == 0)) throw DamagedArchive();
+    s_ = 0;
+    if (s > 0) make_pattern(s);
+  }
+  if (s_ > 0) together_.archive(archive);
+  int points = static_cast<int>(times_before_.size());
+  archive.small(points);
+  if (points < 0 || points > max_stages) throw DamagedArchive();
+  archive.reals(times_before_, index(points));
+  if (points > 0) archive.reals(before_, index(points) * index(num_rows()) * index(count()));
+}
+
+}  // namespace sfdae::core
