@@ -39,7 +39,7 @@ from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
-from ._functions import choose, derivative, external, table, time_derivative
+from ._functions import choose, derivative, external, time_derivative
 from ._inspection import (
     DerivativeArray,
     ExtendedSystem,
@@ -71,6 +71,7 @@ from ._status import (
 )
 from ._structs import Struct
 from ._switch import Switch
+from ._table import table
 from ._transition import Passage, Transition
 
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
@@ -80,7 +81,8 @@ __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "SingularPoint",
+    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning",
+    "SingularPoint",
     "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative", "Transition", "Switch",

@@ -11,8 +11,9 @@ from typing import Any, Callable
 import numpy as np
 
 from ._arguments import PointFunction
+from ._arrays import vector
 from ._binding import ffi, lib
-from ._expression import Expression, Recording, vector
+from ._expression import Expression, Recording
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
 from ._unknowns import Watch, require_confirmed, require_same_names
@@ -224,8 +225,7 @@ def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
         entries = flatten(_written(problem, arguments, state.values), "equations")
@@ -234,15 +234,12 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
         write_formulas(
             residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations"
         )
-    finally:
-        recording.is_open = False
 
 
 @callback("python_nonlinear_problem_linear_equations")
 def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any, f: Any) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         time = Expression(t, recording)
         shape = (problem.num_equations, problem.num_unknowns)
         for name, places in (("E", E), ("A", A), ("f", f)):
@@ -252,8 +249,6 @@ def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any,
             elif part is None:
                 continue
             write_formulas(places, part, shape[:1] if name == "f" else shape, name)
-    finally:
-        recording.is_open = False
 
 
 @callback("python_nonlinear_problem_total_derivative")
@@ -288,8 +283,7 @@ def _multibody_equations(
     state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
 ) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         time = Expression(t, recording)
         positions = vector(q, problem.num_positions, recording)
         velocities = vector(v, problem.num_velocities, recording)
@@ -309,8 +303,6 @@ def _multibody_equations(
             elif part is None:
                 continue
             write_formulas(getattr(formulas, place), part, problem.shape(name), name)
-    finally:
-        recording.is_open = False
 
 
 def _define_multibody(name: str, has_velocities: bool) -> None:

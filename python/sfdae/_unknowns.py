@@ -2,7 +2,7 @@
 """Names of unknowns as a user-supplied function writes them: ``p, q, u = x``.
 
 They are read from the bytecode, which every Python function has, also one without source text.
-They count only if they are confirmed when the function runs: a WatchedVector sees which unknowns it
+They count only if they are confirmed when the function runs: a Watch sees which unknowns it
 unpacks under which names, so that wrappers that rearrange x and branches that are not taken do not
 mislead.
 """
@@ -14,7 +14,7 @@ import functools
 import re
 import sys
 import types
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -139,9 +139,9 @@ class Watch:
         self._index = {id(unknown): i for i, unknown in enumerate(self._unknowns)}
         self._seen: dict[str, set[int | None]] = {}
 
-    def over(self, part: np.ndarray) -> WatchedVector:
-        """A part of the unknowns to be handed to the function."""
-        result = part.view(WatchedVector)
+    def over(self, part: Any) -> Any:
+        """A part of the unknowns, an ExpressionArray, to be handed to the function."""
+        result = part.view()
         result._watch = self
         return result
 
@@ -163,20 +163,6 @@ class Watch:
         """Those names that stood for one unknown alone, with its index."""
         single = {name: next(iter(seen)) for name, seen in self._seen.items() if len(seen) == 1}
         return {name: index for name, index in single.items() if index is not None}
-
-
-class WatchedVector(np.ndarray):
-    """Unknowns, or what was made of them, that tell their Watch who unpacks them."""
-
-    _watch: Watch | None = None
-
-    def __array_finalize__(self, source: Any) -> None:
-        self._watch = getattr(source, "_watch", None)
-
-    def __iter__(self) -> Iterator[Any]:
-        if self._watch is not None:
-            self._watch.note(self, sys._getframe(1))
-        return super().__iter__()
 
 
 # ---- Agreement of names --------------------------------------------------------------------------
