@@ -34,7 +34,6 @@ except ImportError as error:
         "directory of its sources"
     ) from error
 
-from ._callbacks import CannotEvaluate
 from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
@@ -53,7 +52,8 @@ from ._branches import SingularPoint
 from ._modes import Jump
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
-from ._problem import LinearProblem, NonlinearProblem, Problem
+from ._linear_problem import LinearProblem
+from ._problem import NonlinearProblem, Problem
 from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._solution import Solution, Steps
@@ -61,6 +61,7 @@ from ._solve import analyze, make_consistent, solve
 from ._points import Point, Progress
 from ._solver import Solver
 from ._status import (
+    CannotEvaluate,
     Error,
     InitialValuesWarning,
     IntegrationWarning,

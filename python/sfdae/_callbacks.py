@@ -16,11 +16,8 @@ from ._binding import ffi, lib
 from ._expression import Expression, Recording
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
+from ._status import CannotEvaluate
 from ._unknowns import Watch, require_confirmed, require_same_names
-
-
-class CannotEvaluate(Exception):
-    """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""
 
 
 class CountMismatch(ValueError):
@@ -212,13 +209,14 @@ def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -
     """Calls the equations with expressions t, x, xdot, and checks that they unpack x under the
     names that the unknowns have.
     """
+    equations, (t, x, xdot) = problem.equations, arguments
+    count = problem.num_equations
     if not problem._has_names:
-        return problem.equations(*arguments, values=values)
-    function, (t, x, xdot) = problem.equations.function, arguments
-    watch = Watch(function, x)
-    result = problem.equations(t, watch.over(x), xdot, values=values)
+        return equations(t, x, xdot, values=values, count=count)
+    watch = Watch(equations.function, x)
+    result = equations(t, watch.over(x), xdot, values=values, count=count)
     require = require_confirmed if problem._must_confirm_names else require_same_names
-    require(function, problem.names, watch.names())
+    require(equations.function, problem.names, watch.names())
     return result
 
 
@@ -259,7 +257,10 @@ def _total_derivative(
     m, n = problem.num_equations, problem.num_unknowns
     asks_for_jacobians = F_x != ffi.NULL
     jet = _numbers(derivatives, (n, order + 2))
-    result = problem.total_derivative(t, order, jet, asks_for_jacobians)
+    if problem.records:
+        result = problem.total_derivative(t, order, jet, asks_for_jacobians)
+    else:
+        result = problem._derivative_of_numbers(t, order, jet, asks_for_jacobians, state.values)
     if result is None:
         return lib.SFDAE_ORDER_NOT_AVAILABLE
     if isinstance(result, tuple):

@@ -134,11 +134,13 @@ def solve_ensemble(
     Error
         For mistakes in arguments, and problems that are not recorded.
     """
+    parameters = parameters or {}
     first = x0 if isinstance(x0, Mapping) else np.atleast_2d(np.array(x0, dtype=float))[0]
-    problem = as_problem(problem, first, names, None)
+    given = {name: value if np.ndim(value) == 0 else value[0] for name, value in parameters.items()}
+    problem = as_problem(problem, first, names, parameters=given)
     t0, t1 = span(t_span)
     times = np.array([t1]) if t_eval is None else output_times(t_eval, t0, t1)
-    common, different, count = _parameters(problem, parameters or {}, x0)
+    common, different, count = _parameters(problem, parameters, x0)
     solver = Solver(problem, parameters=common, **with_stop_time(options, t1))
     start = _start_values(problem, x0, count)
     labels, columns = _columns(different)

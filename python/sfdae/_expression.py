@@ -60,7 +60,9 @@ def explain(exception: BaseException, traceback: Any) -> None:
         modules.append(traceback.tb_frame.f_globals.get("__name__", ""))
         traceback = traceback.tb_next
     hint, text = _hint(modules), exception.args[0] if exception.args else None
-    if hint is not None and isinstance(text, str) and _AS_NUMBERS not in text:
+    if hint is None and "Expression" in str(text):  # as Python and numpy call what they cannot use
+        hint = ""
+    if hint is not None and isinstance(text, str) and "record=False" not in text:
         exception.args = (f"{text} ({hint}{_AS_NUMBERS})", *exception.args[1:])
 
 

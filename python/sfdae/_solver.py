@@ -17,7 +17,8 @@ from ._branches import Branches
 from ._modes import Modes
 from ._options import c_options, check_names
 from ._points import Point, wrapped
-from ._problem import LinearProblem, Problem
+from ._linear_problem import LinearProblem
+from ._problem import Problem
 from ._recorded_solution import RecordedSolution
 from ._sensitivities import Sensitivities
 from ._status import Error, Status
@@ -203,6 +204,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             For a value that is not finite.
         """
         for name, value in self._set_values(parameters).items():
+            if not self.problem.records:  # the function gets the values at every call
+                continue
             if np.ndim(value) == 0:
                 self._call(lib.sfdae_set_parameter, name.encode(), value)
                 continue

@@ -70,3 +70,7 @@ class InitialValuesWarning(SfdaeWarning):
 
 class IntegrationWarning(SfdaeWarning):
     """The integration ended early, or equations that contradict each other were ignored."""
+
+
+class CannotEvaluate(Exception):
+    """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""

@@ -96,18 +96,28 @@ def _code_of(function: Any) -> tuple[types.CodeType, int] | None:
     return None
 
 
-def read_names(function: Callable[..., Any]) -> tuple[str, ...] | None:
+def _is_wrapper(function: Any) -> bool:
+    plain = getattr(function, "__func__", function)  # of a method
+    return not isinstance(plain, types.FunctionType) or hasattr(plain, "__wrapped__")
+
+
+def read_names(
+    function: Callable[..., Any], is_confirmed: bool = True
+) -> tuple[str, ...] | None:
     """The names under which a function of (t, x, ...) unpacks the whole of x; None if it does not
-    do so, or several times under different names.
+    do so, or several times under different names. is_confirmed: a Watch confirms the names; else
+    they are read only where the function is no wrapper and does not assign to x.
     """
     found = _code_of(function)
-    if found is None:
+    if found is None or not is_confirmed and _is_wrapper(function):
         return None
     code, place = found
     if place >= code.co_argcount:
         return None
     x = code.co_varnames[place]
     operations = _operations(code)
+    if not is_confirmed and any(op.kind == "STORE" and op.argument == x for op in operations):
+        return None
     readings = set()
     for k, operation in enumerate(operations[:-1]):
         if (operation.kind, operation.argument) != ("LOAD", x):
@@ -172,7 +182,9 @@ def called(function: Callable[..., Any]) -> str:
     return getattr(function, "__qualname__", None) or type(function).__name__
 
 
-def names_for(function: Callable[..., Any], x0: Mapping[Any, Any]) -> tuple[str, ...] | int:
+def names_for(
+    function: Callable[..., Any], x0: Mapping[Any, Any], is_recorded: bool = True
+) -> tuple[str, ...] | int:
     """The names of the unknowns of a function for which values are given by name, or the number of
     unknowns if the values are given by index.
 
@@ -183,7 +195,7 @@ def names_for(function: Callable[..., Any], x0: Mapping[Any, Any]) -> tuple[str,
     KeyError
         For a key that is no name of an unknown.
     """
-    names = read_names(function)
+    names = read_names(function, is_confirmed=is_recorded)
     keys = list(x0)
     if names is None:
         if keys and all(isinstance(key, (int, np.integer)) for key in keys):

@@ -250,6 +250,9 @@ REFUSED = [
     ("np.linalg.solve(M * x, x)", "make the solution z .* write the equations A @ z - b"),
     ("np.fft.fft(x)", "record=False"),
     ("x.astype(float)", "record=False"),
+    ("x[0].item()", "record=False"),
+    ("[1, 2, 3][t]", "record=False"),
+    ("f'{x[0]:.3f}'", "record=False"),
     ("x[:3] @ x[0]", r"use \* for a single expression"),
 ]
 REFUSED_OF_SCIPY = [
