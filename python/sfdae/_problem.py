@@ -200,9 +200,8 @@ class NonlinearProblem(Matrices, Problem):
         equations are then ``f(t, x, ...)``.
     record : bool
         False: the equations are called with numbers at every point, and Jacobians are central
-        differences, so that branches, interpolators and other programs work. Accuracy is lower,
-        each Jacobian costs 4 n calls, and no equation can be differentiated: for differentiation
-        index 0 and 1 only.
+        differences, so that branches, interpolators and other programs work. Each Jacobian costs
+        4 n calls, and no equation can be differentiated: for differentiation index 0 and 1 only.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
     differentiations : sequence of int, optional
