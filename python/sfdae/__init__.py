@@ -34,6 +34,7 @@ except ImportError as error:
         "directory of its sources"
     ) from error
 
+from ._arrays import ExpressionArray
 from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
@@ -74,13 +75,34 @@ from ._structs import Struct
 from ._switch import Switch
 from ._table import table
 from ._transition import Passage, Transition
+from ._types import Function as _Function
 
+sqrt: _Function
+exp: _Function
+log: _Function
+log10: _Function
+sin: _Function
+cos: _Function
+tan: _Function
+arcsin: _Function
+arccos: _Function
+arctan: _Function
+arctan2: _Function
+sinh: _Function
+cosh: _Function
+tanh: _Function
+absolute: _Function
+minimum: _Function
+maximum: _Function
+sign: _Function
+floor: _Function
+mod: _Function
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
 
 __version__ = version()
 __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
-    "Event", "EventRecord", "Expression", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
+    "Event", "EventRecord", "Expression", "ExpressionArray", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning",
     "SingularPoint",

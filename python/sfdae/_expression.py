@@ -82,7 +82,10 @@ class Recording:
 
     def __exit__(self, kind: Any, exception: BaseException | None, traceback: Any) -> None:
         self.is_open = False
-        refused, self.refused = self.refused, None  # no cycle through arrays, which are not collected
+        refused, self.refused = (
+            self.refused,
+            None,
+        )  # no cycle through arrays, which are not collected
         if exception is not None:
             explain(exception, traceback)
         elif refused is not None:
@@ -131,7 +134,10 @@ def as_expression(value: Any) -> Expression:
     return Expression(c, None)
 
 
-def _operator(function: Callable[[Any, Any], Any]) -> tuple[Callable, Callable]:
+_Operator = Callable[["Expression", Any], "Expression"]
+
+
+def _operator(function: Callable[[Any, Any], Any]) -> tuple[_Operator, _Operator]:
     """The methods a (op) b and b (op) a for a function of C with two operands."""
 
     def forward(self: Expression, other: Any) -> Expression:
@@ -180,11 +186,11 @@ class Expression:
     __pow__, __rpow__ = _operator(lib.sfdae_power)
     __mod__, __rmod__ = _operator(lib.sfdae_modulo)
 
-    def __floordiv__(self, other: Any) -> Any:
+    def __floordiv__(self, other: Any) -> Expression:
         quotient = self.__truediv__(other)
         return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
 
-    def __rfloordiv__(self, other: Any) -> Any:
+    def __rfloordiv__(self, other: Any) -> Expression:
         quotient = self.__rtruediv__(other)
         return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
 

@@ -58,9 +58,7 @@ class Matrices:
                 raise ValueError(f"{part} has shape {array.shape}, not {expected}")
 
 
-def coefficient(
-    name: str, given: Any, dimension: int, parameters: Mapping[str, Any] | None
-) -> Any:
+def coefficient(name: str, given: Any, dimension: int, parameters: Mapping[str, Any] | None) -> Any:
     """An array of numbers, a function of (t, order), or a Formula in t."""
     if not callable(given):
         try:

@@ -46,7 +46,9 @@ def _select(conditions: Sequence[Any], choices: Sequence[Any], default: Any = 0)
 def _piecewise(x: Any, conditions: Any, functions: Sequence[Any], *args: Any, **kw: Any) -> Any:
     if isinstance(conditions, (Expression, bool)) or np.ndim(conditions[0]) < np.ndim(x):
         conditions = [conditions]
-    values = [function(x, *args, **kw) if callable(function) else function for function in functions]
+    values = [
+        function(x, *args, **kw) if callable(function) else function for function in functions
+    ]
     result = values.pop() if len(values) > len(conditions) else 0.0
     for condition, value in zip(conditions, values):  # the last one that holds counts
         result = choose(condition, value, result)
@@ -163,7 +165,9 @@ def matmul(a: Any, b: Any, out: Any = None) -> Any:
 def _dot(a: Any, b: Any, out: Any = None) -> Any:
     a, b = plain(a), plain(b)
     if hasattr(a, "tocsr") or hasattr(b, "tocsr") or 1 <= np.ndim(a) <= 2 and 1 <= np.ndim(b) <= 2:
-        return matmul(a if hasattr(a, "tocsr") else as_array(a), b if hasattr(b, "tocsr") else as_array(b))
+        return matmul(
+            a if hasattr(a, "tocsr") else as_array(a), b if hasattr(b, "tocsr") else as_array(b)
+        )
     return np.dot(as_array(a).astype(object), as_array(b).astype(object))
 
 
@@ -312,7 +316,9 @@ for _name in (
     OWN[getattr(np, _name)] = _made(getattr(np, _name))
 _MATRICES = "make the result unknowns, and write the equations that it satisfies"
 _ORDER = "np.maximum, np.minimum and np.where can be"
-for _name in "eig eigh eigvals eigvalsh svd qr cholesky lstsq pinv matrix_rank cond slogdet".split():
+for (
+    _name
+) in "eig eigh eigvals eigvalsh svd qr cholesky lstsq pinv matrix_rank cond slogdet".split():
     OWN[getattr(np.linalg, _name)] = _not_recorded(f"np.linalg.{_name}", _MATRICES)
 for _name in (
     "sort argsort argmax argmin median percentile quantile unique nonzero argwhere flatnonzero "

@@ -13,6 +13,7 @@ from ._equations import Equations
 from ._finite_differences import jacobian
 from ._formula import Formula, flatten, parameter_values
 from ._matrices import Matrices
+from ._types import Values
 
 _MOST_UNKNOWNS = 50_000  # of the library, which says it when a solver is created
 
@@ -95,7 +96,7 @@ class Problem:
             raise IndexError(f"there is no unknown {i}: the problem has {self.num_unknowns}")
         return i % self.num_unknowns
 
-    def values(self, given: Any, name: str = "x0", missing: Any = 0.0) -> np.ndarray:
+    def values(self, given: Values, name: str = "x0", missing: Any = 0.0) -> np.ndarray:
         """Values of all unknowns as a new array.
 
         Parameters
@@ -262,7 +263,7 @@ class NonlinearProblem(Matrices, Problem):
         )
         self._set_patterns({"F_x": F_x_pattern, "F_xdot": F_xdot_pattern}, matrices)
 
-    def residual(self, t: float, x: Any, xdot: Any, **parameters: Any) -> np.ndarray:
+    def residual(self, t: float, x: Values, xdot: Values, **parameters: Any) -> np.ndarray:
         """F(t, x, x') for numbers: the function that writes the equations, evaluated.
 
         Parameters
@@ -302,7 +303,9 @@ class NonlinearProblem(Matrices, Problem):
         def F(x: Any, xdot: Any) -> np.ndarray:
             result = self._evaluated(t, x.copy(), xdot.copy(), values)
             if len(result) != self.num_equations:
-                raise ValueError(f"{len(result)} residuals, not {self.num_equations}: num_equations?")
+                raise ValueError(
+                    f"{len(result)} residuals, not {self.num_equations}: num_equations?"
+                )
             return result
 
         x, xdot = jet[:, 0], jet[:, 1]

@@ -7,6 +7,7 @@ from collections import ChainMap
 from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._equations import Equations
 from ._events import Event, as_events
@@ -18,36 +19,38 @@ from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._run import Run
 from ._solution import Solution
-from ._points import Point
+from ._points import Point, Progress
 from ._solver import Solver
+from ._types import Breakpoints, Tolerance, Units, Unknowns, Values
 from ._unknowns import names_for
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
+EventOrFunction = Union[Event, Callable[..., Any]]
 
 
 def solve(
     problem: ProblemOrFunction,
     t_span: Sequence[float],
-    x0: Any,
+    x0: Values,
     *,
     method: str = "bdf",
-    rtol: Any = None,
-    atol: Any = None,
-    t_eval: Any = None,
+    rtol: Tolerance | None = None,
+    atol: Tolerance | None = None,
+    t_eval: ArrayLike | None = None,
     dense_output: bool | None = None,
-    events: Any = None,
-    breakpoints: Any = None,
-    fixed: Any = None,
+    events: EventOrFunction | Sequence[EventOrFunction] | None = None,
+    breakpoints: Breakpoints | None = None,
+    fixed: Unknowns | None = None,
     parameters: Mapping[str, Any] | None = None,
     max_steps: int | None = None,
     sensitivities: Sequence[str] | None = None,
-    xdot0: Any = None,
+    xdot0: Values | None = None,
     names: Sequence[str] | None = None,
-    units: Any = None,
+    units: Units | None = None,
     mass: Any = None,
     record: bool = True,
     progress: bool = False,
-    monitor: Callable[[Any], Any] | None = None,
+    monitor: Callable[[Progress], Any] | None = None,
     **options: Any,
 ) -> Solution:
     """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's
@@ -200,7 +203,7 @@ def solve(
 def analyze(
     problem: ProblemOrFunction,
     t: float = 0.0,
-    x: Any = None,
+    x: Values | None = None,
     *,
     toward: float | None = None,
     names: Sequence[str] | None = None,
@@ -248,10 +251,10 @@ def analyze(
 def make_consistent(
     problem: ProblemOrFunction,
     t: float,
-    x: Any,
+    x: Values,
     *,
-    xdot: Any = None,
-    fixed: Any = None,
+    xdot: Values | None = None,
+    fixed: Unknowns | None = None,
     names: Sequence[str] | None = None,
     mass: Any = None,
     record: bool = True,

@@ -16,12 +16,14 @@ from ._linearization import Linearizing
 from ._branches import Branches
 from ._modes import Modes
 from ._options import c_options, check_names
-from ._points import Point, wrapped
+from ._points import Point, Progress, wrapped
 from ._linear_problem import LinearProblem
 from ._problem import Problem
 from ._recorded_solution import RecordedSolution
 from ._sensitivities import Sensitivities
 from ._status import Error, Status
+from ._structs import Struct
+from ._types import Values
 
 
 class Solver(Sensitivities, Linearizing, Modes, Branches):
@@ -58,7 +60,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         problem: Problem,
         *,
         parameters: Mapping[str, Any] | None = None,
-        monitor: Callable[[Any], Any] | None = None,
+        monitor: Callable[[Progress], Any] | None = None,
         **options: Any,
     ) -> None:
         if not isinstance(problem, Problem):
@@ -238,7 +240,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
 
     # ---- Integration -----------------------------------------------------------------------------
 
-    def analyze(self, t: float, toward: float, x: Any = None) -> Any:
+    def analyze(self, t: float, toward: float, x: Values | None = None) -> Struct:
         """Detects the strangeness index at t and at a nearby point in the direction of `toward`.
 
         Parameters
@@ -265,7 +267,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             self._call(lib.sfdae_analyze_at, t, toward, self._pointer(values), ffi.NULL)
         return self.characteristics
 
-    def make_consistent(self, t: float, x: Any, xdot: Any = None) -> Point:
+    def make_consistent(self, t: float, x: Values, xdot: Values | None = None) -> Point:
         """Makes x consistent at t as the options say and computes the derivative of the solution
         through it.
 
@@ -279,7 +281,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """
         return self._values(lib.sfdae_make_consistent, (t,), x, xdot)
 
-    def start(self, t: float, x: Any, toward: float, xdot: Any = None) -> Point:
+    def start(self, t: float, x: Values, toward: float, xdot: Values | None = None) -> Point:
         """Starts or restarts the integration at (t, x) in the direction of `toward`.
 
         Parameters

@@ -12,6 +12,7 @@ from ._binding import ffi, lib
 from ._expression import Expression, as_expression
 from ._functions import external
 
+
 def table(a: Any, x: Any, y: Any = None, degree: int = 3) -> Any:
     """The value at a of the spline through points (x, y); see sfdae_table of the C library.
 

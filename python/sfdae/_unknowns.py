@@ -101,9 +101,7 @@ def _is_wrapper(function: Any) -> bool:
     return not isinstance(plain, types.FunctionType) or hasattr(plain, "__wrapped__")
 
 
-def read_names(
-    function: Callable[..., Any], is_confirmed: bool = True
-) -> tuple[str, ...] | None:
+def read_names(function: Callable[..., Any], is_confirmed: bool = True) -> tuple[str, ...] | None:
     """The names under which a function of (t, x, ...) unpacks the whole of x; None if it does not
     do so, or several times under different names. is_confirmed: a Watch confirms the names; else
     they are read only where the function is no wrapper and does not assign to x.

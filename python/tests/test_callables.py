@@ -302,7 +302,9 @@ def test_tolerances_by_name():
 
 
 def test_the_order_of_linear_coefficients_has_its_name():
-    with pytest.raises(TypeError, match=r"argument o of f has no value.* call it order: f\(t, order\)"):
+    with pytest.raises(
+        TypeError, match=r"argument o of f has no value.* call it order: f\(t, order\)"
+    ):
         sfdae.LinearProblem([[1.0]], [[1.0]], lambda t, o: [np.sin(t + o * np.pi / 2)])
     problem = sfdae.LinearProblem([[1.0]], [[1.0]], lambda t, o: [o * t], parameters={"o": 0.0})
     assert end_of(problem, (0, 1), [1.0]) == pytest.approx([np.e], rel=1e-7)

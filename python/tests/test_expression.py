@@ -56,7 +56,9 @@ def test_functions_of_scipy_have_their_values_and_derivatives(name):
     for t in (-1.5, 0.0, 0.4, 3.0):
         a = t * t + 0.1 if ufunc.nin == 2 else t
         more = [0.7] * (ufunc.nin - 1)
-        assert close(value_of(lambda s: ufunc(s * s + 0.1 if more else s, *more), t), ufunc(a, *more))
+        assert close(
+            value_of(lambda s: ufunc(s * s + 0.1 if more else s, *more), t), ufunc(a, *more)
+        )
     h = 1e-5
     slope = (ufunc(0.4 + h, *more) - ufunc(0.4 - h, *more)) / (2 * h)
     found = value_of(lambda t: sfdae.time_derivative(ufunc(t, *more)), 0.4)
