@@ -50,6 +50,13 @@ def _of_expressions(function: Callable[..., Any], count: int) -> Callable[..., E
 OF_C = _functions_of_c()
 
 
+def truth(a: Any) -> Any:
+    """What numpy takes for true: a comparison that holds, and every number but 0."""
+    if isinstance(a, Condition) or not isinstance(a, Expression):
+        return a if isinstance(a, Condition) else bool(a)
+    return (a < 0.0) | (a > 0.0)
+
+
 def _scalar_choose(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return a if condition else b
@@ -204,10 +211,10 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "log2": _log_of_base(2.0),
     "remainder": OF_C["modulo"],
     "floor_divide": lambda a, b: as_expression(a) // b,
-    "logical_and": lambda a, b: _condition(lib.sfdae_and, a, b),
-    "logical_or": lambda a, b: _condition(lib.sfdae_or, a, b),
-    "logical_not": _not,
-    "logical_xor": _xor,
+    "logical_and": lambda a, b: _condition(lib.sfdae_and, truth(a), truth(b)),
+    "logical_or": lambda a, b: _condition(lib.sfdae_or, truth(a), truth(b)),
+    "logical_not": lambda a: _not(truth(a)),
+    "logical_xor": lambda a, b: _xor(truth(a), truth(b)),
     "bitwise_and": _logical("&", lambda a, b: _condition(lib.sfdae_and, a, b)),
     "bitwise_or": _logical("|", lambda a, b: _condition(lib.sfdae_or, a, b)),
     "bitwise_xor": _logical("^", _xor),
@@ -285,6 +292,11 @@ def choose(condition: Any, a: Any, b: Any) -> Any:
     a, b : Expression, float or arrays of these
     """
     return elementwise(_scalar_choose, (condition, a, b))
+
+
+def where(condition: Any, a: Any, b: Any) -> Any:
+    """np.where: as choose, but numbers and expressions are true unless they are 0."""
+    return elementwise(lambda c, u, v: _scalar_choose(truth(c), u, v), (condition, a, b))
 
 
 def derivative(a: Any, variable: Any) -> Any:

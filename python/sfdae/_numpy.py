@@ -11,7 +11,7 @@ import numpy as np
 
 from ._arrays import ExpressionArray, elementwise, plain, wrapped
 from ._expression import Expression
-from ._functions import choose, rounded
+from ._functions import choose, rounded, where
 from ._table import table
 
 _LARGEST_MATRIX = 4  # determinants by minors: 2^n n products
@@ -33,13 +33,13 @@ def _is_recorded(array: np.ndarray) -> bool:
 def _where(condition: Any, *branches: Any) -> Any:
     if len(branches) != 2:
         raise TypeError("np.where of expressions needs both values: np.where(a > b, x, y)")
-    return choose(condition, *branches)
+    return where(condition, *branches)
 
 
 def _select(conditions: Sequence[Any], choices: Sequence[Any], default: Any = 0) -> Any:
     result = default
     for condition, choice in reversed(list(zip(conditions, choices))):
-        result = choose(condition, choice, result)
+        result = where(condition, choice, result)
     return result
 
 
@@ -51,7 +51,7 @@ def _piecewise(x: Any, conditions: Any, functions: Sequence[Any], *args: Any, **
     ]
     result = values.pop() if len(values) > len(conditions) else 0.0
     for condition, value in zip(conditions, values):  # the last one that holds counts
-        result = choose(condition, value, result)
+        result = where(condition, value, result)
     return result
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 
@@ -60,14 +60,22 @@ def _of_scipy(a: Any, spline: Any) -> Any:
         return table(a, spline.x, np.moveaxis(spline.y, spline.axis, 0), degree)
     if not callable(spline):
         raise TypeError(f"table needs points x and y, or a spline, not {spline!r}")
-    if _has_no_knots_at_the_ends(spline):
+    if _is_table(spline):
         return table(a, spline.x, spline(spline.x))
-    if np.ndim(spline(_a_point_of(spline))) > 0:
-        raise TypeError("a spline with several values at a point has to be recorded one by one")
-    return elementwise(lambda argument: external("spline", _derivatives(spline), argument), (a,))
+    _require_one_value(spline)
+
+    def derivatives(order: int, arguments: Any) -> float:
+        try:
+            return float(spline(arguments[0], nu=order))
+        except ValueError:  # UnivariateSpline, above its degree
+            if order == 0:
+                raise
+            return 0.0
+
+    return elementwise(lambda argument: external("spline", derivatives, argument), (a,))
 
 
-def _has_no_knots_at_the_ends(spline: Any) -> bool:
+def _is_table(spline: Any) -> bool:
     """Whether it is a cubic spline whose third derivative is continuous at the first and the last
     inner point: that is the table through these points.
     """
@@ -80,12 +88,18 @@ def _has_no_knots_at_the_ends(spline: Any) -> bool:
     return bool(np.all(np.abs(c[0][[0, -1]] - c[0][[1, -2]]) <= tolerance))
 
 
-def _a_point_of(spline: Any) -> float:
-    for name in ("x", "t"):
-        if hasattr(spline, name):
-            return float(getattr(spline, name)[0])
-    return float(spline.get_knots()[0])
-
-
-def _derivatives(spline: Any) -> Callable[[int, Any], Any]:
-    return lambda order, arguments: float(spline(arguments[0], nu=order))
+def _require_one_value(spline: Any) -> None:
+    """TypeError unless the spline has one argument, a derivative, and one value."""
+    try:
+        points = next(getattr(spline, name) for name in ("x", "t") if hasattr(spline, name))
+    except StopIteration:
+        points = spline.get_knots() if hasattr(spline, "get_knots") else None
+    try:
+        value = spline(float(points[0]), nu=1)
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"{type(spline).__name__} is no spline of one argument with derivatives: use "
+            "sfdae.external, or solve with record=False"
+        ) from None
+    if np.ndim(value) > 0:
+        raise TypeError("a spline with several values at a point has to be recorded one by one")

@@ -42,6 +42,12 @@ np.where((x > 0) & (x < 1), x**2, 3.0)
 np.where((x < -0.5) | (x > 0.5), 1.0, x)
 np.where(~(x > 0), x, 2 * x)
 np.where(flags, x, t)
+np.where(x, x**2, t)
+np.where([1, 0, -2, 0, 3, 0], x, t)
+np.where(x - x, x, t)
+np.logical_and(x, x - 1) * 1.0 + np.logical_or(x - x, x) + np.logical_not(x)
+np.logical_xor(x, x - x) * 1.0
+np.any(x - x) + np.all(x) * 2.0
 np.where((x > 0) & flags, x, t)
 np.where(x[:, None] > x, x[:, None], x)
 np.maximum(x, 0)
@@ -333,6 +339,26 @@ def test_splines_have_their_derivatives_and_others_are_refused():
         sfdae.table(0.3, nearest)
     with pytest.raises(TypeError, match="needs points x and y, or a spline"):
         sfdae.table(0.3, [1.0, 2.0])
+    grid = interpolate.RegularGridInterpolator((GIVEN["knots"],), GIVEN["heights"])
+    for function in (grid, np.sin):
+        with pytest.raises(TypeError, match="use sfdae.external, or solve with record=False"):
+            sfdae.table(0.3, function)
+    several = interpolate.PchipInterpolator(GIVEN["knots"], np.ones((9, 2)))
+    with pytest.raises(TypeError, match="has to be recorded one by one"):
+        sfdae.table(0.3, several)
+
+
+def test_derivatives_above_the_degree_of_a_spline_are_zero():
+    """The third derivative of x**2 in an equation of index 3: x = spline(t), v = x', w = v', z = w'."""
+    interpolate = pytest.importorskip("scipy.interpolate")
+    knots = np.linspace(0, 2, 9)
+    parabola = interpolate.UnivariateSpline(knots, knots**2, k=2, s=0)
+
+    def equations(t, x, xdot):
+        return [x[0] - sfdae.table(t, parabola), *(xdot[:3] - x[1:])]
+
+    point = sfdae.make_consistent(equations, 0.5, np.zeros(4))
+    assert point.x == pytest.approx([0.25, 1, 2, 0], abs=1e-9)
 
 
 def test_zeros_of_matrices_are_no_dependence():
