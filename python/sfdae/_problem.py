@@ -285,7 +285,10 @@ class NonlinearProblem(Matrices, Problem):
         result = self.equations(t, x, xdot, values=values, count=self.num_equations)
         if isinstance(result, np.ndarray) and result.dtype == float:
             return result.ravel()
-        return np.array(flatten(result, "equations"), dtype=float)
+        entries = np.array(flatten(result, "equations"))
+        if np.iscomplexobj(entries):
+            raise TypeError("equations returned complex values; sfdae is real")
+        return entries.astype(float)
 
     def with_names(self, text: str) -> str:
         """A message of the library; what it says of missing derivatives fits record=False."""

@@ -234,6 +234,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """The value that the library has of a parameter, also of ``sfdae.parameter`` and of
         ``"k[1]"``.
         """
+        if not self.problem.records and np.ndim(self._state.values.get(name, [])) == 0:
+            return float(self._state.values[name])
         value = ffi.new("double*")
         self._call(lib.sfdae_get_parameter, name.encode(), value)
         return value[0]

@@ -243,6 +243,8 @@ def test_exceptions_without_a_recording_keep_their_traceback():
     with pytest.raises(LookupError, match="no such entry") as caught:
         sfdae.solve(equations, (0, 1), [1.0], record=False)
     assert traceback.extract_tb(caught.value.__traceback__)[-1].name == "deep"
+    with pytest.raises(TypeError, match="complex values"):
+        sfdae.solve(lambda t, x, xdot: xdot + 1j, (0, 1), [1.0], record=False)
     with pytest.raises(ValueError, match="1 residuals, not 2"):
         sfdae.solve(lambda t, x, xdot: xdot[:1], (0, 1), [1.0, 0.0], record=False)
 
@@ -252,6 +254,20 @@ def test_exceptions_without_a_recording_keep_their_traceback():
         return xdot - np.sqrt(x)
 
     assert end_of(rejecting, (0, 1), [1.0], record=False)[0] == pytest.approx(2.25, abs=1e-5)
+
+
+def test_parameters_without_a_recording():
+    solver = sfdae.Solver(sfdae.NonlinearProblem(in_place, 2, record=False), **EXACT)
+    solver.start(0, [1, 0], 1)
+    solver.set_parameters(k=4.0)
+    assert solver.get_parameter("k") == 4.0
+    solver.start(0, [1, 0], 1)
+    assert solver.advance(1).x[0] == pytest.approx(np.cos(2), abs=1e-7)
+    with pytest.raises(sfdae.Error, match='no parameter "j"'):
+        solver.get_parameter("j")
+    problem = sfdae.NonlinearProblem(in_place, 2, record=False)
+    with pytest.raises(sfdae.Error, match="sensitivities need recorded equations"):
+        sfdae.solve(problem, (0, 1), [1, 0], sensitivities=["k"])
 
 
 def test_steps_of_differences_stay_where_the_function_has_values():
