@@ -89,7 +89,7 @@ class Equations(Formula):
 
 
 def _count_arguments(function: Callable[..., Any]) -> int:
-    """Of those that are passed by their places and have no default; 0 if nobody knows."""
+    """The number of arguments that are passed by place and have no default; 0 if it is unknown."""
     try:
         places = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

@@ -15,6 +15,7 @@ from ._binding import ffi, lib
 _NO_VALUE = "an expression has no value while equations are recorded, so that {}. {}"
 _AS_NUMBERS = "record=False calls the function with numbers instead of recording it"
 _BRANCHES = "Use np.where(a > b, ...), np.maximum(a, b), np.minimum(a, b) or sfdae.choose. "
+_EQUALITY = "Use np.where(abs(a - b) < c, ...). "
 _ARRAYS = "Arrays of expressions need like=x: np.array([...], like=x), np.zeros(n, like=x). "
 _NUMBERS = "Use np.sin, np.exp, ... (not those of math), and np.zeros(n, like=x) for arrays. "
 
@@ -46,10 +47,14 @@ def no_value(what: str, frame: Any) -> TypeError:
     code = frame.f_code.co_code
     operation = dis.opname[code[frame.f_lasti]] if 0 <= frame.f_lasti < len(code) else ""
     hint = _hint(modules)
-    if hint is None and operation.startswith(("STORE_S", "COMPARE_OP")):  # STORE_SUBSCR, _SLICE
+    if hint is None and what.startswith(("==", "!=")):
+        hint = _EQUALITY
+    elif hint is None and operation.startswith(("STORE_S", "COMPARE_OP")):  # STORE_SUBSCR, _SLICE
         hint = _ARRAYS
-    elif hint is None:
-        hint = _NUMBERS if what == "it is no float" else _BRANCHES + _ARRAYS
+    elif hint is None and what == "it is no float":
+        hint = _NUMBERS
+    elif hint is None:  # max(a, b), or np.maximum of an array made by np.array
+        hint = _BRANCHES + (_ARRAYS if "CALL" in operation else "")
     return TypeError(_NO_VALUE.format(what, hint) + _AS_NUMBERS)
 
 

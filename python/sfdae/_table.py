@@ -76,8 +76,8 @@ def _of_scipy(a: Any, spline: Any) -> Any:
 
 
 def _is_table(spline: Any) -> bool:
-    """Whether it is a cubic spline whose third derivative is continuous at the first and the last
-    inner point: that is the table through these points.
+    """True for a cubic spline whose third derivative is continuous at the first and the last inner
+    point: that is the table through these points.
     """
     c = getattr(spline, "c", None)
     if type(spline).__name__ != "CubicSpline" or len(c) != 4 or c.shape[1] < 3:
