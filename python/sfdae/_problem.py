@@ -45,6 +45,7 @@ class Problem:
 
     kind = ""
     records = True  # functions write formulas once, or callbacks have their derivatives
+    default_options: Mapping[str, Any] = {}  # of solvers, unless others are given
     num_equations: int | None
     num_unknowns: int
 
@@ -249,6 +250,8 @@ class NonlinearProblem(Matrices, Problem):
         if (equations is None) == (total_derivative is None):
             raise TypeError("either equations or total_derivative is needed")
         self.records = bool(record) or equations is None
+        if not self.records:  # a comparison of differences with differences
+            self.default_options = {"check_derivatives": 0}
         self._counts = num_equations is None and equations is not None
         self.num_equations = self.num_unknowns if num_equations is None else int(num_equations)
         self.equations = equations if isinstance(equations, Equations) else None

@@ -69,7 +69,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             )
         check_names(options)
         self.problem = problem
-        self._options = dict(options)
+        self._options = {**problem.default_options, **options}
         self._lock = threading.RLock()
         self._box = ffi.new("sfdae_solver**")
         self._recorder = ffi.gc(ffi.new("python_recorder*"), lib.python_free_steps)

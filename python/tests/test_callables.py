@@ -256,6 +256,15 @@ def test_exceptions_without_a_recording_keep_their_traceback():
     assert end_of(rejecting, (0, 1), [1.0], record=False)[0] == pytest.approx(2.25, abs=1e-5)
 
 
+def test_branches_may_switch_at_the_start_or_later():
+    def slope(t, x, xdot, level):
+        return [xdot[0] + (1.0 if x[0] >= level else 2.0)]
+
+    for level in (0.5, 1.0):
+        found = end_of(slope, (0, 1), [1.0], parameters={"level": level}, record=False)
+        assert found[0] == pytest.approx(1 - (1 - level) - 2 * level, abs=1e-5)
+
+
 def test_parameters_without_a_recording():
     solver = sfdae.Solver(sfdae.NonlinearProblem(in_place, 2, record=False), **EXACT)
     solver.start(0, [1, 0], 1)
