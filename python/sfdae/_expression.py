@@ -64,11 +64,17 @@ def explain(exception: BaseException, traceback: Any) -> None:
     while traceback is not None:
         modules.append(traceback.tb_frame.f_globals.get("__name__", ""))
         traceback = traceback.tb_next
-    hint, text = _hint(modules), exception.args[0] if exception.args else None
-    if hint is None and "Expression" in str(text):  # as Python and numpy call what they cannot use
+    hint, text = _hint(modules), str(exception)
+    if hint is None and "dtype('O')" in text:  # numpy, of an array made without like=x
+        hint = _ARRAYS
+    elif hint is None and "Expression" in text:  # as Python calls what it cannot use
         hint = ""
-    if hint is not None and isinstance(text, str) and "record=False" not in text:
-        exception.args = (f"{text} ({hint}{_AS_NUMBERS})", *exception.args[1:])
+    is_explained = hint is None or "record=False" in text or not exception.args
+    if is_explained or not isinstance(exception, Exception):
+        return
+    if not isinstance(exception.args[0], str):  # UFuncTypeError makes its text of other arguments
+        raise TypeError(f"{text} ({hint}{_AS_NUMBERS})") from exception
+    exception.args = (f"{text} ({hint}{_AS_NUMBERS})", *exception.args[1:])
 
 
 class Recording:

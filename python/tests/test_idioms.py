@@ -257,6 +257,9 @@ REFUSED = [
     ("np.fft.fft(x)", "record=False"),
     ("x.astype(float)", "record=False"),
     ("x[0].item()", "record=False"),
+    ("np.linalg.solve(M, np.asarray(x) * 2)", r"np.array\(\[...\], like=x\)"),
+    ("np.linalg.det(np.array([[x[0], 1], [2, x[1]]]))", r"np.array\(\[...\], like=x\)"),
+    ("np.interp(0.4, [0, 1], np.array([x[0], x[1]]))", r"np.array\(\[...\], like=x\)"),
     ("[1, 2, 3][t]", "record=False"),
     ("f'{x[0]:.3f}'", "record=False"),
     ("x[:3] @ x[0]", r"use \* for a single expression"),
@@ -359,6 +362,19 @@ def test_derivatives_above_the_degree_of_a_spline_are_zero():
 
     point = sfdae.make_consistent(equations, 0.5, np.zeros(4))
     assert point.x == pytest.approx([0.25, 1, 2, 0], abs=1e-9)
+
+
+def test_exceptions_of_other_kinds_stay_as_they_are():
+    optimize = pytest.importorskip("scipy.optimize")
+
+    def fails(v):
+        raise LookupError
+
+    with pytest.raises(LookupError) as caught:
+        values_of(lambda t, x: optimize.brentq(fails, 0, 1), 0.3, [1.0], 1)
+    assert caught.value.args == ()
+    with pytest.raises(KeyError, match="^'mode'$"):
+        values_of(lambda t, x: {}["mode"] * x, 0.3, [1.0], 1)
 
 
 def test_zeros_of_matrices_are_no_dependence():
