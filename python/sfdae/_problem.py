@@ -11,7 +11,7 @@ import numpy as np
 from ._binding import ffi, lib
 from ._equations import Equations
 from ._finite_differences import jacobian
-from ._formula import Formula, flatten, parameter_values
+from ._formula import flatten, parameter_values
 from ._matrices import Matrices
 from ._types import Values
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 from typing import Any, Callable
 
 from ._arrays import vector
-from ._binding import lib
 from ._callbacks import callback
 from ._expression import Expression, Recording, as_expression
 from ._formula import Formula, parameter_values

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import Any, Mapping, Protocol, Sequence, SupportsFloat, Union, overload
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import ExpressionArray

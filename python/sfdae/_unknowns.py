@@ -12,7 +12,6 @@ from __future__ import annotations
 import dis
 import functools
 import re
-import sys
 import types
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
