@@ -146,7 +146,7 @@ int check_references(const Arguments& arguments) {
   }
   std::printf("%d references, %d not known, largest error %.1e, largest difference to the second method %.1e\n",
               count, unknown, worst_error, worst_difference);
-  return 0;
+  return unknown > 0 || doubtful > 0 ? 1 : 0;
 }
 
 }  // namespace
