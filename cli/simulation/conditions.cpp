@@ -74,10 +74,10 @@ std::vector<Condition> given_conditions(const System& system, const std::vector<
       continue;
     if (variable.is_input) continue;
     Condition condition;
-    condition.text = text_of_start(system, v, system.own_start[at(v)]) + " (start value)";
+    condition.text = text_of_start(system, v, system.starts.own[at(v)]) + " (start value)";
     condition.at = variable.at;
     condition.left = system.values[at(v)];
-    condition.right = system.own_start[at(v)];
+    condition.right = system.starts.own[at(v)];
     simplify(system.formulas, number_of, condition);
     result.push_back(condition);
   }
@@ -97,17 +97,17 @@ std::vector<Condition> possible_conditions(const System& system, const std::vect
     const int v = unknowns[at(j)];
     const bool is_parameter = system.model.variables[at(v)].variability == Variability::parameter;
     return std::make_tuple(is_parameter || system.is_state[at(v)] != 0 ? 1 : 0,
-                           static_cast<int>(system.model.variables[at(v)].state_select), system.has_start[at(v)],
-                           is_parameter ? 0 : 1);
+                           static_cast<int>(system.model.variables[at(v)].state_select),
+                           system.starts.are_given[at(v)], is_parameter ? 0 : 1);
   };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return wish(a) > wish(b); });
   std::vector<Condition> result;
   for (int j : order) {
     const int v = unknowns[at(j)];
-    const Formula start = system.start_formulas[at(v)];
+    const Formula start = system.starts.formulas[at(v)];
     const int unknown = system.formulas.is_number(start) ? j : -1;  // else free parameters are in it
-    result.push_back({unknown, system.start[at(v)], 1.0, system.values[at(v)], start, text_of_start(system, v, start),
-                      system.model.variables[at(v)].at});
+    result.push_back({unknown, system.starts.numbers[at(v)], 1.0, system.values[at(v)], start,
+                      text_of_start(system, v, start), system.model.variables[at(v)].at});
   }
   return result;
 }

@@ -19,9 +19,9 @@ Discrete::Discrete(const System& system)
       initial_(system.formulas),
       reactions_(system.formulas),
       others_(system.formulas) {
-  for (const DiscreteAssignment& assignment : system.discrete)
+  for (const DiscreteAssignment& assignment : system.at_events.discrete)
     assignments_.add_assignment(assignment.variable, assignment.value);
-  for (const DiscreteAssignment& assignment : system.initial_discrete) initial_.add(assignment.value);
+  for (const DiscreteAssignment& assignment : system.at_events.initial) initial_.add(assignment.value);
   for (const Reaction& reaction : system.reactions) {
     reactions_.add(reaction.active);
     reactions_.add(reaction.value >= 0 ? reaction.value : reaction.active);
@@ -33,17 +33,17 @@ Discrete::Discrete(const System& system)
 }
 
 bool Discrete::update(Values& values) {
-  if (system_.discrete.empty()) return false;
+  if (system_.at_events.discrete.empty()) return false;
   bool has_changed = false;
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     before_ = values.variable;
     assignments_.run(values);
     const bool changes = !are_same(before_, values.variable);
     has_changed = has_changed || changes;
-    if (!changes || !system_.has_discrete_loop) return has_changed;
+    if (!changes || !system_.at_events.has_loop) return has_changed;
   }
   std::string names;
-  for (const DiscreteAssignment& assignment : system_.discrete)
+  for (const DiscreteAssignment& assignment : system_.at_events.discrete)
     if (at(assignment.variable) < system_.model.variables.size() &&
         !are_same(before_[at(assignment.variable)], values.variable[at(assignment.variable)]))
       names += (names.empty() ? "" : ", ") + system_.model.variables[at(assignment.variable)].name;
@@ -53,11 +53,11 @@ bool Discrete::update(Values& values) {
 }
 
 bool Discrete::set_initial(Values& values) {
-  if (system_.initial_discrete.empty()) return false;
+  if (system_.at_events.initial.empty()) return false;
   initial_.run(values);
   bool has_changed = false;
   for (int i = 0; i < initial_.size(); ++i) {
-    const int v = system_.initial_discrete[at(i)].variable;
+    const int v = system_.at_events.initial[at(i)].variable;
     if (are_same(values.previous[at(v)], initial_[i])) continue;
     values.previous[at(v)] = initial_[i];
     values.variable[at(v)] = initial_[i];
@@ -67,7 +67,7 @@ bool Discrete::set_initial(Values& values) {
 }
 
 bool Discrete::differs_from_previous(const Values& values) const {
-  for (const DiscreteAssignment& assignment : system_.discrete)
+  for (const DiscreteAssignment& assignment : system_.at_events.discrete)
     if (!are_same(values.variable[at(assignment.variable)], values.previous[at(assignment.variable)])) return true;
   return false;
 }

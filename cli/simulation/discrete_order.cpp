@@ -8,7 +8,7 @@
 namespace sfdae::cli {
 
 void sort_discrete(System& system) {
-  const std::vector<DiscreteAssignment> given = std::move(system.discrete);
+  const std::vector<DiscreteAssignment> given = std::move(system.at_events.discrete);
   std::unordered_map<int, std::size_t> assignment_of;
   for (std::size_t i = 0; i < given.size(); ++i) assignment_of[given[i].variable] = i;
   std::vector<std::vector<std::size_t>> needed(given.size());
@@ -21,7 +21,7 @@ void sort_discrete(System& system) {
   enum class Mark { none, open, done };
   std::vector<Mark> marks(given.size(), Mark::none);
   std::vector<std::size_t> next(given.size(), 0), stack;
-  system.discrete.clear();
+  system.at_events.discrete.clear();
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (marks[i] == Mark::none) stack.push_back(i);
     while (!stack.empty()) {
@@ -29,12 +29,12 @@ void sort_discrete(System& system) {
       marks[k] = Mark::open;
       if (next[k] == needed[k].size()) {
         marks[k] = Mark::done;
-        system.discrete.push_back(given[k]);
+        system.at_events.discrete.push_back(given[k]);
         stack.pop_back();
         continue;
       }
       const std::size_t other = needed[k][next[k]++];
-      if (marks[other] == Mark::open) system.has_discrete_loop = true;
+      if (marks[other] == Mark::open) system.at_events.has_loop = true;
       if (marks[other] == Mark::none) stack.push_back(other);
     }
   }

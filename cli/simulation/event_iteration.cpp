@@ -88,7 +88,7 @@ std::vector<int> EventIteration::states_to_keep(Mode& mode, const sfdae::Point& 
   const std::size_t n = point.x.size();
   const auto nominal = [&](std::size_t j) {
     const int v = modes_.unknowns()[j];
-    return v >= 0 ? system_.nominal[at(v)] : 1.0;
+    return v >= 0 ? system_.sizes.nominal[at(v)] : 1.0;
   };
   std::vector<double> weights(n);
   std::vector<int> result = fixed;

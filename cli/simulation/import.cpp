@@ -121,7 +121,7 @@ Formula Import::frozen(const Node& node, Switch it, Operation operation) {
 double Import::size_of(const Node& node) const {
   double size = 0.0;
   for (const Expression& operand : node.operands) {
-    if (operand->operation == Operation::variable) size = std::max(size, system_.nominal[at(operand->index)]);
+    if (operand->operation == Operation::variable) size = std::max(size, system_.sizes.nominal[at(operand->index)]);
     if (operand->operation == Operation::number) size = std::max(size, std::fabs(operand->value));
   }
   return size > 0.0 ? size : 1.0;

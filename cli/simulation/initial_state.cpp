@@ -16,9 +16,9 @@ constexpr int max_rounds = 50;
 void InitialState::set_start_values(double t, Values& values) const {
   values.t = t;
   values.is_initial = true;
-  for (std::size_t v = 0; v < system_.model.variables.size(); ++v) values.variable[v] = system_.start[v];
+  for (std::size_t v = 0; v < system_.model.variables.size(); ++v) values.variable[v] = system_.starts.numbers[v];
   for (int v : modes_.unknowns())
-    if (v >= 0) values.variable[at(v)] = system_.start[at(v)];
+    if (v >= 0) values.variable[at(v)] = system_.starts.numbers[at(v)];
   values.previous = values.variable;
 }
 

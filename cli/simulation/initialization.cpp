@@ -39,12 +39,12 @@ Initialization::Initialization(const System& system, Modes& modes, LibraryCalls&
 
 double Initialization::nominal(int unknown) const {
   const int v = modes_.unknowns()[at(unknown)];
-  return v >= 0 ? system_.nominal[at(v)] : 1.0;
+  return v >= 0 ? system_.sizes.nominal[at(v)] : 1.0;
 }
 
 double Initialization::scale(int unknown) const {
   const int v = modes_.unknowns()[at(unknown)];
-  return v >= 0 ? system_.scale[at(v)] : 1.0;
+  return v >= 0 ? system_.sizes.scale[at(v)] : 1.0;
 }
 
 bool Initialization::make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed) {

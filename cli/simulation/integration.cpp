@@ -21,7 +21,7 @@ constexpr double at_start = 1e-4;
 
 bool uses_derivatives(const System& system) {
   const auto depends = [&](Formula f) { return f >= 0 && system.formulas.depends(f, on_derivative); };
-  return std::any_of(system.discrete.begin(), system.discrete.end(),
+  return std::any_of(system.at_events.discrete.begin(), system.at_events.discrete.end(),
                      [&](const auto& it) { return depends(it.value); }) ||
          std::any_of(system.switches.begin(), system.switches.end(), [&](const auto& it) { return depends(it.g); }) ||
          std::any_of(system.reactions.begin(), system.reactions.end(),
@@ -47,8 +47,7 @@ Integration::Integration(const Parts& parts)
       root_values_(parts.system),
       next_sample_(parts.system.samples.size(), 0),
       needs_derivatives_(uses_derivatives(parts.system)),
-      last_event_(parts.settings.start),
-      close_changes_(parts.system.switches.size(), 0) {
+      close_events_{parts.settings.start, 0, std::vector<int>(parts.system.switches.size(), 0)} {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
 }
 
@@ -394,14 +393,14 @@ bool Integration::roots_jump(Values before, Values after) {
 
 void Integration::count_event(const std::string& text, const Values& before, const Values& after) {
   const double t = after.t;
-  const bool is_close = t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start);
-  if (!is_close) close_changes_.assign(after.switches.size(), 0);
-  num_close_events_ = is_close ? num_close_events_ + 1 : 0;
-  last_event_ = t;
+  const bool is_close = t - close_events_.last <= close_events * (parts_.settings.stop - parts_.settings.start);
+  if (!is_close) close_events_.changes.assign(after.switches.size(), 0);
+  close_events_.count = is_close ? close_events_.count + 1 : 0;
+  close_events_.last = t;
   int most_changes = 0;
   for (std::size_t s = 0; s < after.switches.size(); ++s)
-    if (before.switches[s] != after.switches[s]) most_changes = std::max(most_changes, ++close_changes_[s]);
-  if (num_close_events_ > max_close_events || most_changes > max_close_changes)
+    if (before.switches[s] != after.switches[s]) most_changes = std::max(most_changes, ++close_events_.changes[s]);
+  if (close_events_.count > max_close_events || most_changes > max_close_changes)
     throw Failure(Outcome::not_finished, SFDAE_OK,
                   "events accumulate at t = " + to_text(t) + ", the last one: " + text +
                       ". A relation changes again and again (chattering, or an impact that never ends); give it a "

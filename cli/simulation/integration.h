@@ -74,10 +74,13 @@ class Integration {
   bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false, has_warned_ = false;
   double start_ = 0.0;  // of the piece under way
   long next_output_ = 1, num_steps_ = 0;
-  double last_event_;
-  int num_close_events_ = 0;
-  std::vector<int> close_changes_;  // of each switch, in these events
-  bool is_over_ = false;            // terminate() acted
+  // Events that follow each other closely up to the last one.
+  struct CloseEvents {
+    double last;
+    int count = 0;
+    std::vector<int> changes;  // of each switch
+  } close_events_;
+  bool is_over_ = false;  // terminate() acted
 };
 
 }  // namespace sfdae::cli

@@ -100,7 +100,7 @@ std::string Output::cause(int variable, const Values& values) const {
 
 std::string Output::undefined_operation(int variable, const Values& values) const {
   Formula value = system_.values[at(variable)];
-  for (const DiscreteAssignment& assignment : system_.discrete)
+  for (const DiscreteAssignment& assignment : system_.at_events.discrete)
     if (assignment.variable == variable) value = assignment.value;
   const std::vector<Formula> parts = system_.formulas.parts({value});
   Tape tape(system_.formulas);
@@ -131,7 +131,7 @@ void Output::check_bounds(const Values& values) {
   for (std::size_t i = 0; i < system_.checked.size(); ++i) {
     const CheckedVariable& it = system_.checked[i];
     const double value = values.variable[at(it.variable)];
-    const double tolerance = bound_tolerance * (system_.nominal[at(it.variable)] + std::fabs(value));
+    const double tolerance = bound_tolerance * (system_.sizes.nominal[at(it.variable)] + std::fabs(value));
     const double min = bounds_[2 * static_cast<int>(i)], max = bounds_[2 * static_cast<int>(i) + 1];
     if (is_outside_[i] != 0 || (value >= min - tolerance && value <= max + tolerance)) continue;
     is_outside_[i] = 1;

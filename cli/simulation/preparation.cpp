@@ -60,32 +60,33 @@ class Preparation {
 
   void describe_variables() {
     const std::size_t count = model().variables.size();
-    system_.nominal.assign(count, 1.0);
-    system_.scale.assign(count, 1.0);
-    system_.start.assign(count, 0.0);
-    system_.has_start.assign(count, 0);
+    system_.sizes.nominal.assign(count, 1.0);
+    system_.sizes.scale.assign(count, 1.0);
+    system_.starts.numbers.assign(count, 0.0);
+    system_.starts.are_given.assign(count, 0);
     system_.is_state.assign(count, 0);
     determined_.assign(count, Determined::elsewhere);
     for (int v = 0; v < num_variables(); ++v) {
       const Variable& variable = model().variables[at(v)];
       if (const auto start = parameters_.start(v)) {
-        system_.start[at(v)] = *start;
-        system_.has_start[at(v)] = 1;
+        system_.starts.numbers[at(v)] = *start;
+        system_.starts.are_given[at(v)] = 1;
       } else if (variable.type == Type::enumeration) {
-        system_.start[at(v)] = 1.0;
+        system_.starts.numbers[at(v)] = 1.0;
       }
       const double nominal = variable.nominal ? std::fabs(parameters_.value(variable.nominal)) : 0.0;
-      system_.nominal[at(v)] =
-          std::isfinite(nominal) && nominal > 0.0 ? nominal : std::max(1.0, std::fabs(system_.start[at(v)]));
-      system_.scale[at(v)] = std::isfinite(nominal) && nominal > 0.0 ? nominal : scale_of(system_.start[at(v)]);
+      system_.sizes.nominal[at(v)] =
+          std::isfinite(nominal) && nominal > 0.0 ? nominal : std::max(1.0, std::fabs(system_.starts.numbers[at(v)]));
+      system_.sizes.scale[at(v)] =
+          std::isfinite(nominal) && nominal > 0.0 ? nominal : scale_of(system_.starts.numbers[at(v)]);
       if (parameters_.is_free(v) && !is_discrete(variable)) system_.free_parameters.push_back(v);
       add_bounds(system_, parameters_, import_, v, warnings_);
       if (parameters_.is_known(v) || parameters_.is_free(v) || parameters_.is_derived(v)) continue;
       if (variable.is_input) continue;
       determined_[at(v)] = is_discrete(variable) ? Determined::discretely : Determined::continuously;
     }
-    for (int v = 0; v < num_variables(); ++v) system_.start_formulas.push_back(start_formula(v));
-    system_.own_start = system_.start_formulas;
+    for (int v = 0; v < num_variables(); ++v) system_.starts.formulas.push_back(start_formula(v));
+    system_.starts.own = system_.starts.formulas;
     for (const When& when : model().whens)
       for (const WhenBranch& branch : when.branches)
         for (const Action& action : branch.actions)
@@ -98,7 +99,7 @@ class Preparation {
   Formula start_formula(int v) {
     const Variable& variable = model().variables[at(v)];
     const Expression& start = parameters_.is_free(v) && !variable.start ? variable.binding : variable.start;
-    const Formula number = system_.formulas.number(system_.start[at(v)]);
+    const Formula number = system_.formulas.number(system_.starts.numbers[at(v)]);
     if (!start || parameters_.given_starts().count(v) != 0) return number;
     const Formula formula = import_(start, Context::literal);
     return system_.formulas.depends(formula, on_free | on_discrete) ? formula : number;
@@ -121,7 +122,7 @@ class Preparation {
     }
     ClassifiedEquations classified = classify(system_, equations, determined_);
     residuals_ = std::move(classified.continuous);
-    system_.discrete = std::move(classified.discrete);
+    system_.at_events.discrete = std::move(classified.discrete);
   }
 
   // Initial equations of discrete variables say what pre() of them is.
@@ -137,8 +138,8 @@ class Preparation {
                     right = import_(equation.right, Context::instant);
       const int of_left = target(left), of_right = target(right);
       const std::string text = to_text(equation.left, model()) + " = " + to_text(equation.right, model());
-      if (of_left >= 0) system_.initial_discrete.push_back({of_left, right, equation.at});
-      else if (of_right >= 0) system_.initial_discrete.push_back({of_right, left, equation.at});
+      if (of_left >= 0) system_.at_events.initial.push_back({of_left, right, equation.at});
+      else if (of_right >= 0) system_.at_events.initial.push_back({of_right, left, equation.at});
       else system_.initial_conditions.push_back({left, right, equation.at, text});
     }
     add_discrete_starts();
@@ -147,11 +148,11 @@ class Preparation {
   // Start values of discrete variables that free parameters determine.
   void add_discrete_starts() {
     std::vector<char> has_equation(model().variables.size(), 0);
-    for (const DiscreteAssignment& assignment : system_.initial_discrete) has_equation[at(assignment.variable)] = 1;
+    for (const DiscreteAssignment& assignment : system_.at_events.initial) has_equation[at(assignment.variable)] = 1;
     for (int v = 0; v < num_variables(); ++v) {
-      const bool is_number = system_.formulas.is_number(system_.own_start[at(v)]);
+      const bool is_number = system_.formulas.is_number(system_.starts.own[at(v)]);
       if (!is_number && is_discrete(model().variables[at(v)]) && has_equation[at(v)] == 0)
-        system_.initial_discrete.push_back({v, system_.own_start[at(v)], model().variables[at(v)].at});
+        system_.at_events.initial.push_back({v, system_.starts.own[at(v)], model().variables[at(v)].at});
     }
   }
 
@@ -170,7 +171,7 @@ class Preparation {
 
   void find_states() {
     std::vector<Formula> all;
-    for (const DiscreteAssignment& assignment : system_.discrete) all.push_back(assignment.value);
+    for (const DiscreteAssignment& assignment : system_.at_events.discrete) all.push_back(assignment.value);
     for (const Switch& it : system_.switches) all.push_back(it.g);
     for (const Reaction& reaction : system_.reactions) all.push_back(reaction.value);
     for (const InitialCondition& condition : system_.initial_conditions) {
@@ -189,7 +190,7 @@ class Preparation {
     for (int v = 0; v < num_variables(); ++v) {
       const Variable& variable = model().variables[at(v)];
       ranks.push_back((system_.is_state[at(v)] != 0 ? 100 : 0) + 10 * static_cast<int>(variable.state_select) +
-                      (variable.is_fixed ? 4 : 0) + (system_.has_start[at(v)] != 0 ? 2 : 0));
+                      (variable.is_fixed ? 4 : 0) + (system_.starts.are_given[at(v)] != 0 ? 2 : 0));
     }
     return ranks;
   }
@@ -246,24 +247,24 @@ class Preparation {
       if (system_.is_state[at(v)] != 0) system_.is_state[root] = 1;
       if (is_state_outside_[at(v)] != 0) is_state_outside_[root] = 1;
       if (has_nominal[at(v)] != 0 && has_nominal[root] == 0) {
-        system_.nominal[root] = system_.scale[root] = system_.nominal[at(v)];
+        system_.sizes.nominal[root] = system_.sizes.scale[root] = system_.sizes.nominal[at(v)];
         has_nominal[root] = 1;
       }
-      const int own = (model().variables[at(v)].is_fixed ? 2 : 0) + (system_.has_start[at(v)] != 0 ? 1 : 0);
+      const int own = (model().variables[at(v)].is_fixed ? 2 : 0) + (system_.starts.are_given[at(v)] != 0 ? 1 : 0);
       const int present = std::max(
-          quality[root], (model().variables[root].is_fixed ? 2 : 0) + (system_.has_start[root] != 0 ? 1 : 0));
+          quality[root], (model().variables[root].is_fixed ? 2 : 0) + (system_.starts.are_given[root] != 0 ? 1 : 0));
       if (own <= present) continue;
       quality[root] = own;
-      system_.start[root] = alias.sign * (system_.start[at(v)] - alias.offset);
-      system_.start_formulas[root] =
-          system_.formulas.is_number(system_.own_start[at(v)])
-              ? system_.formulas.number(system_.start[root])
-              : with_sign_of(alias, system_.formulas.subtract(system_.own_start[at(v)],
+      system_.starts.numbers[root] = alias.sign * (system_.starts.numbers[at(v)] - alias.offset);
+      system_.starts.formulas[root] =
+          system_.formulas.is_number(system_.starts.own[at(v)])
+              ? system_.formulas.number(system_.starts.numbers[root])
+              : with_sign_of(alias, system_.formulas.subtract(system_.starts.own[at(v)],
                                                               system_.formulas.number(alias.offset)));
-      system_.has_start[root] = system_.has_start[at(v)];
+      system_.starts.are_given[root] = system_.starts.are_given[at(v)];
       if (has_nominal[root] != 0) continue;
-      system_.nominal[root] = std::max(1.0, std::fabs(system_.start[root]));
-      system_.scale[root] = scale_of(system_.start[root]);
+      system_.sizes.nominal[root] = std::max(1.0, std::fabs(system_.starts.numbers[root]));
+      system_.sizes.scale[root] = scale_of(system_.starts.numbers[root]);
     }
   }
 
@@ -289,7 +290,7 @@ class Preparation {
   void substitute(const Aliases& aliases, const std::vector<ExplicitState>& states,
                   const std::vector<SolvedUnknown>& definitions) {
     system_.defined_at.assign(model().variables.size(), {});
-    for (const DiscreteAssignment& assignment : system_.discrete)
+    for (const DiscreteAssignment& assignment : system_.at_events.discrete)
       if (at(assignment.variable) < system_.defined_at.size())
         system_.defined_at[at(assignment.variable)] = assignment.at;
     std::vector<std::vector<int>> members(model().variables.size());
@@ -346,10 +347,11 @@ class Preparation {
   }
 
   void finish() {
-    for (DiscreteAssignment& assignment : system_.discrete) assignment.value = substitution_(assignment.value);
-    for (DiscreteAssignment& assignment : system_.initial_discrete)
+    for (DiscreteAssignment& assignment : system_.at_events.discrete)
       assignment.value = substitution_(assignment.value);
-    for (Formula& condition : system_.when_conditions) condition = substitution_(condition);
+    for (DiscreteAssignment& assignment : system_.at_events.initial)
+      assignment.value = substitution_(assignment.value);
+    for (Formula& condition : system_.at_events.when_conditions) condition = substitution_(condition);
     for (InitialCondition& condition : system_.initial_conditions) {
       condition.left = substitution_(condition.left);
       condition.right = substitution_(condition.right);

@@ -46,7 +46,8 @@ sfdae::Options options_of(const System& system, const Settings& settings, const 
   options.rtol = settings.tolerance;
   options.method = settings.method;
   options.max_index = 12;  // the highest: formulas have all derivatives
-  for (int v : unknowns) options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.nominal[at(v)] : 1.0));
+  for (int v : unknowns)
+    options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.sizes.nominal[at(v)] : 1.0));
   if (settings.progress)
     options.monitor = [progress = settings.progress](const sfdae::Progress& reached) {
       return !progress(reached.t, reached.step, reached.order);
@@ -85,7 +86,7 @@ void warn_of_changed_guesses(const System& system, const Parameters& parameters,
     const Variable& variable = system.model.variables[at(v)];
     const double value = values.variable[at(v)];
     const double tolerance =
-        relative * std::max(std::fabs(given), std::fabs(value)) + of_nominal * system.nominal[at(v)];
+        relative * std::max(std::fabs(given), std::fabs(value)) + of_nominal * system.sizes.nominal[at(v)];
     if (std::fabs(value - given) <= tolerance) continue;
     warnings.push_back(
         place(system.model, variable.at) + ": the value " + to_text(given) + " given for " + variable.name +

@@ -94,7 +94,9 @@ class StateElimination {
     std::unordered_map<int, char> occurs;
     for (Formula part : formulas_.parts(others))
       if (formulas_[part].operation == Operation::variable) occurs[formulas_[part].index] = 1;
-    const auto size = [&](int v, double coefficient) { return std::fabs(coefficient) * system_.nominal[at(v)]; };
+    const auto size = [&](int v, double coefficient) {
+      return std::fabs(coefficient) * system_.sizes.nominal[at(v)];
+    };
     double largest = 0.0;
     for (const auto& [v, coefficient] : form.coefficients) largest = std::max(largest, size(v, coefficient));
     int best = -1;

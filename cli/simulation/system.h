@@ -76,6 +76,28 @@ struct CheckedVariable {
   Formula min = -1, max = -1;
 };
 
+// What happens at events beside reactions.
+struct DiscreteEquations {
+  std::vector<DiscreteAssignment> discrete;  // in the order of their evaluation
+  bool has_loop = false;                     // they have to be evaluated repeatedly
+  std::vector<DiscreteAssignment> initial;   // values of pre(variable) initially
+  std::vector<Formula> when_conditions;      // one for each virtual variable after those of the model
+};
+
+// Of every variable.
+struct Sizes {
+  std::vector<double> nominal;
+  std::vector<double> scale;  // the same, but start values below 1 count, too, where the model has no nominal value
+};
+
+// Of every variable.
+struct Starts {
+  std::vector<char> are_given;    // the model gives a start value
+  std::vector<double> numbers;    // 0 if it has none; roots know those of their aliases
+  std::vector<Formula> formulas;  // the same; numbers have guesses of the free parameters in them
+  std::vector<Formula> own;       // its own
+};
+
 struct System {
   explicit System(const FlatModel& it, std::vector<unsigned> dependence)
       : model(it), formulas(std::move(dependence)) {}
@@ -91,21 +113,14 @@ struct System {
 
   std::vector<Switch> switches;
   std::vector<Sample> samples;
-  std::vector<DiscreteAssignment> discrete;          // in the order of their evaluation
-  bool has_discrete_loop = false;                    // they have to be evaluated repeatedly
-  std::vector<DiscreteAssignment> initial_discrete;  // values of pre(variable) initially
+  DiscreteEquations at_events;
   std::vector<Reaction> reactions;
   std::vector<InitialCondition> initial_conditions;
-  std::vector<Formula> when_conditions;  // one for each virtual variable after those of the model
   int num_eliminated = 0;
   int num_replaced_states = 0;  // differentiated variables of the model that others stand for; this lowers the index
-  std::vector<double> nominal;  // of every variable
-  std::vector<double> scale;    // the same, but start values below 1 count, too, where the model has no nominal value
-  std::vector<char> has_start;  // of every variable: the model gives a start value
-  std::vector<double> start;    // of every variable, 0 if it has none; roots know those of their aliases
-  std::vector<Formula> start_formulas;  // the same; start has guesses of the free parameters in them
-  std::vector<Formula> own_start;       // of every variable, its own
-  std::vector<char> is_state;           // of every variable: its derivative occurs
+  Sizes sizes;
+  Starts starts;
+  std::vector<char> is_state;  // of every variable: its derivative occurs
   // Of every variable: x' = f(states, t), so that x is continuous while forces and velocities jump.
   std::vector<char> is_continuous_at_impulses;
   std::vector<CheckedVariable> checked;

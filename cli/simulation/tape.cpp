@@ -9,7 +9,7 @@
 namespace sfdae::cli {
 
 Values::Values(const System& system)
-    : variable(system.model.variables.size() + system.when_conditions.size(), 0.0),
+    : variable(system.model.variables.size() + system.at_events.when_conditions.size(), 0.0),
       previous(variable.size(), 0.0),
       derivative(system.model.variables.size(), 0.0),
       switches(system.switches.size(), 0.0),

@@ -32,7 +32,7 @@ class WhenImport {
       Formula value = formulas.previous(variable);
       for (auto choice = choices.rbegin(); choice != choices.rend(); ++choice)
         value = formulas.apply(Operation::choose, choice->first, choice->second, value);
-      system_.discrete.push_back({variable, value, when.at});
+      system_.at_events.discrete.push_back({variable, value, when.at});
     }
   }
 
@@ -44,8 +44,8 @@ class WhenImport {
     for (const Expression& condition : branch.conditions) {
       const Formula value = import_(condition, Context::events);
       const int memory = formulas.add_variable(on_discrete);
-      system_.when_conditions.push_back(value);
-      system_.discrete.push_back({memory, value, condition->at});
+      system_.at_events.when_conditions.push_back(value);
+      system_.at_events.discrete.push_back({memory, value, condition->at});
       bool has_initial = false;
       for (Formula part : formulas.parts({value}))
         has_initial = has_initial || formulas[part].operation == Operation::initial;

@@ -10,7 +10,7 @@
 
 namespace sfdae::cli {
 
-// Appends to system.discrete (in no particular order), system.reactions and system.when_conditions.
+// Appends to system.at_events.discrete (in no particular order), system.reactions and system.at_events.when_conditions.
 void import_whens(System& system, Import& import);
 
 }  // namespace sfdae::cli

@@ -49,7 +49,7 @@ bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& u
 bool SingularitySearch::reduce(const Jet& jet, const std::vector<double>* rows, RowScaling scaling) {
   const PointStatus status = problem_.linearize(jet, rows, data_, scaling);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
-  has_failed_ |= status != PointStatus::ok;
+  range_.has_failed |= status != PointStatus::ok;
   if (status != PointStatus::ok) return false;
   const IndexAnalysis& known = problem_.analysis();
   const int mu = problem_.mu();
@@ -103,30 +103,30 @@ void SingularitySearch::improve_course() {
 
 // Rows get factors by E, so that stiff components do not hide others.
 bool SingularitySearch::set_reference(const Jet& jet) {
-  reference_ = {};
+  reference_.kept = {};
   if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each)) return false;
-  rows_ = data_.row_scale;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
+  reference_.rows = data_.row_scale;
+  for (std::size_t i = 0; i < reference_.rows.size(); ++i) {
     double row = 0.0;
     for (int j = 0; j < data_.n; ++j) row = std::max(row, std::fabs(data_.E(0)(static_cast<int>(i), j)));
-    if (row > 0.0) rows_[i] = std::ldexp(rows_[i], std::clamp(-std::ilogb(row), -60, 60));
+    if (row > 0.0) reference_.rows[i] = std::ldexp(reference_.rows[i], std::clamp(-std::ilogb(row), -60, 60));
   }
-  if (!reduce(jet, &rows_, RowScaling::given)) return false;
-  rows_ = data_.row_scale;
-  reference_ = {form_.rank_of_constraints() > 0 ? form_.smallest_constraint() : 1.0,
-                form_.d > 0 ? form_.smallest_of_G() : 1.0};
-  return reference_.constraints > 0.0 && reference_.differential > 0.0;
+  if (!reduce(jet, &reference_.rows, RowScaling::given)) return false;
+  reference_.rows = data_.row_scale;
+  reference_.kept = {form_.rank_of_constraints() > 0 ? form_.smallest_constraint() : 1.0,
+                     form_.d > 0 ? form_.smallest_of_G() : 1.0};
+  return reference_.kept.constraints > 0.0 && reference_.kept.differential > 0.0;
 }
 
 // With the rows of the reference, relative to what is kept there. Where the known ranks cannot be taken something has
 // vanished.
 SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
-  if (!reduce(jet, &rows_, RowScaling::given)) return {0.0, 0.0};
-  const double factor = rows_[0] / data_.row_scale[0];  // of all rows, where data are tiny
+  if (!reduce(jet, &reference_.rows, RowScaling::given)) return {0.0, 0.0};
+  const double factor = reference_.rows[0] / data_.row_scale[0];  // of all rows, where data are tiny
   Kept kept;
   if (form_.rank_of_constraints() > 0)
-    kept.constraints = factor * form_.smallest_constraint() / reference_.constraints;
-  if (form_.d > 0) kept.differential = factor * form_.smallest_of_G() / reference_.differential;
+    kept.constraints = factor * form_.smallest_constraint() / reference_.kept.constraints;
+  if (form_.d > 0) kept.differential = factor * form_.smallest_of_G() / reference_.kept.differential;
   return kept;
 }
 
@@ -154,7 +154,7 @@ const Jet& SingularitySearch::interpolated(double t) {
 
 // Polynomials that go too far say nothing.
 double SingularitySearch::kept_at(double t) {
-  return size_of(interpolated(t), problem_.units()) <= credible_size_ ? kept_of(jet_) : 1.0;
+  return size_of(interpolated(t), problem_.units()) <= range_.credible_size ? kept_of(jet_) : 1.0;
 }
 
 double SingularitySearch::kept(const Jet& reference, const Jet& jet) {
@@ -163,14 +163,12 @@ double SingularitySearch::kept(const Jet& reference, const Jet& jet) {
 
 bool SingularitySearch::is_resolved(double left, double right) const {
   return std::fabs(right - left) <=
-         std::max(location_resolution * span_,
+         std::max(location_resolution * range_.span,
                   location_roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)));
 }
 
 std::optional<double> SingularitySearch::find_turn(double left, double right) {
-  has_failed_ = false;
-  credible_size_ = std::numeric_limits<double>::infinity();
-  span_ = std::fabs(right - left);
+  range_ = {.span = std::fabs(right - left)};
   if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
     return std::nullopt;
   improve_course();
@@ -180,7 +178,7 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
   while (!is_resolved(left, right)) {
     const double middle = left + 0.5 * (right - left);
     if (!measure_at(middle, middle_)) {
-      if (has_failed_) return std::nullopt;
+      if (range_.has_failed) return std::nullopt;
       return middle;
     }
     if (middle_.is_turned_from(left_, arena_)) {
@@ -200,7 +198,7 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
 // By golden section from a point where less is kept than at both ends.
 double SingularitySearch::smallest(double left, double middle, double right, double& kept) {
   constexpr double golden = 0.3819660112501051;
-  while (!is_resolved(left, right) && !has_failed_) {
+  while (!is_resolved(left, right) && !range_.has_failed) {
     const bool is_right_longer = std::fabs(right - middle) > std::fabs(middle - left);
     const double t = middle + golden * ((is_right_longer ? right : left) - middle);
     const double kept_there = kept_at(t);
@@ -219,15 +217,13 @@ double SingularitySearch::smallest(double left, double middle, double right, dou
 std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   constexpr double dips = 0.5, falls = 0.7;
   const double left = suspicion.left, right = suspicion.right;
-  has_failed_ = false;
-  credible_size_ = std::numeric_limits<double>::infinity();
-  span_ = std::fabs(right - left);
+  range_ = {.span = std::fabs(right - left)};
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
   // What has been measured in the same interval for another value often tells as much.
   const auto is_dismissed = [&] {
     return middle_.values[suspicion.number] > falls * std::min(suspicion.before, suspicion.after);
   };
-  const double nearby = 0.1 * span_;
+  const double nearby = 0.1 * range_.span;
   if (is_measured_ && std::fabs(middle_.t - crossing) <= nearby && is_dismissed()) return std::nullopt;
   is_measured_ = measure_at(crossing, middle_);
   if (is_measured_ && is_dismissed()) return std::nullopt;
@@ -240,7 +236,7 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
     const double t = left + (right - left) * before / (before + after), kept_there = kept_at(t);
     if (kept_there < kept) middle = t, kept = kept_there;
   }
-  if (kept > dips || has_failed_) return std::nullopt;
+  if (kept > dips || range_.has_failed) return std::nullopt;
   const double level = std::min(1.0, kept_at(right));
   if (kept > dips * level) return std::nullopt;
   improve_course();
@@ -248,7 +244,7 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   if (!set_reference(jet_)) return std::nullopt;
   kept = kept_at(middle);
   const double t = smallest(left, middle, right, kept);
-  if (has_failed_ || kept > dip_ * level) return std::nullopt;
+  if (range_.has_failed || kept > dip_ * level) return std::nullopt;
   return t;
 }
 
@@ -256,10 +252,10 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
 std::optional<double> SingularitySearch::find_ahead(double h) {
   constexpr double falls = 2.0, farther = 8.0;
   constexpr int most = 8;
-  has_failed_ = false;
+  range_ = {};
   course_.set_landmarks();
   const double t = course_.newest().t;
-  credible_size_ = credible_growth * size_of(course_.newest(), problem_.units());
+  range_.credible_size = credible_growth * size_of(course_.newest(), problem_.units());
   if (!set_reference(course_.newest())) return std::nullopt;
   double last = t;
   for (int k = 0; k < most; ++k) {
@@ -278,13 +274,13 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
   constexpr double fallen = 0.3;
   for (const double power : {1.0, 0.5, 1.0 / 3.0}) {
     const double distance = (t - before) / (std::pow(kept_before, power) - 1.0);
-    span_ = std::fabs(distance);
+    range_.span = std::fabs(distance);
     double kept = kept_at(t + distance);
     if (kept > fallen) continue;
     improve_course();
     kept = kept_at(t + distance);
     const double found = smallest(t, t + distance, t + 2.0 * distance, kept);
-    if (!has_failed_ && kept <= dip_) return found;
+    if (!range_.has_failed && kept <= dip_) return found;
   }
   return std::nullopt;
 }
@@ -326,7 +322,7 @@ CharacteristicValues SingularitySearch::values_at(double t) {
     settings.rank_tol =
         std::max(settings.rank_tol, std::min(vanishing_factor * kept_of(consistent), largest_rank_tolerance));
     // Rows that vanish must not be scaled up, unless they are of very different size anyway.
-    const auto [least, most] = std::minmax_element(rows_.begin(), rows_.end());
+    const auto [least, most] = std::minmax_element(reference_.rows.begin(), reference_.rows.end());
     if (*most <= moderate_row_ratio * *least) settings.rows = RowScaling::common;
     values = find_local_values(jets, t, settings, arena_);
   });

@@ -94,14 +94,21 @@ class SingularitySearch {
   NullSpaceForm form_;
   StoredElimination elimination_;
   SingularitySample left_, middle_, right_;
-  std::vector<double> rows_;  // factors of the reference
-  Kept reference_;
+  // What smallest values are relative to.
+  struct Reference {
+    std::vector<double> rows;  // factors
+    Kept kept;
+  } reference_;
   std::vector<double> transformed_, dy_;
   double dip_ = 0.0;
-  bool is_measured_ = false;                                        // middle_ is a sample of the last suspicion
-  bool has_failed_ = false;                                         // a point could not be evaluated
-  double credible_size_ = std::numeric_limits<double>::infinity();  // of x at interpolated points
-  double span_ = 0.0;                                               // that is searched
+  bool is_measured_ = false;  // middle_ is a sample of the last suspicion
+  // The search that goes on: the length of its interval, the largest size of x at interpolated points that is credible,
+  // and whether a point could not be evaluated.
+  struct Range {
+    double span = 0.0;
+    double credible_size = std::numeric_limits<double>::infinity();
+    bool has_failed = false;
+  } range_;
 };
 
 }  // namespace sfdae::core

@@ -36,7 +36,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   std::optional<Extension> extension() override;
   std::unique_ptr<ChangeWatch> change_watch() override;
 
-  // Empty: these objects are those of the whole array, which StructuredModel asks for them.
+  // Empty: these objects are those of the whole array, which FormulatedModel asks for them.
   Jump jump(const PointOfInterest&, const ModelOptions&) override { return {}; }
   Jet jet_through(double, const double*, int) override { return {}; }
   DerivativeArray derivative_array(const Jet&, int) override { return {}; }

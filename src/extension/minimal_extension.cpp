@@ -21,6 +21,57 @@ bool are_as_recorded(const std::vector<EntryTerm>& terms, std::size_t coefficien
   return true;
 }
 
+ExtensionLayout layout_of(const Offsets& offsets) {
+  const int n = static_cast<int>(offsets.c.size());
+  ExtensionLayout layout;
+  layout.highest_d = *std::max_element(offsets.d.begin(), offsets.d.end());
+  for (int d : offsets.d) {
+    layout.first_place.push_back(static_cast<int>(layout.places.size()));
+    layout.places.resize(layout.places.size() + index(d + 1), -1);
+  }
+  for (int stage = layout.first_stage(); stage <= 1; ++stage) {
+    layout.first_rows.push_back(static_cast<int>(layout.rows.size()));
+    layout.first_columns.push_back(static_cast<int>(layout.columns.size()));
+    if (stage > 0) break;
+    for (int i = 0; i < n; ++i)
+      if (offsets.c[index(i)] + stage >= 0) layout.rows.push_back({i, offsets.c[index(i)] + stage});
+    for (int j = 0; j < n; ++j) {
+      if (offsets.d[index(j)] + stage < 0) continue;
+      layout.places[index(layout.first_place[index(j)] - stage)] = static_cast<int>(layout.columns.size());
+      layout.columns.push_back({j, offsets.d[index(j)] + stage});
+    }
+  }
+  layout.rows.shrink_to_fit();
+  layout.columns.shrink_to_fit();
+  layout.places.shrink_to_fit();
+  layout.first_place.shrink_to_fit();
+  return layout;
+}
+
+// (D^m f)_k = (k + m)! / k! f_(k+m)
+ExtensionSums sums_of(const Structure& structure, const std::vector<ExtensionLayout::Row>& rows, int n) {
+  ExtensionSums sums;
+  std::vector<int> levels(index(n), 0);
+  const bool are_sums = structure.equations.num_replaced() > 0;
+  if (are_sums) sums.first_part.push_back(0);
+  for (const ExtensionLayout::Row& row : rows) {
+    for (const EquationTerm& term : structure.equations.of(row.equation)) {
+      double factor = term.factor;
+      for (int k = row.order + 1; k <= row.order + term.order; ++k) factor *= k;
+      int& level = levels[index(term.equation)];
+      level = std::max(level, row.order + term.order);
+      if (are_sums) sums.parts.push_back({term.equation, row.order + term.order, factor});
+    }
+    if (are_sums) sums.first_part.push_back(static_cast<int>(sums.parts.size()));
+  }
+  sums.levels = std::make_shared<const OrderLimits>(std::move(levels));
+  if (!are_sums && sums.levels->highest > 0)
+    for (const ExtensionLayout::Row& row : rows) sums.places.push_back(row.equation + row.order * n);
+  sums.parts.shrink_to_fit();
+  sums.first_part.shrink_to_fit();
+  return sums;
+}
+
 }  // namespace
 
 MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure,
@@ -29,59 +80,12 @@ MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<con
       structure_(std::move(structure)),
       ordered_(std::move(ordered)),
       n_(problem.n()),
+      layout_(layout_of(offsets())),
+      sums_(sums_of(*structure_, layout_.rows, n_)),
+      highest_level_(sums_.levels->highest),
       leading_(*structure_, problem.evaluator().tape()) {
-  highest_d_ = *std::max_element(offsets().d.begin(), offsets().d.end());
-  number_rows_and_columns();
-  note_parts();
   make_pattern();
-  problem_.evaluator().prepare(levels_);
-}
-
-void MinimalExtension::number_rows_and_columns() {
-  for (int j = 0; j < n_; ++j) {
-    first_place_.push_back(static_cast<int>(place_.size()));
-    place_.resize(place_.size() + index(offsets().d[index(j)] + 1), -1);
-  }
-  for (int stage = first_stage(); stage <= 0; ++stage) {
-    first_rows_.push_back(num_rows());
-    first_columns_.push_back(num_columns());
-    for (int i = 0; i < n_; ++i)
-      if (offsets().c[index(i)] + stage >= 0) rows_.push_back({i, offsets().c[index(i)] + stage});
-    for (int j = 0; j < n_; ++j) {
-      if (offsets().d[index(j)] + stage < 0) continue;
-      place_[index(first_place_[index(j)] - stage)] = num_columns();
-      columns_.push_back({j, offsets().d[index(j)] + stage});
-    }
-  }
-  first_rows_.push_back(num_rows());
-  first_columns_.push_back(num_columns());
-  rows_.shrink_to_fit();
-  columns_.shrink_to_fit();
-  place_.shrink_to_fit();
-  first_place_.shrink_to_fit();
-}
-
-// (D^m f)_k = (k + m)! / k! f_(k+m)
-void MinimalExtension::note_parts() {
-  std::vector<int> levels(index(n_), 0);
-  const bool are_sums = structure_->equations.num_replaced() > 0;
-  if (are_sums) first_part_.push_back(0);
-  for (const Row& row : rows_) {
-    for (const EquationTerm& term : structure_->equations.of(row.equation)) {
-      double factor = term.factor;
-      for (int k = row.order + 1; k <= row.order + term.order; ++k) factor *= k;
-      int& level = levels[index(term.equation)];
-      level = std::max(level, row.order + term.order);
-      if (are_sums) parts_.push_back({term.equation, row.order + term.order, factor});
-    }
-    if (are_sums) first_part_.push_back(static_cast<int>(parts_.size()));
-  }
-  levels_ = std::make_shared<const OrderLimits>(std::move(levels));
-  highest_level_ = levels_->highest;
-  if (!are_sums && highest_level_ > 0)
-    for (const Row& row : rows_) places_.push_back(row.equation + row.order * n_);
-  parts_.shrink_to_fit();
-  first_part_.shrink_to_fit();
+  problem_.evaluator().prepare(sums_.levels);
 }
 
 // With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1).
@@ -90,12 +94,12 @@ void MinimalExtension::make_pattern() {
   const Tape& tape = problem_.evaluator().tape();
   const std::size_t length = index(highest_level_ + 1);
   std::vector<int> highest_order(index(n_), -1);  // of the unknowns in a row
-  std::vector<int> entry_of(columns_.size(), -1);
-  first_.reserve(rows_.size() + 1);
+  std::vector<int> entry_of(layout_.columns.size(), -1);
+  first_.reserve(layout_.rows.size() + 1);
   first_.assign(1, 0);
   for (int row = 0; row < num_rows(); ++row) {
     const int begin = first_.back();
-    const auto [equation, row_order] = rows_[index(row)];
+    const auto [equation, row_order] = layout_.rows[index(row)];
     for (const Signature::Entry& entry : structure_->signature.row(equation))
       highest_order[index(entry.unknown)] = entry.order + row_order;
     const auto add = [&](int unknown, int order, std::size_t target, int coefficient, double factor) {
@@ -128,7 +132,7 @@ void MinimalExtension::make_pattern() {
 
 CallbackError MinimalExtension::evaluate(const Jet& jet, int more) {
   F_.resize(std::max(F_.size(), index(n_) * index(highest_level_ + 1 + std::max(more, 0))));
-  return problem_.residuals_within(jet.t, jet.x.data(), levels_, more, F_.data());
+  return problem_.residuals_within(jet.t, jet.x.data(), sums_.levels, more, F_.data());
 }
 
 double MinimalExtension::value_of(int row) const {
@@ -139,7 +143,7 @@ double MinimalExtension::value_of(int row) const {
 
 // The sums below have no -0.
 CallbackError MinimalExtension::residuals_as_recorded(const Jet& jet, double* r) {
-  CallbackError error = problem_.residuals_within(jet.t, jet.x.data(), levels_, 0, r);
+  CallbackError error = problem_.residuals_within(jet.t, jet.x.data(), sums_.levels, 0, r);
   for (int row = 0; row < num_rows(); ++row) r[row] += 0.0;
   return error;
 }
@@ -148,14 +152,14 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
   if (are_rows_as_recorded()) return residuals_as_recorded(jet, r);
   CallbackError error = evaluate(jet, 0);
   const double* const F = F_.data();
-  if (!places_.empty()) {
-    for (int place : places_) *r++ = F[place];
+  if (!sums_.places.empty()) {
+    for (int place : sums_.places) *r++ = F[place];
     return error;
   }
-  const Part* part = parts_.data();
+  const Part* part = sums_.parts.data();
   for (int row = 0; row < num_rows(); ++row) {
     double value = 0.0;
-    for (const Part* const last = parts_.data() + first_part_[index(row + 1)]; part != last; ++part)
+    for (const Part* const last = sums_.parts.data() + sums_.first_part[index(row + 1)]; part != last; ++part)
       value += part->factor * F[part->equation + part->order * n_];
     r[row] = value;
   }
@@ -165,9 +169,9 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
 const LaneEvaluator* MinimalExtension::evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients) {
   if (!problem_.has_lanes(highest_level_) || count > lane_count) return nullptr;
   // Where nothing is replaced, coefficients of x_j beyond d_j are not read.
-  lanes_.load(jets, count, n_, places_.empty() ? jet_order() : highest_d_);
+  lanes_.load(jets, count, n_, sums_.places.empty() ? jet_order() : layout_.highest_d);
   const auto points = LaneEvaluator::points_of(lanes_.t.data(), lanes_.coefficients.data(), highest_level_, n_);
-  return problem_.evaluate_within(count, points, levels_, with_gradients);
+  return problem_.evaluate_within(count, points, sums_.levels, with_gradients);
 }
 
 bool MinimalExtension::linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values) {
@@ -192,7 +196,8 @@ bool MinimalExtension::residuals_side_by_side(const std::vector<Jet>& jets, int 
   for (int row = 0; row < num_rows(); ++row) {
     LaneBlock value;
     const LaneBlock* only = &value;
-    if (!places_.empty()) only = evaluated->value(rows_[index(row)].equation) + rows_[index(row)].order;
+    if (!sums_.places.empty())
+      only = evaluated->value(layout_.rows[index(row)].equation) + layout_.rows[index(row)].order;
     else
       for (const Part& part : parts(row)) {
         const LaneBlock& coefficient = evaluated->value(part.equation)[part.order];
@@ -233,7 +238,7 @@ CallbackError MinimalExtension::linearize_stage(int stage, const Jet& jet, Stage
   matrix.column.clear();
   matrix.values.clear();
   for (int i = first_row(stage); i < first_row(stage + 1); ++i) {
-    const auto [equation, row_order] = rows_[index(i)];
+    const auto [equation, row_order] = layout_.rows[index(i)];
     for (int e = leading_.first()[index(equation)]; e < leading_.first()[index(equation + 1)]; ++e) {
       const int unknown = leading_.unknown()[index(e)], order = offsets().d[index(unknown)] + stage;
       double factor = 1.0;
@@ -254,7 +259,7 @@ void MinimalExtension::perturb(double size) {
 CallbackError MinimalExtension::linearize(const Jet& jet, std::vector<double>& values) {
   values.resize(column_.size());
   double* const entries = terms_.empty() ? values.data() : coefficients_.data();
-  CallbackError error = problem_.gradient_entries_within(jet.t, jet.x.data(), levels_, entries);
+  CallbackError error = problem_.gradient_entries_within(jet.t, jet.x.data(), sums_.levels, entries);
   if (error.status != SFDAE_OK) return error;
   if (!terms_.empty()) sum_terms(terms_, coefficients_, values);
   return error;

@@ -23,13 +23,8 @@
 
 namespace sfdae::core {
 
-class MinimalExtension {
- public:
-  // ordered: see StructureJudge.
-  MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure,
-                   std::shared_ptr<OrderedBlocks> ordered = nullptr);
-
-  int n() const { return n_; }
+// Rows and columns in their order, which offsets determine.
+struct ExtensionLayout {
   // Both sorted by stages: the rows f_i^(k) by k - c_i, the unknowns x_j^(l) by l - d_j.
   struct Row {
     int equation, order;
@@ -37,24 +32,54 @@ class MinimalExtension {
   struct Column {
     int unknown, order;
   };
-  const std::vector<Row>& rows() const { return rows_; }           // n + sum c of them
-  const std::vector<Column>& columns() const { return columns_; }  // n + sum d
-  int num_rows() const { return static_cast<int>(rows_.size()); }
-  int num_columns() const { return static_cast<int>(columns_.size()); }
+  int highest_d = 0;
+  std::vector<Row> rows;
+  std::vector<Column> columns;
+  std::vector<int> first_rows, first_columns;  // of each stage
+  // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.
+  std::vector<int> places, first_place;
+
+  int first_stage() const { return -highest_d; }
+};
+
+// Rows as sums of factors times Taylor coefficients of recorded equations.
+struct ExtensionSums {
+  struct Part {
+    int equation, order;
+    double factor;
+  };
+  // None, where each row is one coefficient.
+  std::vector<Part> parts;
+  std::vector<int> first_part;
+  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are
+  // sums, or the equations as they are.
+  std::vector<int> places;
+  std::shared_ptr<const OrderLimits> levels;  // of each recorded equation, the highest
+};
+
+class MinimalExtension {
+ public:
+  // ordered: see StructureJudge.
+  MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure,
+                   std::shared_ptr<OrderedBlocks> ordered = nullptr);
+
+  int n() const { return n_; }
+  using Row = ExtensionLayout::Row;
+  using Column = ExtensionLayout::Column;
+  const std::vector<Row>& rows() const { return layout_.rows; }           // n + sum c of them
+  const std::vector<Column>& columns() const { return layout_.columns; }  // n + sum d
+  int num_rows() const { return static_cast<int>(layout_.rows.size()); }
+  int num_columns() const { return static_cast<int>(layout_.columns.size()); }
   int freedom() const { return num_columns() - num_rows(); }
   // The column of x_j^(order), order <= d_j.
   int column_of(int unknown, int order) const {
-    return place_[index(first_place_[index(unknown)] + offsets().d[index(unknown)] - order)];
+    return layout_.places[index(layout_.first_place[index(unknown)] + offsets().d[index(unknown)] - order)];
   }
   const Structure& structure() const { return *structure_; }
   const std::shared_ptr<const Structure>& shared_structure() const { return structure_; }
   const Offsets& offsets() const { return structure_->offsets; }
   RecordedProblem& problem() const { return problem_; }
-  // A row is the sum of factors times Taylor coefficients of recorded equations.
-  struct Part {
-    int equation, order;
-    double factor;
-  };
+  using Part = ExtensionSums::Part;
   // Pointers into it live no longer than it does.
   class Parts {
    public:
@@ -68,16 +93,16 @@ class MinimalExtension {
     const Part *first_ = nullptr, *last_ = nullptr;
   };
   Parts parts(int row) const {
-    if (parts_.empty()) return Parts(rows_[index(row)]);
-    return {parts_.data() + first_part_[index(row)], parts_.data() + first_part_[index(row + 1)]};
+    if (sums_.parts.empty()) return Parts(layout_.rows[index(row)]);
+    return {sums_.parts.data() + sums_.first_part[index(row)], sums_.parts.data() + sums_.first_part[index(row + 1)]};
   }
   // Stages are first_stage(), ..., 0; each has the rows and the columns from these to those of the next one.
-  int first_stage() const { return -highest_d_; }
-  int first_row(int stage) const { return first_rows_[index(stage + highest_d_)]; }
-  int first_column(int stage) const { return first_columns_[index(stage + highest_d_)]; }
+  int first_stage() const { return layout_.first_stage(); }
+  int first_row(int stage) const { return layout_.first_rows[index(stage + layout_.highest_d)]; }
+  int first_column(int stage) const { return layout_.first_columns[index(stage + layout_.highest_d)]; }
   // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are
   // found one after the other (docs/decisions/75-deep-chains.md).
-  bool is_deep() const { return highest_d_ >= deep; }
+  bool is_deep() const { return layout_.highest_d >= deep; }
   // The highest derivative of a recorded equation.
   int highest_level() const { return highest_level_; }
   // Of jets; coefficients of x_j beyond d_j have no meaning.
@@ -129,10 +154,8 @@ class MinimalExtension {
   const std::vector<double>& values() const { return values_; }
 
  private:
-  void number_rows_and_columns();
-  void note_parts();
   // Nothing is differentiated or replaced.
-  bool are_rows_as_recorded() const { return highest_level_ == 0 && parts_.empty(); }
+  bool are_rows_as_recorded() const { return highest_level_ == 0 && sums_.parts.empty(); }
   CallbackError residuals_as_recorded(const Jet& jet, double* r);
   void make_pattern();
   CallbackError evaluate(const Jet& jet, int more);
@@ -144,19 +167,10 @@ class MinimalExtension {
   RecordedProblem& problem_;
   std::shared_ptr<const Structure> structure_;
   std::shared_ptr<OrderedBlocks> ordered_;
-  int n_, highest_level_ = 0, highest_d_ = 0;
-  std::vector<Row> rows_;
-  std::vector<Column> columns_;
-  std::vector<int> first_rows_, first_columns_;
-  // None, where each row is one coefficient.
-  std::vector<Part> parts_;
-  std::vector<int> first_part_;
-  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are
-  // sums, or the equations as they are.
-  std::vector<int> places_;
-  std::shared_ptr<const OrderLimits> levels_;  // of each recorded equation, the highest
-  // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.
-  std::vector<int> place_, first_place_;
+  int n_;
+  ExtensionLayout layout_;
+  ExtensionSums sums_;
+  int highest_level_;
   std::vector<int> first_, column_;
   // None, where values are derivatives of the recorded equations as they are, in their order.
   std::vector<EntryTerm> terms_;

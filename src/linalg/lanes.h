@@ -28,6 +28,7 @@ inline Lanes& lanes(LaneBlock& block) { return reinterpret_cast<Lanes&>(block); 
 inline const Lanes& lanes(const LaneBlock& block) { return reinterpret_cast<const Lanes&>(block); }
 inline Lanes* to_lanes(LaneBlock* blocks) { return reinterpret_cast<Lanes*>(blocks); }
 inline const Lanes* to_lanes(const LaneBlock* blocks) { return reinterpret_cast<const Lanes*>(blocks); }
+inline LaneBlock* to_blocks(Lanes* values) { return reinterpret_cast<LaneBlock*>(values); }
 inline Lanes* to_lanes(LaneArray& blocks) { return to_lanes(blocks.data()); }
 inline const Lanes* to_lanes(const LaneArray& blocks) { return to_lanes(blocks.data()); }
 

@@ -19,8 +19,8 @@ const Lanes* entries(const LaneMatrix& matrix) { return to_lanes(matrix.entries)
 // w := w - Q2 (C Q2)^-1 b
 void subtract(const MultibodyLaneWork& work, const Lanes* b, Lanes* w) {
   if (work.r == 0) return;
-  Lanes* const x = work.scratch;
-  solve(work.C2, b, 1, x);
+  Lanes* const x = work.matrices.scratch;
+  solve(work.matrices.C2, b, 1, x);
   add_product(-1.0, plain(work.Q2()), x, w);
 }
 
@@ -30,7 +30,7 @@ void add_rows_times(const MultibodyLaneWork& work, const Lanes* w, Lanes* b) {
 }
 
 void take_rows(const MultibodyLaneWork& work, const LaneArray& all, Lanes* independent) {
-  for (int k = 0; k < work.r; ++k) independent[k] = work.units[k] * lanes(all[index(work.row(k))]);
+  for (int k = 0; k < work.r; ++k) independent[k] = work.rows.units[k] * lanes(all[index(work.row(k))]);
 }
 
 // b += (C v + r)_q dq, in units of the rows.
@@ -40,30 +40,31 @@ void add_velocity_q_times(const MultibodyLaneWork& work, const Lanes* dq, Lanes*
   for (int k = 0; k < work.r; ++k) {
     Lanes sum{};
     for (int j = 0; j < work.n; ++j) sum += velocity_q(work.row(k), j) * dq[j];
-    b[k] += work.units[k] * sum;
+    b[k] += work.rows.units[k] * sum;
   }
 }
 
 // C in units of its rows, and the factors of C Q2.
-bool fit(MultibodyLaneWork& work, Lanes& smallest_pivot) {
+bool fit(const MultibodyLaneWork& work, Lanes& smallest_pivot) {
   const ConstView Q2 = work.Q2();
   const int r = work.r;
   for (std::size_t e = 0; e < work.places().size(); ++e) {
-    const int k = work.position_of_row[work.places()[e].row];
-    if (k >= 0) work.rows[e] = work.units[k] * lanes(work.terms.C.entries[e]);
+    const int k = work.rows.position[work.places()[e].row];
+    if (k >= 0) work.rows.entries[e] = work.rows.units[k] * lanes(work.terms.C.entries[e]);
   }
-  clear(work.C2.A, r * r);
+  clear(work.matrices.C2.A, r * r);
   work.for_rows([&](int k, int j, const Lanes& entry) {
-    Lanes* const to = work.C2.A + k * r;
+    Lanes* const to = work.matrices.C2.A + k * r;
     for (int l = 0; l < r; ++l) to[l] += Q2(j, l) * entry;
   });
-  return factor(work.C2, smallest_pivot, work.sign);
+  return factor(work.matrices.C2, smallest_pivot, *work.at.sign);
 }
 
-// a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses. Not the way: is_good stays, false is
-// returned.
-bool solve_by_masses(MultibodyLaneWork& work, const Lanes& smallest_pivot) {
-  if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return false;
+enum class Solved { yes, not_this_way, not_at_all_points };
+
+// a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses.
+Solved solve_by_masses(const MultibodyLaneWork& work, const Lanes& smallest_pivot) {
+  if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return Solved::not_this_way;
   const Lanes* const M = entries(work.terms.M);
   Lanes least = M[0], greatest = M[0];
   for (int j = 1; j < work.n; ++j) {
@@ -71,41 +72,35 @@ bool solve_by_masses(MultibodyLaneWork& work, const Lanes& smallest_pivot) {
     greatest = M[j] > greatest ? M[j] : greatest;
   }
   const LaneMask fits = (least > smallest_mass_ratio * greatest) & (smallest_pivot > smallest_pivot_with_masses);
-  if (!all(fits)) {
-    work.is_good = !any(fits);
-    return false;
-  }
+  if (!all(fits)) return any(fits) ? Solved::not_at_all_points : Solved::not_this_way;
   const int n = work.n, r = work.r;
-  Lanes* const b = work.scratch;
-  Lanes *const A = work.reduced.A, *const inverse = work.MT;
+  Lanes* const b = work.matrices.scratch;
+  Lanes *const A = work.matrices.reduced.A, *const inverse = work.matrices.MT;
   for (int j = 0; j < n; ++j) {
     inverse[j] = 1.0 / M[j];
-    work.a[j] = lanes(work.terms.f[index(j)]);
+    work.at.a[j] = lanes(work.terms.f[index(j)]);
   }
   clear(A, r * r);
   take_rows(work, work.terms.acceleration_rest, b);
   for (int j = 0; j < n; ++j)
-    for (std::size_t e = work.first[j]; e < work.first[j + 1]; ++e) {
-      const std::size_t one = work.by_column[e];
-      const int k = work.position_of_row[work.places()[one].row];
+    for (std::size_t e = work.rows.first[j]; e < work.rows.first[j + 1]; ++e) {
+      const std::size_t one = work.rows.by_column[e];
+      const int k = work.rows.position[work.places()[one].row];
       if (k < 0) continue;
-      const Lanes entry = work.rows[one] * inverse[j];
+      const Lanes entry = work.rows.entries[one] * inverse[j];
       b[k] += entry * lanes(work.terms.f[index(j)]);
-      for (std::size_t m = work.first[j]; m <= e; ++m) {
-        const std::size_t other = work.by_column[m];
-        const int l = work.position_of_row[work.places()[other].row];
-        if (l >= 0) A[std::max(k, l) * r + std::min(k, l)] += entry * work.rows[other];
+      for (std::size_t m = work.rows.first[j]; m <= e; ++m) {
+        const std::size_t other = work.rows.by_column[m];
+        const int l = work.rows.position[work.places()[other].row];
+        if (l >= 0) A[std::max(k, l) * r + std::min(k, l)] += entry * work.rows.entries[other];
       }
     }
-  if (!factor_symmetric(r, A, work.reduced.inverse)) {
-    work.is_good = false;
-    return true;
-  }
-  solve_symmetric(r, A, work.reduced.inverse, b);
-  work.for_rows([&](int k, int j, const Lanes& entry) { work.a[j] -= entry * b[k]; });
-  for (int j = 0; j < n; ++j) work.a[j] *= inverse[j];
-  for (int k = 0; k < r; ++k) work.mu[k] = work.units[k] * b[k];
-  return true;
+  if (!factor_symmetric(r, A, work.matrices.reduced.inverse)) return Solved::not_at_all_points;
+  solve_symmetric(r, A, work.matrices.reduced.inverse, b);
+  work.for_rows([&](int k, int j, const Lanes& entry) { work.at.a[j] -= entry * b[k]; });
+  for (int j = 0; j < n; ++j) work.at.a[j] *= inverse[j];
+  for (int k = 0; k < r; ++k) work.at.mu[k] = work.rows.units[k] * b[k];
+  return Solved::yes;
 }
 
 void subtract_masses_times(const MultibodyLaneWork& work, const Lanes* w, Lanes* force) {
@@ -115,133 +110,139 @@ void subtract_masses_times(const MultibodyLaneWork& work, const Lanes* w, Lanes*
 }
 
 // T = Q1 - Q2 (C Q2)^-1 C Q1, by rows
-void complete_tangent(MultibodyLaneWork& work) {
+void complete_tangent(const MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   const ConstView Q1 = work.Q1(), Q2 = work.Q2();
-  Lanes *const C1 = work.MT, *const E = work.scratch;
+  Lanes *const C1 = work.matrices.MT, *const E = work.matrices.scratch;
   clear(C1, r * d);
   work.for_rows([&](int k, int j, const Lanes& entry) {
     for (int c = 0; c < d; ++c) C1[k * d + c] += Q1(j, c) * entry;
   });
-  solve(work.C2, C1, d, E);
+  solve(work.matrices.C2, C1, d, E);
   for (int j = 0; j < n; ++j)
     for (int c = 0; c < d; ++c) {
       Lanes sum = Lanes{} + Q1(j, c);
       for (int l = 0; l < r; ++l) sum -= Q2(j, l) * E[l * d + c];
-      work.T[j * d + c] = sum;
+      work.matrices.T[j * d + c] = sum;
     }
 }
 
-// As MultibodyPoint::solve_along.
-void solve_along(MultibodyLaneWork& work) {
+// As MultibodyPoint::solve_along. False: not at all points, as solve_whole().
+bool solve_along(const MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   complete_tangent(work);
   // What subtract and factors need lies before.
-  Lanes *const b = work.scratch + r, *const y = b + std::max(r, d), *const force = y + d;
+  Lanes *const b = work.matrices.scratch + r, *const y = b + std::max(r, d), *const force = y + d;
   take_rows(work, work.terms.acceleration_rest, b);
-  clear(work.a, n);
-  subtract(work, b, work.a);
+  clear(work.at.a, n);
+  subtract(work, b, work.at.a);
   for (int j = 0; j < n; ++j) force[j] = lanes(work.terms.f[index(j)]);
-  subtract_masses_times(work, work.a, force);
+  subtract_masses_times(work, work.at.a, force);
   const Lanes* const M = entries(work.terms.M);
-  clear(work.MT, n * d);
+  clear(work.matrices.MT, n * d);
   for (std::size_t e = 0; e < work.terms.M.places.size(); ++e)
     for (int c = 0; c < d; ++c)
-      work.MT[work.terms.M.places[e].row * d + c] += M[e] * work.T[work.terms.M.places[e].column * d + c];
-  work.reduced.n = d;
-  clear(work.reduced.A, d * d);
+      work.matrices.MT[work.terms.M.places[e].row * d + c] +=
+          M[e] * work.matrices.T[work.terms.M.places[e].column * d + c];
+  Factors reduced = work.matrices.reduced;
+  reduced.n = d;
+  clear(reduced.A, d * d);
   clear(b, d);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < d; ++i) {
-      const Lanes t = work.T[j * d + i];
+      const Lanes t = work.matrices.T[j * d + i];
       b[i] += t * force[j];
-      for (int c = 0; c < d; ++c) work.reduced.A[i * d + c] += t * work.MT[j * d + c];
+      for (int c = 0; c < d; ++c) reduced.A[i * d + c] += t * work.matrices.MT[j * d + c];
     }
   Lanes pivot, sign;
-  if (!factor(work.reduced, pivot, sign)) {
-    work.is_good = false;
-    return;
-  }
-  solve(work.reduced, b, 1, y);
+  if (!factor(reduced, pivot, sign)) return false;
+  solve(reduced, b, 1, y);
   for (int j = 0; j < n; ++j)
     for (int c = 0; c < d; ++c) {
-      work.a[j] += work.T[j * d + c] * y[c];
-      force[j] -= work.MT[j * d + c] * y[c];
+      work.at.a[j] += work.matrices.T[j * d + c] * y[c];
+      force[j] -= work.matrices.MT[j * d + c] * y[c];
     }
   clear(b, r);
   add_product(1.0, transposed(work.Q2()), force, b);
-  solve_transposed(work.C2, b, work.mu);
-  for (int k = 0; k < r; ++k) work.mu[k] = work.units[k] * work.mu[k];
+  solve_transposed(work.matrices.C2, b, work.at.mu);
+  for (int k = 0; k < r; ++k) work.at.mu[k] = work.rows.units[k] * work.at.mu[k];
+  return true;
 }
 
 // K (a; mu) = (f; -s)
-void solve_whole(MultibodyLaneWork& work) {
+bool solve_whole(const MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, order = n + r;
-  work.is_good = work.has_room_for_whole;
-  if (!work.is_good) return;
-  Lanes* const K = work.reduced.A;
-  work.reduced.n = order;
+  if (!work.has_room_for_whole) return false;
+  Factors reduced = work.matrices.reduced;
+  reduced.n = order;
+  Lanes* const K = reduced.A;
   clear(K, order * order);
   const Lanes* const M = entries(work.terms.M);
   for (std::size_t e = 0; e < work.terms.M.places.size(); ++e)
     K[work.terms.M.places[e].row * order + work.terms.M.places[e].column] = M[e];
-  Lanes *const b = work.scratch, *const x = b + order;
+  Lanes *const b = work.matrices.scratch, *const x = b + order;
   for (int j = 0; j < n; ++j) b[j] = lanes(work.terms.f[index(j)]);
   for (std::size_t e = 0; e < work.places().size(); ++e) {
     const auto [row, j] = work.places()[e];
-    const int k = work.position_of_row[row];
+    const int k = work.rows.position[row];
     if (k >= 0) K[(n + k) * order + j] = K[j * order + n + k] = lanes(work.terms.C.entries[e]);
   }
   for (int k = 0; k < r; ++k) b[n + k] = -lanes(work.terms.acceleration_rest[index(work.row(k))]);
   Lanes pivot, sign;
-  if (!factor(work.reduced, pivot, sign)) {
-    work.is_good = false;
-    return;
-  }
-  solve(work.reduced, b, 1, x);
-  for (int j = 0; j < n; ++j) work.a[j] = x[j];
-  for (int k = 0; k < r; ++k) work.mu[k] = x[n + k];
+  if (!factor(reduced, pivot, sign)) return false;
+  solve(reduced, b, 1, x);
+  for (int j = 0; j < n; ++j) work.at.a[j] = x[j];
+  for (int k = 0; k < r; ++k) work.at.mu[k] = x[n + k];
+  return true;
 }
 
 // The changes of q and v that remove the residuals of the constraints.
-void take_particular(MultibodyLaneWork& work) {
+void take_particular(const MultibodyLaneWork& work) {
   const int n = work.n, r = work.r;
-  Lanes *const dq = work.particular, *const dv = dq + n, *const b = work.scratch + r;
+  Lanes *const dq = work.at.particular, *const dv = dq + n, *const b = work.matrices.scratch + r;
   clear(dq, 2 * n);
   take_rows(work, work.terms.g, b);
   subtract(work, b, dq);
   if (work.terms.is_rheonomic) take_rows(work, work.terms.velocity_rest, b);
   else clear(b, r);
-  add_rows_times(work, work.qv + n, b);
+  add_rows_times(work, work.at.qv + n, b);
   add_velocity_q_times(work, dq, b);
   subtract(work, b, dv);
 }
 
-void evaluate_all(MultibodyLaneWork& work) {
-  const int n = work.n, d = work.d;
+bool solve_for_forces(const MultibodyLaneWork& work) {
   Lanes smallest_pivot;
-  work.is_good = fit(work, smallest_pivot);
-  if (!work.is_good) return;
-  if (!solve_by_masses(work, smallest_pivot) && work.is_good) {
-    if (work.along_tangents) solve_along(work);
-    else solve_whole(work);
-  }
-  if (!work.is_good) return;
+  if (!fit(work, smallest_pivot)) return false;
+  const Solved solved = solve_by_masses(work, smallest_pivot);
+  if (solved != Solved::not_this_way) return solved == Solved::yes;
+  return work.along_tangents ? solve_along(work) : solve_whole(work);
+}
+
+struct Evaluation {
+  const MultibodyLaneWork& work;
+  bool is_good;
+};
+
+void evaluate_all(Evaluation& evaluation) {
+  const MultibodyLaneWork& work = evaluation.work;
+  const int n = work.n, d = work.d;
+  evaluation.is_good = solve_for_forces(work);
+  if (!evaluation.is_good) return;
   take_particular(work);
   // r := Q1^T (q', v') - Q1^T D_h w
   const ConstView Q1 = work.Q1();
-  const Lanes *const dq = work.particular, *const dv = dq + n, *const v = work.qv + n;
-  Lanes *const r = work.residuals, *const rates = work.scratch;
+  const Lanes *const dq = work.at.particular, *const dv = dq + n, *const v = work.at.qv + n;
+  Lanes *const r = work.at.residuals, *const rates = work.matrices.scratch;
   for (int j = 0; j < n; ++j) rates[j] = v[j] + dv[j];
   clear(r, 2 * d);
   add_product(1.0, transposed(Q1), rates, r);
-  add_product(1.0, transposed(Q1), work.a, r + d);
+  add_product(1.0, transposed(Q1), work.at.a, r + d);
   add_product(1.0, plain(work.form.A_q()), dq, r + d);
   add_product(1.0, plain(work.form.A_v()), dv, r + d);
-  const double rate = -1.0 / work.h;
+  const double rate = -1.0 / work.method.h;
   for (int k = 0; k < 2 * d; ++k) {
     Lanes sum{};
-    for (int j = 0; j < work.s; ++j) sum += work.moves[k][j] * work.D[j];
+    for (int j = 0; j < work.method.s; ++j) sum += work.at.moves[k][j] * work.method.D[j];
     r[k] += rate * sum;
   }
 }
@@ -259,16 +260,15 @@ void add_complex_product(const LaneBlock& A, const LaneBlock& B, const Lanes& x,
 // Column j of a matrix in block j, its rows in lanes: y_i = sum_j matrix_ij x_j for the entries of x.
 void transform(const MultibodyLaneWork& work, const LaneBlock* matrix, const Lanes& x, Lanes& y) {
   Lanes sum{};
-  for (int j = 0; j < work.s; ++j) sum += x[j] * lanes(matrix[j]);
+  for (int j = 0; j < work.method.s; ++j) sum += x[j] * lanes(matrix[j]);
   y = sum;
 }
 
 // As MultibodyStepMatrix::solve_stages.
-void solve_stages(MultibodyLaneWork& work) {
-  const MultibodyStepMatrix::LaneInverses& inverses = *work.inverses;
+void solve_stages(const MultibodyLaneWork& work, const MultibodyStepMatrix::LaneInverses& inverses) {
   const int d = work.d;
-  Lanes *const y = work.scratch, *const right = y + 2 * d, *const z = right + d;
-  for (int k = 0; k < 2 * d; ++k) transform(work, inverses.T_inverse, work.residuals[k], y[k]);
+  Lanes *const y = work.matrices.scratch, *const right = y + 2 * d, *const z = right + d;
+  for (int k = 0; k < 2 * d; ++k) transform(work, inverses.T_inverse, work.at.residuals[k], y[k]);
   clear(right, 2 * d);
   add_product(1.0, plain(inverses.K), y, z);
   for (int i = 0; i < d; ++i) {
@@ -281,20 +281,28 @@ void solve_stages(MultibodyLaneWork& work) {
   for (int i = 0; i < d; ++i) {
     Lanes quotient{};
     add_complex_product(*inverses.c_A, *inverses.c_B, z[i] + y[i], quotient);
-    transform(work, inverses.T, quotient, work.z[i]);
-    transform(work, inverses.T, z[i], work.z[d + i]);
+    transform(work, inverses.T, quotient, work.at.z[i]);
+    transform(work, inverses.T, z[i], work.at.z[d + i]);
   }
 }
 
-void change_all(MultibodyLaneWork& work) {
+struct Change {
+  const MultibodyLaneWork& work;
+  const MultibodyStepMatrix::LaneInverses* inverses;
+  const MultibodyLaneNorms& norms;
+  double norm;
+};
+
+void change_all(Change& change) {
+  const MultibodyLaneWork& work = change.work;
   const int n = work.n, r = work.r, d = work.d;
-  if (work.inverses != nullptr) solve_stages(work);
+  if (change.inverses != nullptr) solve_stages(work, *change.inverses);
   const ConstView Q1 = work.Q1();
-  Lanes *const dq = work.changes, *const dv = dq + n, *const b = work.scratch + r;
-  for (int k = 0; k < 2 * d; ++k) work.moves[k] += work.z[k];
+  Lanes *const dq = work.at.changes, *const dv = dq + n, *const b = work.matrices.scratch + r;
+  for (int k = 0; k < 2 * d; ++k) work.at.moves[k] += work.at.z[k];
   clear(dq, 2 * n);
-  add_product(1.0, plain(Q1), work.z, dq);
-  add_product(1.0, plain(Q1), work.z + d, dv);
+  add_product(1.0, plain(Q1), work.at.z, dq);
+  add_product(1.0, plain(Q1), work.at.z + d, dv);
   clear(b, r);
   add_rows_times(work, dq, b);
   subtract(work, b, dq);
@@ -304,22 +312,31 @@ void change_all(MultibodyLaneWork& work) {
   subtract(work, b, dv);
   LaneMask bad{};
   for (int k = 0; k < 2 * n; ++k) {
-    dq[k] += work.particular[k];
-    work.qv[k] += dq[k];
+    dq[k] += work.at.particular[k];
+    work.at.qv[k] += dq[k];
     note_not_finite(dq[k], bad);
   }
-  work.norm = std::numeric_limits<double>::quiet_NaN();
   if (any(bad)) return;
   // As MultibodyIteration::norm_of.
-  work.norm = largest_above_noise(dq, 2 * n, work.noise, work.inverse_weights);
+  change.norm = largest_above_noise(dq, 2 * n, change.norms.noise, change.norms.inverse_weights);
 }
 
-SFDAE_LANE_KERNEL(evaluate_all, MultibodyLaneWork)
-SFDAE_LANE_KERNEL(change_all, MultibodyLaneWork)
+SFDAE_LANE_KERNEL(evaluate_all, Evaluation)
+SFDAE_LANE_KERNEL(change_all, Change)
 
 }  // namespace
 
-void evaluate_stages(MultibodyLaneWork& work) { run_evaluate_all(work); }
-void change_stages(MultibodyLaneWork& work) { run_change_all(work); }
+bool evaluate_stages(const MultibodyLaneWork& work) {
+  Evaluation evaluation{work, false};
+  run_evaluate_all(evaluation);
+  return evaluation.is_good;
+}
+
+double change_stages(const MultibodyLaneWork& work, const MultibodyStepMatrix::LaneInverses* inverses,
+                     const MultibodyLaneNorms& norms) {
+  Change change{work, inverses, norms, std::numeric_limits<double>::quiet_NaN()};
+  run_change_all(change);
+  return change.norm;
+}
 
 }  // namespace sfdae::core

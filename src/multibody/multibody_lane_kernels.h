@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include "linalg/index.h"
 #include "linalg/lane_algebra.h"
 #include "linalg/lanes.h"
 #include "multibody/multibody_form.h"
@@ -10,30 +13,50 @@
 
 namespace sfdae::core {
 
-// All that the kernels work on; n positions, n velocities, r independent constraints, d = n - r.
-struct MultibodyLaneWork {
-  int n, r, d, s;
-  const MultibodyForm& form;
-  const MultibodyLaneTerms& terms;
-  bool along_tangents, has_room_for_whole;
-  // Entries of C in column j: by_column[first[j]] to by_column[first[j + 1]].
-  const std::size_t *first, *by_column;
-  const int* position_of_row;  // among the independent ones; -1: none of them
-  const double* units;         // inverse ones of the independent rows
-  Lanes* rows;                 // entries of C in these units
+// Independent rows of C in their units, entry by entry, at the stages.
+struct MultibodyLaneRows {
+  std::vector<std::size_t> first,
+      by_column;              // entries of C in column j: by_column[first[j]] to by_column[first[j + 1]]
+  std::vector<int> position;  // of a row among the independent ones; -1: none of them
+  std::vector<double> units;  // inverse ones of the independent rows
+  Lanes* entries = nullptr;   // of C in these units
+};
+
+// Values at the stages, from the guesses to the changes.
+struct MultibodyLaneValues {
+  Lanes *t, *qv, *moves, *particular, *changes, *a, *mu, *residuals, *z;
+  Lanes* sign;  // of det C Q2
+};
+
+// Matrices of the stages: factors of C Q2 and of C M^-1 C^T, T^T M T or K; T and M T; memory for what is in between.
+struct MultibodyLaneMatrices {
   lane_algebra::Factors C2, reduced;
   Lanes *T, *MT, *scratch;
-  Lanes *qv, *moves, *particular, *changes, *a, *mu, *residuals;
-  Lanes* z;
-  const Lanes* D;
+};
+
+// How the stages depend on each other: h, and D, column j in block j, row i in lane i.
+struct MultibodyLaneMethod {
+  int s;
   double h;
-  const MultibodyStepMatrix::LaneInverses* inverses = nullptr;  // null: z is known
-  const double* noise = nullptr;
-  const double* inverse_weights = nullptr;
-  // Results: whether all points could be evaluated here, signs of det C Q2, the norm of the change.
-  bool is_good = true;
-  Lanes sign{};
-  double norm = 0.0;
+  const Lanes* D;
+};
+
+// Norms of changes, by components of (q, v).
+struct MultibodyLaneNorms {
+  const double* noise;
+  const double* inverse_weights;
+};
+
+// What the kernels work on; n positions, n velocities, r independent constraints, d = n - r.
+struct MultibodyLaneWork {
+  int n, r, d;
+  bool along_tangents, has_room_for_whole;
+  const MultibodyForm& form;
+  const MultibodyLaneTerms& terms;
+  const MultibodyLaneRows& rows;
+  MultibodyLaneMethod method;
+  MultibodyLaneValues at;
+  MultibodyLaneMatrices matrices;
 
   ConstView Q1() const { return form.positions().Q1(); }
   ConstView Q2() const { return form.positions().Q2(); }
@@ -41,16 +64,18 @@ struct MultibodyLaneWork {
   const std::vector<LaneMatrix::Place>& places() const { return terms.C.places; }
   template <class Action>
   void for_rows(Action action) const {
+    const int* const position = rows.position.data();
     for (std::size_t e = 0; e < places().size(); ++e) {
-      const int k = position_of_row[places()[e].row];
-      if (k >= 0) action(k, places()[e].column, rows[e]);
+      const int k = position[places()[e].row];
+      if (k >= 0) action(k, places()[e].column, rows.entries[e]);
     }
   }
 };
 
-// From the terms: a, mu, particular changes and residuals, unless is_good becomes false.
-void evaluate_stages(MultibodyLaneWork& work);
-// From the residuals, or z: the changes and their norm, NaN if one of them is not finite.
-void change_stages(MultibodyLaneWork& work);
+// From the terms: a, mu, particular changes, residuals and signs. False: not all points can be evaluated here.
+bool evaluate_stages(const MultibodyLaneWork& work);
+// From the residuals, or from z where `inverses` is null: the changes and their norm, NaN if one is not finite.
+double change_stages(const MultibodyLaneWork& work, const MultibodyStepMatrix::LaneInverses* inverses,
+                     const MultibodyLaneNorms& norms);
 
 }  // namespace sfdae::core

@@ -35,66 +35,70 @@ bool MultibodyLanes::prepare(int s, MultibodyEquations& equations, const Multibo
 
 void MultibodyLanes::resize(int n, int r) {
   n_ = n;
-  const int d = n - r, whole = n + r;
-  const auto set_size = [](LaneArray& blocks, int count) { blocks.assign(index(count) + 1, {}); };
-  for (auto* blocks : {&qv_, &particular_, &changes_}) set_size(*blocks, 2 * n);
-  for (auto* blocks : {&moves_, &r_, &z_}) set_size(*blocks, 2 * d);
-  set_size(t_, 1);
-  set_size(a_, n);
-  set_size(mu_, r);
-  set_size(D_, max_stages);
-  set_size(rows_, static_cast<int>(terms_.C.places.size()));
-  set_size(lu_, r * r);
-  set_size(inverse_, r);
-  set_size(T_, n * d);
-  set_size(MT_, n * std::max(d, 1));
-  const int order = std::max({r, d, whole <= largest_whole ? whole : 0});
-  set_size(reduced_, order * order);
-  set_size(reduced_inverse_, order);
-  set_size(scratch_, std::max({r * d, 2 * (r + d) + n, 2 * whole, 4 * d}));
-  order_.assign(index(r) + 1, 0);
-  reduced_order_.assign(index(order) + 1, 0);
-  units_.assign(index(r) + 1, 1.0);
-  // Entries of C by columns.
-  first_of_column_.assign(index(n) + 1, 0);
-  for (const LaneMatrix::Place& place : terms_.C.places) ++first_of_column_[index(place.column) + 1];
-  for (std::size_t j = 0; j < index(n); ++j) first_of_column_[j + 1] += first_of_column_[j];
-  std::vector<std::size_t> next = first_of_column_;
-  by_column_.assign(terms_.C.places.size() + 1, 0);
-  for (std::size_t e = 0; e < terms_.C.places.size(); ++e) by_column_[next[index(terms_.C.places[e].column)]++] = e;
-  position_of_row_.assign(terms_.g.size(), -1);
+  const int d = n - r, whole = n + r, order = std::max({r, d, whole <= largest_whole ? whole : 0});
+  struct Part {
+    Lanes** at;
+    int count;
+  };
+  const Part parts[] = {{&at_.t, 1},
+                        {&at_.qv, 2 * n},
+                        {&at_.moves, 2 * d},
+                        {&at_.particular, 2 * n},
+                        {&at_.changes, 2 * n},
+                        {&at_.a, n},
+                        {&at_.mu, r},
+                        {&at_.residuals, 2 * d},
+                        {&at_.z, 2 * d},
+                        {&at_.sign, 1},
+                        {&D_, max_stages},
+                        {&rows_.entries, static_cast<int>(terms_.C.places.size())},
+                        {&matrices_.C2.A, r * r},
+                        {&matrices_.C2.inverse, r},
+                        {&matrices_.reduced.A, order * order},
+                        {&matrices_.reduced.inverse, order},
+                        {&matrices_.T, n * d},
+                        {&matrices_.MT, n * std::max(d, 1)},
+                        {&matrices_.scratch, std::max({r * d, 2 * (r + d) + n, 2 * whole, 4 * d})}};
+  std::size_t size = 0;
+  for (const Part& part : parts) size += index(part.count);
+  memory_.assign(size, {});
+  Lanes* next = to_lanes(memory_);
+  for (const Part& part : parts) {
+    *part.at = next;
+    next += part.count;
+  }
+  orders_.assign(index(r + order), 0);
+  matrices_.C2.n = r;
+  matrices_.C2.order = orders_.data();
+  matrices_.reduced.order = orders_.data() + r;
+  rows_.units.assign(index(r), 1.0);
+  rows_.position.assign(terms_.g.size(), -1);
+  list_columns();
 }
 
-MultibodyLaneWork MultibodyLanes::work(const MultibodyForm& form) {
-  const int n = n_, r = rank_;
-  return {.n = n,
-          .r = r,
-          .d = n - r,
-          .s = discretization_->s,
+// Entries of C by columns.
+void MultibodyLanes::list_columns() {
+  const std::vector<LaneMatrix::Place>& places = terms_.C.places;
+  rows_.first.assign(index(n_) + 1, 0);
+  for (const LaneMatrix::Place& place : places) ++rows_.first[index(place.column) + 1];
+  for (std::size_t j = 0; j < index(n_); ++j) rows_.first[j + 1] += rows_.first[j];
+  std::vector<std::size_t> next = rows_.first;
+  rows_.by_column.assign(places.size(), 0);
+  for (std::size_t e = 0; e < places.size(); ++e) rows_.by_column[next[index(places[e].column)]++] = e;
+}
+
+MultibodyLaneWork MultibodyLanes::work(const MultibodyForm& form) const {
+  return {.n = n_,
+          .r = rank_,
+          .d = n_ - rank_,
+          .along_tangents = along_tangents_,
+          .has_room_for_whole = n_ + rank_ <= largest_whole,
           .form = form,
           .terms = terms_,
-          .along_tangents = along_tangents_,
-          .has_room_for_whole = n + r <= largest_whole,
-          .first = first_of_column_.data(),
-          .by_column = by_column_.data(),
-          .position_of_row = position_of_row_.data(),
-          .units = units_.data(),
-          .rows = to_lanes(rows_),
-          .C2 = {r, to_lanes(lu_), to_lanes(inverse_), order_.data()},
-          .reduced = {0, to_lanes(reduced_), to_lanes(reduced_inverse_), reduced_order_.data()},
-          .T = to_lanes(T_),
-          .MT = to_lanes(MT_),
-          .scratch = to_lanes(scratch_),
-          .qv = to_lanes(qv_),
-          .moves = to_lanes(moves_),
-          .particular = to_lanes(particular_),
-          .changes = to_lanes(changes_),
-          .a = to_lanes(a_),
-          .mu = to_lanes(mu_),
-          .residuals = to_lanes(r_),
-          .z = to_lanes(z_),
-          .D = to_lanes(D_),
-          .h = discretization_->h};
+          .rows = rows_,
+          .method = {discretization_->s, discretization_->h, D_},
+          .at = at_,
+          .matrices = matrices_};
 }
 
 void MultibodyLanes::begin(const MultibodyDiscretization& discretization, const MultibodyForm& form,
@@ -102,69 +106,59 @@ void MultibodyLanes::begin(const MultibodyDiscretization& discretization, const 
   discretization_ = &discretization;
   const int n = n_, s = discretization.s, d = n - rank_;
   const StageMethod& method = *discretization.method;
-  columns_to_lanes(stages.times.data(), 1, s, t_.data());
-  columns_to_lanes(stages.qv.column(0), 2 * n, s, qv_.data());
+  columns_to_lanes(stages.times.data(), 1, s, to_blocks(at_.t));
+  columns_to_lanes(stages.qv.column(0), 2 * n, s, to_blocks(at_.qv));
   for (int j = 0; j < s; ++j)
-    for (int l = 0; l < lane_count; ++l) D_[index(j)].lane[l] = method.D_at(std::min(l, s - 1), j);
-  std::fill(position_of_row_.begin(), position_of_row_.end(), -1);
+    for (int l = 0; l < lane_count; ++l) D_[j][l] = method.D_at(std::min(l, s - 1), j);
+  std::fill(rows_.position.begin(), rows_.position.end(), -1);
   for (int k = 0; k < rank_; ++k) {
     const int row = form.positions().rows[index(k)];
-    position_of_row_[index(row)] = k;
-    units_[index(k)] = units[row] > 0.0 ? 1.0 / units[row] : 1.0;
+    rows_.position[index(row)] = k;
+    rows_.units[index(k)] = units[row] > 0.0 ? 1.0 / units[row] : 1.0;
   }
   // Of the guesses; there are no changes yet, and their place is free.
-  for (int k = 0; k < 2 * n; ++k) lanes(changes_[index(k)]) = lanes(qv_[index(k)]) - discretization.w[k];
-  Lanes *const moves = to_lanes(moves_), *const changes = to_lanes(changes_);
-  std::fill(moves_.begin(), moves_.end(), LaneBlock());
-  lane_algebra::add_product(1.0, lane_algebra::transposed(form.positions().Q1()), changes, moves);
-  lane_algebra::add_product(1.0, lane_algebra::transposed(form.positions().Q1()), changes + n, moves + d);
+  for (int k = 0; k < 2 * n; ++k) at_.changes[k] = at_.qv[k] - discretization.w[k];
+  clear(at_.moves, 2 * d);
+  lane_algebra::add_product(1.0, lane_algebra::transposed(form.positions().Q1()), at_.changes, at_.moves);
+  lane_algebra::add_product(1.0, lane_algebra::transposed(form.positions().Q1()), at_.changes + n, at_.moves + d);
 }
 
 void MultibodyLanes::leave(MultibodyStages& stages) const {
   const int s = discretization_->s;
-  lanes_to_columns(qv_.data(), 2 * n_, s, stages.qv.column(0));
-  lanes_to_columns(moves_.data(), 2 * (n_ - rank_), s, stages.moves.column(0));
+  lanes_to_columns(to_blocks(at_.qv), 2 * n_, s, stages.qv.column(0));
+  lanes_to_columns(to_blocks(at_.moves), 2 * (n_ - rank_), s, stages.moves.column(0));
 }
 
 bool MultibodyLanes::evaluate(MultibodyEquations& equations, const MultibodyForm& form) {
   const int s = discretization_->s;
-  if (!equations.at_velocities(s, t_.data(), qv_.data(), terms_)) return false;
-  MultibodyLaneWork kernel = work(form);
-  evaluate_stages(kernel);
-  if (!kernel.is_good) return false;
+  if (!equations.at_velocities(s, to_blocks(at_.t), to_blocks(at_.qv), terms_)) return false;
+  if (!evaluate_stages(work(form))) return false;
   equations.counts().factorizations += s;
-  lanes(sign_) = kernel.sign;
   return true;
 }
 
 double MultibodyLanes::change(const MultibodyForm& form, MultibodyStepMatrix& matrix, const Norms& norms,
                               MultibodyStages& stages, Arena& arena) {
   const int s = discretization_->s;
-  MultibodyLaneWork kernel = work(form);
-  MultibodyStepMatrix::LaneInverses inverses{};
-  if (matrix.has_lane_inverses()) {
-    inverses = matrix.lane_inverses();
-    kernel.inverses = &inverses;
-  } else {
-    lanes_to_columns(r_.data(), stages.r.rows, s, stages.r.column(0));
+  const bool by_inverses = matrix.has_lane_inverses();
+  if (!by_inverses) {
+    lanes_to_columns(to_blocks(at_.residuals), stages.r.rows, s, stages.r.column(0));
     matrix.solve_stages(*discretization_->method, stages.r.view(s), stages.z.view(s), arena);
-    columns_to_lanes(stages.z.column(0), stages.z.rows, s, z_.data());
+    columns_to_lanes(stages.z.column(0), stages.z.rows, s, to_blocks(at_.z));
   }
-  kernel.noise = norms.noise;
-  kernel.inverse_weights = norms.inverse_weights;
-  change_stages(kernel);
-  return kernel.norm;
+  const auto inverses = by_inverses ? matrix.lane_inverses() : MultibodyStepMatrix::LaneInverses{};
+  return change_stages(work(form), by_inverses ? &inverses : nullptr, norms);
 }
 
 void MultibodyLanes::finish(const MultibodyForm& form, MultibodyStages& stages) const {
   const int s = discretization_->s;
-  lanes_to_columns(qv_.data(), 2 * n_, s, stages.qv.column(0));
-  lanes_to_columns(changes_.data(), 2 * n_, s, stages.changes.column(0));
+  lanes_to_columns(to_blocks(at_.qv), 2 * n_, s, stages.qv.column(0));
+  lanes_to_columns(to_blocks(at_.changes), 2 * n_, s, stages.changes.column(0));
   for (int i = 0; i < s; ++i) {
     double* const mu = stages.mu.column(i);
     std::fill_n(mu, stages.mu.rows, 0.0);
-    for (int k = 0; k < rank_; ++k) mu[form.positions().rows[index(k)]] = mu_[index(k)].lane[i];
-    const int sign = sign_.lane[i] < 0.0 ? -1 : 1;
+    for (int k = 0; k < rank_; ++k) mu[form.positions().rows[index(k)]] = at_.mu[k][i];
+    const int sign = (*at_.sign)[i] < 0.0 ? -1 : 1;
     stages.orientations[index(i)] = {sign, sign};
   }
 }

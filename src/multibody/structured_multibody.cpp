@@ -42,114 +42,62 @@ bool motion_stays(const MultibodySizes& sizes, const double* from, const double*
 
 }  // namespace
 
-StructuredMultibody::Sparse::Sparse(std::unique_ptr<RecordedProblem> equations, Problem& base)
-    : problem(std::move(equations)), model(*problem, base) {
-  problem->stop_with(base);
-  problem->follow_structure(false);
-}
-
 std::unique_ptr<StructuredMultibody> StructuredMultibody::clone() const {
-  std::unique_ptr<MultibodyModel> other = local_->clone();
+  std::unique_ptr<MultibodyModel> other = local_.clone();
   return other ? std::make_unique<StructuredMultibody>(std::move(other)) : nullptr;
 }
 
-EvaluationCounts StructuredMultibody::evaluations() const {
-  EvaluationCounts counts = local_->evaluations();
-  const auto add = [&counts](const NonlinearProblem& problem) {
-    counts.F += problem.evaluations();
-    counts.linearizations += problem.linearizations();
-  };
-  if (sparse_) add(*sparse_->problem);
-  if (array_) add(array_->problem());
-  return counts;
+// ---- Which formulation serves ----------------------------------------------------------------------------------
+
+bool StructuredMultibody::requires_extension(const ModelOptions& options) {
+  if (options.for_sensitivities) demand_array_for_sensitivities(options);
+  return options.structure == StructureUse::required;
 }
 
-void StructuredMultibody::parameters_changed() {
-  local_->parameters_changed();
-  const TaylorEvaluator& from = *local_->evaluator();
-  for (int i = 0; i < local_->num_parameters(); ++i) {
-    if (sparse_) sparse_->problem->evaluator().set_parameter(i, from.parameter(i));
-    if (array_) array_->evaluator()->set_parameter(i, from.parameter(i));
-  }
-}
-
-// ---- Which form serves -----------------------------------------------------------------------------------------
-
-Model& StructuredMultibody::active() {
-  if (form_ == Form::sparse) return sparse_->model;
-  return form_ == Form::array ? static_cast<Model&>(*array_) : *local_;
-}
-
-bool StructuredMultibody::may_be_sparse(const ModelOptions& options) {
+bool StructuredMultibody::may_extend(const ModelOptions& options) {
   const InitialValues kind = options.consistency.kind;
-  return options.structure == StructureUse::automatic && n() >= least_unknowns &&
+  return !options.for_sensitivities && options.structure == StructureUse::automatic && n() >= least_unknowns &&
          (kind == InitialValues::nearest || kind == InitialValues::accept) && make_sparse() &&
-         density(sparse_->problem->evaluator().record()) <= largest_density;
+         density(equations()->evaluator().record()) <= largest_density;
 }
 
 // False where the equations have no structure.
 bool StructuredMultibody::make_sparse() {
-  if (!local_->is_recorded()) return false;
-  if (!sparse_) sparse_ = std::make_unique<Sparse>(local_->recorded_first_order_problem(), problem());
-  return sparse_->problem->structure() != nullptr;
-}
-
-void StructuredMultibody::analyze(const PointOfInterest& point, const ModelOptions& options,
-                                  std::vector<RankDecision>& decisions) {
-  forget_system();
-  options_ = options;
-  if (options.for_sensitivities) return analyze_array(point, options, decisions);
-  const bool is_required = options.structure == StructureUse::required;
-  if (is_required || may_be_sparse(options)) {
-    try {
-      return analyze_sparse(point, options, decisions);
-    } catch (const Failure& failure) {
-      if (is_required || ends_everything(failure.status())) throw;
-    }
-    decisions.clear();
+  if (!local_.is_recorded()) return false;
+  if (equations() == nullptr) {
+    std::unique_ptr<RecordedProblem> owned = local_.recorded_first_order_problem();
+    owned->follow_structure(false);
+    RecordedProblem& first_order = *owned;
+    set_equations(first_order, std::move(owned));
   }
-  local_->analyze(point, options, decisions);
+  return equations()->structure() != nullptr;
 }
 
-// Positions and velocities are made consistent as ever, and the extension has to agree: where it is badly conditioned,
-// local coordinates are better.
-void StructuredMultibody::analyze_sparse(const PointOfInterest& point, const ModelOptions& options,
-                                         std::vector<RankDecision>& decisions) {
-  if (!make_sparse())
+// For all but local coordinates positions and velocities are made consistent as ever. The extension has to agree:
+// where it is badly conditioned, local coordinates are better.
+void StructuredMultibody::analyze_as(Formulation formulation, const PointOfInterest& point,
+                                     const ModelOptions& options, std::vector<RankDecision>& decisions) {
+  if (formulation == Formulation::own) return local_.analyze(point, options, decisions);
+  const bool is_array = formulation == Formulation::array;
+  if (is_array) {
+    demand_dense(n());
+    make_array();
+  } else if (!make_sparse()) {
     throw Failure(SFDAE_RANK_UNCLEAR,
                   "the option structure requires what these equations do not have: some constraints contain too few "
                   "coordinates.");
-  problem().check_rates(point.t, point.x);
-  const std::vector<double> x = with_consistent_motion(point, options);
-  sparse_->model.analyze({point.t, point.toward, x.data()}, options, decisions);
-  const Jet found = sparse_->model.accepted_point();
-  if (!motion_stays(problem().sizes(), x.data(), found.x.data())) {
-    sparse_->model.forget_system();
-    throw Failure(
-        SFDAE_RANK_UNCLEAR,
-        format("the equations with their derivatives are too badly conditioned at t = %.15g: values that are "
-               "consistent do not stay as they are.",
-               point.t));
   }
-  form_ = Form::sparse;
-}
-
-void StructuredMultibody::make_array() {
-  if (array_) return;
-  auto model = std::make_unique<NonlinearModel>(local_->recorded_first_order_problem());
-  model->problem().stop_with(problem());
-  array_ = std::move(model);
-}
-
-void StructuredMultibody::analyze_array(const PointOfInterest& point, const ModelOptions& options,
-                                        std::vector<RankDecision>& decisions) {
-  demand_array_for_sensitivities(options);
-  demand_dense(n());
-  make_array();
   problem().check_rates(point.t, point.x);
   const std::vector<double> x = with_consistent_motion(point, options);
-  array_->analyze({point.t, point.toward, x.data()}, options, decisions);
-  form_ = Form::array;
+  const PointOfInterest consistent{point.t, point.toward, x.data()};
+  if (is_array) return array().analyze(consistent, options, decisions);
+  extended().analyze(consistent, options, decisions);
+  if (motion_stays(problem().sizes(), x.data(), extended().accepted_point().x.data())) return;
+  extended().forget_system();
+  throw Failure(SFDAE_RANK_UNCLEAR,
+                format("the equations with their derivatives are too badly conditioned at t = %.15g: values that are "
+                       "consistent do not stay as they are.",
+                       point.t));
 }
 
 // Forces are unknowns of the first-order equations, and have to be unique.
@@ -165,61 +113,18 @@ std::unique_ptr<SensitivitySystem> StructuredMultibody::sensitivities(std::vecto
 }
 
 void StructuredMultibody::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  if (form_ == Form::local) local_->demand_derivatives(point, options);
-}
-
-void StructuredMultibody::forget_system() {
-  form_ = Form::local;
-  if (sparse_) sparse_->model.forget_system();
-  if (array_) array_->forget_system();
-  local_->forget_system();
+  if (formulation() == Formulation::own) local_.demand_derivatives(point, options);
 }
 
 // Local coordinates at the point accepted last, for what has no sparse form.
-MultibodyModel& StructuredMultibody::local() {
-  if (form_ == Form::local) return *local_;
+MultibodyModel& StructuredMultibody::analyzed_local() {
+  if (formulation() == Formulation::own) return local_;
   const Jet jet = accepted_point();
-  const MultibodySystem* known = local_->system();
-  if (known != nullptr && known->accepted_point().t == jet.t &&
-      std::equal(known->accepted_point().q.begin(), known->accepted_point().q.end(), jet.x.begin()))
-    return *local_;
-  std::vector<RankDecision> decisions;
-  local_->analyze({jet.t, time_beside(jet.t, 1.0), jet.x.data()}, options_, decisions);
-  return *local_;
-}
-
-// ---- Checkpoints -----------------------------------------------------------------------------------------------
-
-bool StructuredMultibody::expect(SystemForm form, bool for_sensitivities) {
-  const bool is_extension = form == SystemForm::extension;
-  if (is_extension && (for_sensitivities || !make_sparse())) return false;
-  if (for_sensitivities) make_array();
-  form_before_ = form_;
-  form_ = is_extension ? Form::sparse : for_sensitivities ? Form::array : Form::local;
-  return true;
-}
-
-void StructuredMultibody::restore(const ModelOptions& options, Archive& archive) {
-  try {
-    active().restore(options, archive);
-  } catch (...) {
-    form_ = form_before_;
-    throw;
-  }
-  options_ = options;
-}
-
-void StructuredMultibody::undo_restore() {
-  active().undo_restore();
-  form_ = form_before_;
-}
-
-void StructuredMultibody::finish_restore() {
-  active().finish_restore();
-  if (form_before_ == form_) return;
-  if (form_before_ == Form::sparse) sparse_->model.forget_system();
-  else if (form_before_ == Form::array) array_->forget_system();
-  else local_->forget_system();
+  const MultibodySystem* known = local_.system();
+  if (known == nullptr || known->accepted_point().t != jet.t ||
+      !std::equal(known->accepted_point().q.begin(), known->accepted_point().q.end(), jet.x.begin()))
+    analyze_own();
+  return local_;
 }
 
 // ---- Points ----------------------------------------------------------------------------------------------------
@@ -257,7 +162,7 @@ ConsistentPoint StructuredMultibody::consistent(const PointOfInterest& point, co
 }
 
 ConsistentPoint StructuredMultibody::consistent_point(const PointOfInterest& point, const ModelOptions& options) {
-  if (form_ == Form::local) return local_->consistent_point(point, options);
+  if (formulation() == Formulation::own) return local_.consistent_point(point, options);
   return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
     return active().consistent_point(near, plain);
   });
@@ -265,22 +170,17 @@ ConsistentPoint StructuredMultibody::consistent_point(const PointOfInterest& poi
 
 ConsistentPoint StructuredMultibody::consistent_point_beside(const PointOfInterest& point,
                                                              const ModelOptions& options) {
-  if (form_ == Form::local) return local_->consistent_point_beside(point, options);
+  if (formulation() == Formulation::own) return local_.consistent_point_beside(point, options);
   return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
     return active().consistent_point_beside(near, plain);
   });
 }
 
-Jet StructuredMultibody::accepted_point() const {
-  if (form_ == Form::sparse) return sparse_->model.accepted_point();
-  return form_ == Form::array ? array_->accepted_point() : local_->accepted_point();
-}
-
 // A structure that is confirmed leaves no constraint that depends on others.
 ConstraintsReport StructuredMultibody::constraints() {
-  if (form_ != Form::sparse) return local().constraints();
+  if (formulation() != Formulation::extension) return analyzed_local().constraints();
   const MultibodySizes& sizes = problem().sizes();
-  const Jet jet = sparse_->model.accepted_point();
+  const Jet jet = extended().accepted_point();
   MultibodyPoint point;
   point.resize(sizes);
   point.set(jet.t, jet.x.data(), jet.x.data() + sizes.positions);

@@ -60,8 +60,6 @@ class Problem {
     lowest_t_ = lowest;
     highest_t_ = highest;
   }
-  // The one that an integration in a direction comes from.
-  double limit_before(double direction) const { return direction > 0.0 ? lowest_t_ : highest_t_; }
   // See CallbackError::user_t.
   double user_t() const { return user_t_; }
 

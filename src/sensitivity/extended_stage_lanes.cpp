@@ -202,47 +202,47 @@ void ExtendedStageLanes::resize() {
   const std::size_t n = index(n_), d = index(equations.num_states()), count = index(parameters_.count());
   if (entries_.empty()) entries_ = recorded_entries(problem_);
   level_0_.assign(index(problem_.m()), 0);
-  t_.resize(1);
-  jets_.resize(n * index(jet_order_ + 1));
-  x_xdot_.resize(2 * n);
+  points_.t.resize(1);
+  points_.jets.resize(n * index(jet_order_ + 1));
+  points_.x_xdot.resize(2 * n);
   matrix_.resize(extension_.num_entries());
   right_.resize(index(equations.num_columns()) * (count + d));
   tangents_.resize(right_.size());
   for (LaneArray* array : {&row_sizes_, &row_factors_}) array->resize(index(problem_.m()));
   Z1_.resize(index(problem_.m()) * d);
-  for (LaneArray* array : {&ZE_, &ZA_}) array->resize(n * d);
-  B_.resize(d * d);
-  Zf_.resize(d * count);
+  for (LaneArray* array : {&projected_.ZE, &projected_.ZA}) array->resize(n * d);
+  projected_.B.resize(d * d);
+  projected_.Zf.resize(d * count);
   factors_.resize(index(problem_.m()));
 }
 
 // Lanes beyond repeat the last stage.
 void ExtendedStageLanes::keep(int i, const Jet& jet, const double* xdot) {
   const std::size_t n = index(n_);
-  has_slopes_ = xdot != nullptr;
+  points_.has_slopes = xdot != nullptr;
   for (int l = i; l < (i + 1 == s_ ? lane_count : i + 1); ++l) {
-    t_[0].lane[l] = jet.t;
-    for (std::size_t k = 0; k < jets_.size(); ++k) jets_[k].lane[l] = jet.x[k];
-    for (std::size_t k = 0; has_slopes_ && k < n; ++k) {
-      x_xdot_[k].lane[l] = jet.x[k];
-      x_xdot_[n + k].lane[l] = xdot[k];
+    points_.t[0].lane[l] = jet.t;
+    for (std::size_t k = 0; k < points_.jets.size(); ++k) points_.jets[k].lane[l] = jet.x[k];
+    for (std::size_t k = 0; points_.has_slopes && k < n; ++k) {
+      points_.x_xdot[k].lane[l] = jet.x[k];
+      points_.x_xdot[n + k].lane[l] = xdot[k];
     }
   }
 }
 
 Jet ExtendedStageLanes::jet(int i) const {
   Jet jet;
-  jet.t = t_[0].lane[i];
+  jet.t = points_.t[0].lane[i];
   jet.n = n_;
   jet.order = jet_order_;
-  for (const LaneBlock& block : jets_) jet.x.push_back(block.lane[i]);
+  for (const LaneBlock& block : points_.jets) jet.x.push_back(block.lane[i]);
   return jet;
 }
 
 const double* ExtendedStageLanes::xdot(int i, std::vector<double>& buffer) const {
-  if (!has_slopes_) return nullptr;
+  if (!points_.has_slopes) return nullptr;
   buffer.resize(index(n_));
-  for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = x_xdot_[index(n_) + k].lane[i];
+  for (std::size_t k = 0; k < buffer.size(); ++k) buffer[k] = points_.x_xdot[index(n_) + k].lane[i];
   return buffer.data();
 }
 
@@ -250,9 +250,10 @@ const double* ExtendedStageLanes::xdot(int i, std::vector<double>& buffer) const
 bool ExtendedStageLanes::find_tangents() {
   const ExtendedEquations& equations = extension_.equations();
   const int count = parameters_.count(), d = equations.num_states(), columns = equations.num_columns();
-  const LaneBlock* const F_p = parameters_.values_side_by_side(t_.data(), jets_.data(), equations.order);
-  const LaneBlock* const coefficients =
-      problem_.gradient_entries_side_by_side(s_, t_.data(), jets_.data(), equations.order, equations.limits);
+  const LaneBlock* const F_p =
+      parameters_.values_side_by_side(points_.t.data(), points_.jets.data(), equations.order);
+  const LaneBlock* const coefficients = problem_.gradient_entries_side_by_side(
+      s_, points_.t.data(), points_.jets.data(), equations.order, equations.limits);
   if (F_p == nullptr || coefficients == nullptr) return false;
   Assembly assembly{equations, parameters_.places(), to_lanes(coefficients),   to_lanes(F_p),
                     count,     to_lanes(matrix_),    extension_.num_entries(), to_lanes(right_)};
@@ -260,7 +261,8 @@ bool ExtendedStageLanes::find_tangents() {
   if (!planned_.solve(*extension_.list(), matrix_.data(), right_.data(), count + d, tangents_.data())) return false;
   std::vector<double>& sizes = extension_.sizes();
   for (int j = 0; j < n_; ++j)
-    for (int l = 0; l < s_; ++l) sizes[index(j)] = std::max(sizes[index(j)], std::fabs(jets_[index(j)].lane[l]));
+    for (int l = 0; l < s_; ++l)
+      sizes[index(j)] = std::max(sizes[index(j)], std::fabs(points_.jets[index(j)].lane[l]));
   for (int j = 0; j < n_; ++j) {
     if (sizes[index(j)] == 0.0) continue;
     for (int l = 0; l < s_; ++l) {
@@ -310,10 +312,10 @@ bool ExtendedStageLanes::linearize(const AnalyzedEquations& equations, Sensitivi
   run_find_basis(basis);
   if (!basis.is_found) return false;
   const LaneBlock* F_p = nullptr;
-  if (has_slopes_ && parameters_.needs_slopes()) {
+  if (points_.has_slopes && parameters_.needs_slopes()) {
     length = 1;
-    F_p = parameters_.values_side_by_side(t_.data(), x_xdot_.data(), 0);
-    coefficients = problem_.gradient_entries_side_by_side(s_, t_.data(), x_xdot_.data(), 0, level_0_);
+    F_p = parameters_.values_side_by_side(points_.t.data(), points_.x_xdot.data(), 0);
+    coefficients = problem_.gradient_entries_side_by_side(s_, points_.t.data(), points_.x_xdot.data(), 0, level_0_);
   } else {
     F_p = parameters_.last_values_side_by_side();
   }
@@ -332,10 +334,10 @@ bool ExtendedStageLanes::linearize(const AnalyzedEquations& equations, Sensitivi
                         to_lanes(tangents_),
                         to_lanes(row_factors_),
                         to_lanes(Z1_),
-                        to_lanes(ZE_),
-                        to_lanes(ZA_),
-                        to_lanes(B_),
-                        to_lanes(Zf_)};
+                        to_lanes(projected_.ZE),
+                        to_lanes(projected_.ZA),
+                        to_lanes(projected_.B),
+                        to_lanes(projected_.Zf)};
   run_project(projection);
   write(equations, stages);
   return true;
@@ -352,9 +354,9 @@ void ExtendedStageLanes::write(const AnalyzedEquations& equations, SensitivitySt
   };
   for (int i = 0; i < s_; ++i) {
     const SensitivityStages::Parts parts = stages.parts(i, tau);
-    copy_block(ZE_, i, parts.L);
-    copy_block(B_, i, parts.B);
-    copy_block(Zf_, i, parts.b);
+    copy_block(projected_.ZE, i, parts.L);
+    copy_block(projected_.B, i, parts.B);
+    copy_block(projected_.Zf, i, parts.b);
     const LaneBlock* from = tangents_.data();
     for (int c = 0; c < count + d; ++c, from += columns) {
       double* const to = c < count ? parts.xp.column(c) : parts.T2.column(c - count);

@@ -49,13 +49,20 @@ class ExtendedStageLanes {
   ParameterSeries& parameters_;
   ExtendedSensitivityStep& extension_;
   int s_ = 0, n_ = 0, jet_order_ = 0;
-  bool has_slopes_ = false;
   std::vector<RecordedEntry> entries_;
-  std::vector<int> level_0_;             // limits of entries of level 0
-  LaneArray t_, jets_, x_xdot_;          // jets: n x (order + 1)
+  std::vector<int> level_0_;  // limits of entries of level 0
+  // What is kept; jets: n x (order + 1).
+  struct Points {
+    LaneArray t, jets, x_xdot;
+    bool has_slopes = false;
+  } points_;
   LaneArray matrix_, right_, tangents_;  // of the extension; columns: xp, then T2
   LaneArray row_sizes_, row_factors_;
-  LaneArray Z1_, ZE_, ZA_, B_, Zf_;  // m x d, n x d, n x d by rows; columns of d
+  LaneArray Z1_;  // m x d, by rows
+  // Z1^T E and Z1^T A, n x d by rows; columns of d.
+  struct Projected {
+    LaneArray ZE, ZA, B, Zf;
+  } projected_;
   PlannedLanes planned_;
   std::vector<double> factors_;
 };

@@ -75,18 +75,18 @@ PointStatus ExtensionSensitivities::solve_step(double c, const double* rest, con
 }
 
 void ExtensionSensitivities::keep(const StageMethod& method, int i, const Jet& jet) {
-  if (jets_.size() < index(method.s)) jets_.resize(index(method.s));
-  jets_[index(i)] = jet;
+  if (kept_.jets.size() < index(method.s)) kept_.jets.resize(index(method.s));
+  kept_.jets[index(i)] = jet;
 }
 
 PointStatus ExtensionSensitivities::keep_stage_of_step(const StageMethod& method, int i, const double*) {
-  are_of_step_ = true;
+  kept_.are_of_step = true;
   keep(method, i, system_.jet_of_stage(i));
   return PointStatus::ok;
 }
 
 PointStatus ExtensionSensitivities::keep_stage(const StageMethod& method, int i, const double*) {
-  are_of_step_ = false;
+  kept_.are_of_step = false;
   keep(method, i, system_.jet());
   return PointStatus::ok;
 }
@@ -95,12 +95,12 @@ PointStatus ExtensionSensitivities::solve_kept_stages(const StageMethod& method,
                                                       double* S) {
   take_choice();
   linearizations_ += method.s;
-  callback_error_ = equations_.linearize(jets_, method.s, at_stages_);
+  callback_error_ = equations_.linearize(kept_.jets, method.s, kept_.rows);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  const ExtensionSensitivityStages::Task task{method, h, jets_, at_stages_, S_start, system_.scales()};
-  LocalStages* const local = are_of_step_ ? system_.local_factors_of_stages() : nullptr;
+  const ExtensionSensitivityStages::Task task{method, h, kept_.jets, kept_.rows, S_start, system_.scales()};
+  LocalStages* const local = kept_.are_of_step ? system_.local_factors_of_stages() : nullptr;
   if (stages_.solve_locally(task, system_.linearization(), local, S)) return PointStatus::ok;
-  ExtensionLinearization* const by = are_of_step_ ? system_.factors_of_stages(method, h) : nullptr;
+  ExtensionLinearization* const by = kept_.are_of_step ? system_.factors_of_stages(method, h) : nullptr;
   return stages_.solve(task, by, S) ? PointStatus::ok : PointStatus::singular;
 }
 

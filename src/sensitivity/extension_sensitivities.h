@@ -66,9 +66,12 @@ class ExtensionSensitivities final : public SensitivitySystem {
   RepeatedSystems held_;
   ExtensionSensitivityStages stages_;
   SensitivityRows here_;
-  std::vector<Jet> jets_;  // of the stages kept
-  bool are_of_step_ = false;
-  std::vector<SensitivityRows> at_stages_;
+  // Stages that are kept until they are solved for; those of a step have its factors.
+  struct KeptStages {
+    std::vector<Jet> jets;
+    std::vector<SensitivityRows> rows;
+    bool are_of_step = false;
+  } kept_;
   std::vector<double> values_, right_, solution_, taylor_;
   long linearizations_ = 0, factorizations_ = 0;
   CallbackError callback_error_;

@@ -33,8 +33,8 @@ constexpr int most_refinements = 4;
 void ExtensionSensitivityStages::set_choice(const StateChoice& choice, const SensitivitySlots& slots) {
   choice_ = &choice;
   slots_ = &slots;
-  s_ = 0;
-  times_before_.clear();
+  together_.forget();
+  before_.times.clear();
   source_.clear();
   std::vector<int> number(index(equations_.extension().n()), 0);
   for (std::size_t k = 0; k < choice.states().size(); ++k) number[index(choice.states()[k])] = static_cast<int>(k);
@@ -53,7 +53,10 @@ void ExtensionSensitivityStages::resize(int s) {
 bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization* by, double* S) {
   resize(task.method.s);
   const bool is_there = by != nullptr && iterate(task, [&] { take_away(task, *by); });
-  if (!is_there && !solve_together(task)) return false;
+  if (!is_there) {
+    ++factorizations_;
+    if (!together_.solve(task, *choice_, *slots_, unknowns_)) return false;
+  }
   return copy_to(task.method.s, S);
 }
 
@@ -137,10 +140,10 @@ void ExtensionSensitivityStages::predict(const Task& task) {
 
 bool ExtensionSensitivityStages::extrapolate(const Task& task) {
   constexpr double farthest = 3.0;  // in steps; chosen, not measured
-  const std::size_t points = times_before_.size(), size = index(num_rows()) * index(count());
+  const std::size_t points = before_.times.size(), size = index(num_rows()) * index(count());
   if (points < 3) return false;
-  const double span = times_before_.back() - times_before_.front();
-  const double distance = task.jets[index(task.method.s - 1)].t - times_before_.back();
+  const double span = before_.times.back() - before_.times.front();
+  const double distance = task.jets[index(task.method.s - 1)].t - before_.times.back();
   if (!(std::fabs(distance) <= farthest * std::fabs(span))) return false;
   for (int i = 0; i < task.method.s; ++i) {
     double* const to = block(unknowns_, i, 0);
@@ -148,8 +151,8 @@ bool ExtensionSensitivityStages::extrapolate(const Task& task) {
     for (std::size_t k = 0; k < points; ++k) {
       double L = 1.0;
       for (std::size_t j = 0; j < points; ++j)
-        if (j != k) L *= (task.jets[index(i)].t - times_before_[j]) / (times_before_[k] - times_before_[j]);
-      const double* const from = before_.data() + k * size;
+        if (j != k) L *= (task.jets[index(i)].t - before_.times[j]) / (before_.times[k] - before_.times[j]);
+      const double* const from = before_.unknowns.data() + k * size;
       for (std::size_t r = 0; r < size; ++r) to[r] += L * from[r];
     }
   }
@@ -158,10 +161,10 @@ bool ExtensionSensitivityStages::extrapolate(const Task& task) {
 
 void ExtensionSensitivityStages::note_step(const Task& task) {
   const std::size_t size = index(num_rows()) * index(count()) * index(task.method.s);
-  before_.resize(std::max(before_.size(), size));
-  std::copy_n(unknowns_.begin(), size, before_.begin());
-  times_before_.clear();
-  for (int i = 0; i < task.method.s; ++i) times_before_.push_back(task.jets[index(i)].t);
+  before_.unknowns.resize(std::max(before_.unknowns.size(), size));
+  std::copy_n(unknowns_.begin(), size, before_.unknowns.begin());
+  before_.times.clear();
+  for (int i = 0; i < task.method.s; ++i) before_.times.push_back(task.jets[index(i)].t);
 }
 
 // r_: right-hand sides less what the unknowns make of the rows.
@@ -265,89 +268,14 @@ double ExtensionSensitivityStages::add_changes(const Task& task) {
   return largest;
 }
 
-// ---- Together --------------------------------------------------------------------------------------------------
-
-// Entries of S_j' of a state are in the columns of S_j of all stages.
-void ExtensionSensitivityStages::make_pattern(int s) {
-  if (s == s_) return;
-  s_ = 0;  // while memory may be missing
-  const MinimalExtension& extension = equations_.extension();
-  const int q = num_rows();
-  std::vector<std::pair<int, int>> places;  // column, row
-  const auto add_places = [&](int row, int column) {
-    const bool is_slope = choice_->is_slope(column);
-    for (int i = 0; i < s; ++i)
-      for (int k = is_slope ? 0 : i; k < (is_slope ? s : i + 1); ++k)
-        places.emplace_back(k * q + choice_->slot(column), i * q + row);
-  };
-  for (int row = 0; row < q; ++row)
-    for (int e = extension.first()[index(row)]; e < extension.first()[index(row + 1)]; ++e)
-      add_places(row, extension.column()[index(e)]);
-  const SparsePattern pattern = pattern_of(s * q, places, positions_);
-  together_.analyze(pattern);
-  values_.assign(pattern.row.size(), 0.0);
-  right_.assign(index(pattern.size) * index(count()) + 1, 0.0);
-  solution_ = right_;
-  s_ = s;
-}
-
-void ExtensionSensitivityStages::set_values(const Task& task) {
-  std::fill(values_.begin(), values_.end(), 0.0);
-  const std::vector<int>& column = equations_.extension().column();
-  const std::size_t* position = positions_.data();
-  for (std::size_t e = 0; e < column.size(); ++e)
-    for (int i = 0; i < s_; ++i) {
-      const double value = task.rows[index(i)].values[e];
-      if (!choice_->is_slope(column[e])) {
-        values_[*position++] += value;
-        continue;
-      }
-      for (int k = 0; k < s_; ++k) values_[*position++] += task.method.D_at(i, k) / task.h * value;
-    }
-}
-
-void ExtensionSensitivityStages::set_right_hand_sides(const Task& task) {
-  const std::size_t q = index(num_rows()), n = index(equations_.extension().n());
-  for (int i = 0; i < s_; ++i) {
-    const SensitivityRows& rows = task.rows[index(i)];
-    double sum = 0.0;
-    for (int k = 0; k < s_; ++k) sum += task.method.D_at(i, k) / task.h;
-    for (std::size_t j = 0; j < index(count()); ++j) {
-      double* const to = right_.data() + (j * index(s_) + index(i)) * q;
-      std::copy_n(rows.right.data() + j * q, q, to);
-      for (const SensitivitySlots::Entry& entry : slots_->slopes())
-        to[entry.row] += sum * rows.values[entry.entry] * task.S_start[j * n + index(entry.state)];
-    }
-  }
-}
-
-bool ExtensionSensitivityStages::solve_together(const Task& task) {
-  make_pattern(task.method.s);
-  set_values(task);
-  set_right_hand_sides(task);
-  ++factorizations_;
-  if (!together_.solve(values_, right_.data(), count(), solution_.data())) return false;
-  for (int i = 0; i < s_; ++i)
-    for (int q = 0; q < count(); ++q)
-      std::copy_n(solution_.data() + index(q * s_ + i) * index(num_rows()), num_rows(), block(unknowns_, i, q));
-  return true;
-}
-
 void ExtensionSensitivityStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
   local_.archive(archive, linearization);
-  int s = s_;
-  archive.small(s);
-  if (archive.is_reading()) {
-    if (s < 0 || s > max_stages || (s > 0 && s % 2 == 0)) throw DamagedArchive();
-    s_ = 0;
-    if (s > 0) make_pattern(s);
-  }
-  if (s_ > 0) together_.archive(archive);
-  int points = static_cast<int>(times_before_.size());
+  together_.archive(archive, *choice_);
+  int points = static_cast<int>(before_.times.size());
   archive.small(points);
   if (points < 0 || points > max_stages) throw DamagedArchive();
-  archive.reals(times_before_, index(points));
-  if (points > 0) archive.reals(before_, index(points) * index(num_rows()) * index(count()));
+  archive.reals(before_.times, index(points));
+  if (points > 0) archive.reals(before_.unknowns, index(points) * index(num_rows()) * index(count()));
 }
 
 }  // namespace sfdae::core

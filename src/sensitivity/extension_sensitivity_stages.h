@@ -16,25 +16,18 @@
 #include "extension/extension_linearization.h"
 #include "extension/local_stages.h"
 #include "linalg/archive.h"
-#include "linalg/repeated_systems.h"
 #include "sensitivity/sensitivity_equations.h"
+#include "sensitivity/sensitivity_stages_together.h"
 #include "system/stage_method.h"
 
 namespace sfdae::core {
 
 class ExtensionSensitivityStages {
  public:
-  struct Task {
-    const StageMethod& method;
-    double h;
-    const std::vector<Jet>& jets;              // of x at the stages
-    const std::vector<SensitivityRows>& rows;  // at the stages
-    const double* S_start;                     // n x count
-    const std::vector<double>& scales;         // of the unknowns: changes that do not matter, or zero
-  };
+  using Task = SensitivityStagesTask;
 
   explicit ExtensionSensitivityStages(SensitivityEquations& equations)
-      : equations_(equations), local_(equations.extension()) {}
+      : equations_(equations), local_(equations.extension()), together_(equations) {}
   // Other states from now on. choice: lives until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
   // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors
@@ -61,10 +54,6 @@ class ExtensionSensitivityStages {
   void take_away(const Task& task, ExtensionLinearization& by);
   void take_away(const Task& task, LocalStages& by);
   double add_changes(const Task& task);
-  bool solve_together(const Task& task);
-  void make_pattern(int s);
-  void set_values(const Task& task);
-  void set_right_hand_sides(const Task& task);
   int count() const { return equations_.count(); }
   int num_rows() const { return equations_.extension().num_rows(); }
   // Of stage i and parameter q.
@@ -84,12 +73,10 @@ class ExtensionSensitivityStages {
   std::vector<int> source_;  // of the entries of the extension: a slot, or behind all slots a state
   std::vector<double> sources_, per_scale_;
   // Of the last step that was solved with the factors of x: times of its stages and unknowns there.
-  std::vector<double> times_before_, before_;
-  // Of all stages together: 0 where there is no such system yet.
-  int s_ = 0;
-  RepeatedSystems together_;
-  std::vector<std::size_t> positions_;
-  std::vector<double> values_, right_, solution_;
+  struct LastStep {
+    std::vector<double> times, unknowns;
+  } before_;
+  SensitivityStagesTogether together_;
   long factorizations_ = 0;
 };
 

@@ -75,8 +75,8 @@ PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, con
   if (status != PointStatus::ok) return status;
   const int n = unknowns(), d = point_.d();
   const double tau = point_.time_scale();
-  if (step_matrix_.cols() != d) step_matrix_ = Matrix(padded_rows(d), d);
-  pivots_.resize(index(d) + 1);
+  if (factors_.matrix.cols() != d) factors_.matrix = Matrix(padded_rows(d), d);
+  factors_.pivots.resize(index(d) + 1);
   const Arena::Frame frame(arena_);
   const View K = arena_.matrix(d, n), z = arena_.matrix(d, count()), result = arena_.matrix(n, count());
   for (int j = 0; j < n; ++j)
@@ -88,12 +88,12 @@ PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, con
     to_user(z, S);
     return PointStatus::ok;
   }
-  const View M = step_matrix_.view().top(d);
+  const View M = factors_.matrix.view().top(d);
   multiply(1.0, Op::plain, K, Op::plain, point_.T2(), 0.0, M);
   multiply(-1.0, Op::plain, K, Op::plain, point_.xp(), 1.0, z);
   ++factorizations_;
-  if (!factor_lu(M, pivots_.data())) return PointStatus::singular;
-  solve_lu(M, pivots_.data(), z);
+  if (!factor_lu(M, factors_.pivots.data())) return PointStatus::singular;
+  solve_lu(M, factors_.pivots.data(), z);
   copy(point_.xp(), result);
   multiply(1.0, Op::plain, point_.T2(), Op::plain, z, 1.0, result);
   to_user(result, S);
@@ -104,15 +104,15 @@ bool NonlinearSensitivities::solve_ordinary(ConstView K, View z, ConstView guess
   // Changes end at rounding errors; more iterations than these would cost more than new factors.
   constexpr double rounding = 1e-13;
   const int n = K.rows, most = std::min(8, n / (6 * count()));
-  const View M = step_matrix_.view().top(n);
+  const View M = factors_.matrix.view().top(n);
   const Arena::Frame frame(arena_);
   const View solution = arena_.matrix(n, count()), change = arena_.matrix(n, count());
   copy(guess, solution);
   double before = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; has_factors_ && iteration < most; ++iteration) {
+  for (int iteration = 0; factors_.are_kept && iteration < most; ++iteration) {
     copy(z, change);
     multiply(-1.0, Op::plain, K, Op::plain, solution, 1.0, change);
-    solve_lu(M, pivots_.data(), change);
+    solve_lu(M, factors_.pivots.data(), change);
     for (int j = 0; j < count(); ++j)
       for (int i = 0; i < n; ++i) solution(i, j) += change(i, j);
     const double size = max_abs(change);
@@ -125,9 +125,9 @@ bool NonlinearSensitivities::solve_ordinary(ConstView K, View z, ConstView guess
   }
   copy(K, M);
   ++factorizations_;
-  has_factors_ = factor_lu(M, pivots_.data());
-  if (has_factors_) solve_lu(M, pivots_.data(), z);
-  return has_factors_;
+  factors_.are_kept = factor_lu(M, factors_.pivots.data());
+  if (factors_.are_kept) solve_lu(M, factors_.pivots.data(), z);
+  return factors_.are_kept;
 }
 
 PointStatus NonlinearSensitivities::linearize_stage(const Jet& jet, const double* xdot) {
@@ -256,7 +256,7 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
         SFDAE_CHARACTERISTICS_CHANGED,
         format("the characteristic values known do not hold at t = %.15g, where sensitivities are to start.",
                system_.jet().t));
-  has_factors_ = false;
+  factors_.are_kept = false;
   sparse_step_.prepare(system_.analyzed_equations().analysis(), system_.jet());
   sparse_stages_.prepare(system_.analyzed_equations().analysis());
   extended_step_.prepare(system_.analyzed_equations(), system_.jet());
@@ -293,9 +293,9 @@ void NonlinearSensitivities::archive(Archive& archive) {
   sparse_step_.archive(archive, equations.analysis());
   sparse_stages_.archive(archive, equations.analysis());
   extended_step_.archive(archive, equations);
-  archive.small(has_factors_);
+  archive.small(factors_.are_kept);
   if (archive.is_reading()) point_.take_kind(equations);
-  if (has_factors_) archive_factors(archive);
+  if (factors_.are_kept) archive_factors(archive);
 }
 
 // As they are: where they were made, the equations may have been on another side of a kink.
@@ -303,17 +303,17 @@ void NonlinearSensitivities::archive_factors(Archive& archive) {
   const int n = unknowns();
   if (archive.is_reading()) {
     if (!point_.is_ordinary() || archive.rest() < index(n) * index(n)) throw DamagedArchive();
-    step_matrix_ = Matrix(padded_rows(n), n);
-    pivots_.resize(index(n) + 1);
+    factors_.matrix = Matrix(padded_rows(n), n);
+    factors_.pivots.resize(index(n) + 1);
   }
-  const View factors = step_matrix_.view().top(n);
+  const View factors = factors_.matrix.view().top(n);
   for (int j = 0; j < n; ++j) {
     archive.reals(factors.column(j), index(n));
     if (factors(j, j) == 0.0) throw DamagedArchive();
   }
-  archive.small(pivots_.data(), index(n));
+  archive.small(factors_.pivots.data(), index(n));
   for (int j = 0; j < n; ++j)
-    if (pivots_[index(j)] <= j || pivots_[index(j)] > n) throw DamagedArchive();
+    if (factors_.pivots[index(j)] <= j || factors_.pivots[index(j)] > n) throw DamagedArchive();
 }
 
 // ---- S' --------------------------------------------------------------------------------------------------------
@@ -353,24 +353,24 @@ bool NonlinearSensitivities::derivative_from_array(const double* S, double* Sdot
   const int level = equations.mu() + 1, m = equations.m(), n = unknowns();
   const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &system_.units(), true};
   ++linearizations_;
-  callback_error_ = equations.problem().linearize(jet->t, jet->x.data(), {level, level, level}, scaling, next_data_);
+  callback_error_ = equations.problem().linearize(jet->t, jet->x.data(), {level, level, level}, scaling, next_.data);
   if (callback_error_.status != SFDAE_OK) return false;
-  if (next_f_.rows() == 0) next_f_ = Matrix(m * (level + 1), count());
-  callback_error_ = parameters_.evaluate(next_data_, jet->x.data(), level, next_f_);
+  if (next_.f.rows() == 0) next_.f = Matrix(m * (level + 1), count());
+  callback_error_ = parameters_.evaluate(next_.data, jet->x.data(), level, next_.f);
   if (callback_error_.status != SFDAE_OK) return false;
-  StoredReduction reduction{next_elimination_};
-  if (!reduce_with_known_values(next_data_, level, analysis, equations.settings().rank_tol, {arena_, next_form_},
+  StoredReduction reduction{next_.elimination};
+  if (!reduce_with_known_values(next_.data, level, analysis, equations.settings().rank_tol, {arena_, next_.form},
                                 reduction))
     return false;
   const Arena::Frame frame(arena_);
   const View known = scaled(S), result = arena_.matrix(n, count());
-  double* transformed = arena_.take(index(next_f_.rows()) + 1);
+  double* transformed = arena_.take(index(next_.f.rows()) + 1);
   double* y = arena_.take(index(n) * index(level + 1));
   for (int j = 0; j < count(); ++j) {
-    const double* f = next_f_.view().column(j);
-    next_elimination_.transform(f, transformed, arena_);
-    next_elimination_.recover(next_data_, {f, transformed}, known.column(j), y, arena_);
-    for (int i = 0; i < n; ++i) result(i, j) = y[i] / next_data_.time_scale;
+    const double* f = next_.f.view().column(j);
+    next_.elimination.transform(f, transformed, arena_);
+    next_.elimination.recover(next_.data, {f, transformed}, known.column(j), y, arena_);
+    for (int i = 0; i < n; ++i) result(i, j) = y[i] / next_.data.time_scale;
   }
   if (!all_finite(result.data, index(result.ld) * index(count() - 1) + index(n))) return false;
   to_user(result, Sdot);

@@ -73,13 +73,18 @@ class NonlinearSensitivities final : public SensitivitySystem {
   enum class StagesKept { each, sparse, side_by_side } kept_ = StagesKept::each;
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);
-  Matrix step_matrix_;
-  bool has_factors_ = false;  // of an ordinary point
-  std::vector<int> pivots_;
-  TaylorData next_data_;  // of level mu + 1
-  StoredElimination next_elimination_;
-  NullSpaceForm next_form_;
-  Matrix next_f_;
+  struct Factors {
+    Matrix matrix;
+    std::vector<int> pivots;
+    bool are_kept = false;  // of an ordinary point
+  } factors_;
+  // The array of level mu + 1, for S'.
+  struct NextLevel {
+    TaylorData data;
+    StoredElimination elimination;
+    NullSpaceForm form;
+    Matrix f;
+  } next_;
   long linearizations_ = 0, factorizations_ = 0;
   CallbackError callback_error_;
 };
