@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "c_api/ensemble_run.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
+#include "ensemble/ensemble_run.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {

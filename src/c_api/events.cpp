@@ -1,4 +1,4 @@
-// Events and values within the last step: the C API over the core.
+// Events and values within the last step: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -37,9 +37,7 @@ int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function 
       if (directions != nullptr) std::copy_n(directions, num_events, wanted.begin());
       events = std::make_unique<Events>(function, user, std::move(wanted));
     }
-    if (solver->integration) solver->integration->set_events(events.get());
-    solver->options.integration.events = events.get();
-    solver->events = std::move(events);
+    solver->set_events(std::move(events));
     return {};
   });
 }

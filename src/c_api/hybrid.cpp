@@ -15,7 +15,7 @@ using namespace sfdae::core;
 sfdae_hybrid::~sfdae_hybrid() {
   for (HybridMode& mode : modes) {
     mode.solver->hybrid = nullptr;
-    if (mode.solver->sensitivities) take_sensitivities(*mode.solver, std::nullopt);
+    if (mode.solver->sensitivities) mode.solver->ask_for_sensitivities(std::nullopt);
     sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
   }
 }

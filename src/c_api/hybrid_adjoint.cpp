@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c_api/hybrid.h"
+#include "c_api/sensitivities.h"
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -61,7 +62,7 @@ class BackwardRun {
       result = check(visit);
       if (result.status < 0) break;
       end_ = visit.end;
-      set_limits(*visit.solver, visit.start, run.direction());
+      visit.solver->set_limits(visit.start, run.direction());
       result = read_visit({visit.mode, *visit.solver, *visit.integration}, times, of_columns);
     }
     return result;
@@ -165,7 +166,7 @@ CallResult find_gradient(sfdae_hybrid& hybrid, const BackwardRun::Functionals& f
   CallResult result = backward.read();
   sfdae_solver& solver = *hybrid.mode().solver;
   if (!hybrid.kept.visits.empty()) {
-    set_limits(solver, solver.integration->start(), hybrid.run.direction());
+    solver.set_limits(solver.integration->start(), hybrid.run.direction());
     solver.integration->keep_to_last_piece();
   }
   if (result.status < 0 || result.status == SFDAE_STOPPED) return result;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "c_api/hybrid.h"
+#include "integrate/checkpoint_identity.h"
 #include "linalg/archive.h"
 #include "linalg/index.h"
 

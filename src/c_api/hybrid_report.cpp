@@ -3,43 +3,17 @@
 #include "c_api/hybrid_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "linalg/index.h"
+#include "solver/report.h"
 
 namespace sfdae::core {
 
 namespace {
 
-constexpr std::size_t most_breakpoints = 5, most_passages = 20;
-
-struct Upcoming {
-  double t;
-  const char* kind;
-};
-
-// One more than are shown, if there are so many. By value, as searches leave their traces.
-std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double direction) {
-  std::vector<Upcoming> list;
-  if (const auto gap = breakpoints.gap_at(t)) t = gap->far_end(direction);
-  while (list.size() <= most_breakpoints) {
-    const std::optional<double> next = breakpoints.next(t, direction);
-    if (!next) break;
-    const auto gap = breakpoints.gap_at(*next);
-    if (gap) list.push_back({0.5 * (gap->start + gap->end), gap->is_jump ? "jump" : "kink"});
-    else list.push_back({*next, "smooth"});
-    t = gap ? gap->far_end(direction) : *next;
-  }
-  return list;
-}
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
-  return largest;
-}
+constexpr std::size_t most_timed = 5, most_passages = 20;
 
 // Transitions at times out of the present mode that lie ahead, the next ones first.
 std::string timed_transitions(const sfdae_hybrid& hybrid) {
@@ -51,7 +25,7 @@ std::string timed_transitions(const sfdae_hybrid& hybrid) {
   }
   std::sort(ahead.begin(), ahead.end());
   std::string text;
-  for (std::size_t k = 0; k < std::min(ahead.size(), most_breakpoints); ++k) {
+  for (std::size_t k = 0; k < std::min(ahead.size(), most_timed); ++k) {
     const sfdae_transition& given = hybrid.transitions[index(ahead[k].second)].given;
     text += format("  next transition by time: t = %.10g to %s\n", given.time, hybrid.name_of(given.to).c_str());
   }
@@ -150,23 +124,6 @@ std::string mode_report(const sfdae_solver& solver) {
   text +=
       format("; %ld visits, %ld transitions\n", mode.visits, run.forgotten + static_cast<long>(run.passages.size()));
   if (run.mode == number) text += timed_transitions(hybrid);
-  return text;
-}
-
-std::string breakpoints_report(const sfdae_solver& solver) {
-  const std::size_t set = solver.breakpoints->num_times();
-  if (!solver.integration) return set > 0 ? format("Breakpoints: %zu are set\n", set) : "";
-  const double t = solver.integration->stepper().state().t;
-  const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, solver.integration->direction());
-  std::string text;
-  for (std::size_t k = 0; k < std::min(next.size(), most_breakpoints); ++k)
-    text += format("%s t = %.10g (%s)", k == 0 ? "Breakpoints: next" : ",", next[k].t, next[k].kind);
-  if (next.size() > most_breakpoints) text += ", ...";
-  if (next.empty() && set > 0) text = format("Breakpoints: none after t = %.10g", t);
-  if (!text.empty()) text += '\n';
-  if (const auto& last = solver.jumps.last())
-    text += format("  the last jump was at t = %.10g: largest change %.3g\n", last->t,
-                   largest_difference(last->before, last->after));
   return text;
 }
 

@@ -327,7 +327,7 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
     sfdae_solver& solver = *hybrid.modes[index(k)].solver;
     if (!wanted) {
-      if (solver.sensitivities) take_sensitivities(solver, std::nullopt);
+      if (solver.sensitivities) solver.ask_for_sensitivities(std::nullopt);
       continue;
     }
     if (solver.model.evaluator() == nullptr)
@@ -341,7 +341,7 @@ CallResult ask_for_sensitivities(sfdae_hybrid& hybrid) {
     request.by_adjoint = wanted->by_adjoint;
     request.max_kept_steps = wanted->max_kept_steps;
     if (solver.sensitivities && asks_for_the_same(*solver.sensitivities, request)) continue;
-    take_sensitivities(solver, std::move(request));
+    solver.ask_for_sensitivities(std::move(request));
   }
   return {};
 }

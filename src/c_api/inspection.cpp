@@ -1,9 +1,10 @@
 // Looking inside: the C API of reports, decisions, statistics, arrays, projectors.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstring>
+#include <string>
 
 #include "c_api/codes.h"
+#include "c_api/hybrid_report.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
@@ -11,10 +12,11 @@
 #include "multibody/multibody_derivative_check.h"
 #include "problem/derivative_check.h"
 #include "problem/total_derivative_check.h"
+#include "solver/report.h"
 
 namespace sfdae::core {
 
-sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
+sfdae_characteristics characteristics_of(const Solver& solver) {
   const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
   return {sizeof(sfdae_characteristics),
@@ -30,7 +32,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           smallest_gap(solver.decisions.different())};
 }
 
-sfdae_statistics statistics_of(const sfdae_solver& solver) {
+sfdae_statistics statistics_of(const Solver& solver) {
   sfdae_statistics s{};
   s.size = sizeof s;
   const EvaluationCounts evaluations = solver.model.evaluations();
@@ -60,6 +62,8 @@ sfdae_statistics statistics_of(const sfdae_solver& solver) {
   return s;
 }
 
+namespace {
+
 sfdae_decision public_decision(const RankDecision& decision) {
   return {sizeof(sfdae_decision),
           decision.t,
@@ -77,8 +81,6 @@ sfdae_decision public_decision(const RankDecision& decision) {
           code_of(decision.verdict)};
 }
 
-namespace {
-
 sfdae_multibody_report public_report(const ConstraintsReport& report) {
   return {sizeof(sfdae_multibody_report),
           report.t,
@@ -91,6 +93,16 @@ sfdae_multibody_report public_report(const ConstraintsReport& report) {
           report.partitions,
           report.position_residual,
           report.velocity_residual};
+}
+
+sfdae_initial_report public_report(const InitialReport& report) {
+  return {sizeof(sfdae_initial_report),
+          report.t,
+          report.residual_before,
+          report.residual_after,
+          report.largest_change,
+          report.component,
+          report.is_derivative_exact ? 1 : 0};
 }
 
 CallResult too_many_to_check() {
@@ -210,7 +222,7 @@ int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* r
   return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     if (!solver->initial_report) return {SFDAE_NOT_STARTED, "call sfdae_start or sfdae_make_consistent first."};
-    fill_struct(result, *solver->initial_report);
+    fill_struct(result, public_report(*solver->initial_report));
     return {};
   });
 }
@@ -226,7 +238,10 @@ int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
 int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
   return query(solver, [&]() -> CallResult {
     if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
-    const std::string report = report_of(*solver);
+    std::string report = report_of(*solver, solver->hybrid != nullptr ? mode_report(*solver) : std::string());
+    const bool is_analyzed = solver->system() != nullptr || !solver->decisions.empty();
+    if (is_analyzed && solver->message[0] != '\0')
+      report += std::string("Last message: ") + solver->message + "\n";
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
     return {};

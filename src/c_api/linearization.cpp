@@ -11,11 +11,11 @@
 
 #include "c_api/checks.h"
 #include "c_api/creation.h"
-#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linear/descriptor_system.h"
+#include "solver/linearized_problem.h"
 
 using namespace sfdae::core;
 

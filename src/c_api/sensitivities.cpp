@@ -1,4 +1,4 @@
-// Sensitivities: the C API over the core.
+// Sensitivities: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "c_api/sensitivities.h"
 
@@ -75,17 +75,6 @@ CallResult check_functionals(const GivenFunctionals& given) {
   return {};
 }
 
-void take_sensitivities(sfdae_solver& solver, std::optional<SensitivityRequest> request) {
-  const bool wanted = request.has_value();
-  const bool by_adjoint = wanted && request->by_adjoint;
-  ModelOptions& options = solver.options.model;
-  if (wanted != options.for_sensitivities || by_adjoint != options.for_adjoint) solver.forget_analysis();
-  solver.integration.reset();
-  options.for_sensitivities = wanted;
-  options.for_adjoint = by_adjoint;
-  solver.sensitivities = std::move(request);
-}
-
 namespace {
 
 CallResult read_request(sfdae_solver& solver, int count, const char* const* names, const double* directions,
@@ -105,47 +94,7 @@ CallResult read_request(sfdae_solver& solver, int count, const char* const* name
   return read_sensitivity_options(count, options, request);
 }
 
-// At the time of the start: the derivatives of values at a time that moves, less what x' has done since.
-std::vector<double> directions_at(const SensitivityRequest& wanted, const std::vector<double>& xdot) {
-  std::vector<double> directions = wanted.directions;
-  for (std::size_t j = 0; j < wanted.shifts.size(); ++j)
-    for (std::size_t i = 0; i < xdot.size(); ++i) directions[i + j * xdot.size()] -= xdot[i] * wanted.shifts[j];
-  return directions;
-}
-
-std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const ConsistentPoint& found) {
-  const std::vector<double>& x = found.x;
-  const SensitivityRequest& wanted = *solver.sensitivities;
-  std::unique_ptr<SensitivitySystem> system = solver.model.sensitivities(wanted.parameters);
-  if (!system)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        "there are no sensitivities of these equations: prescribed components, or linear equations with more or "
-        "fewer equations than unknowns.");
-  ConsistencyRequest request = solver.options.model.request_at(x.data());
-  if (wanted.last_follows && request.kind == InitialValues::accept) {
-    request.kind = InitialValues::nearest;
-    request.keeps_differentiated = true;
-    request.weights.clear();
-  }
-  std::vector<double> S(wanted.directions.size());
-  system->start(request, directions_at(wanted, found.xdot).data(), S.data());
-  if (wanted.by_adjoint)
-    return std::make_unique<DiscreteAdjoint>(system->adjoint(), std::move(S), wanted.max_kept_steps);
-  return std::make_unique<Sensitivities>(std::move(system), wanted.options, std::move(S));
-}
-
 }  // namespace
-
-void carry_sensitivities(sfdae_solver& solver, const ConsistentPoint& found) {
-  if (!solver.sensitivities) return;
-  try {
-    solver.integration->carry(started_companion(solver, found));
-  } catch (...) {
-    solver.integration.reset();
-    throw;
-  }
-}
 
 }  // namespace sfdae::core
 
@@ -183,7 +132,7 @@ int sfdae_set_sensitivities(sfdae_solver* solver, int count, const char* const* 
     SensitivityRequest request;
     const CallResult checked = read_request(*solver, count, parameters, directions, options, request);
     if (checked.status != SFDAE_OK) return checked;
-    take_sensitivities(*solver, count > 0 ? std::optional<SensitivityRequest>(std::move(request)) : std::nullopt);
+    solver->ask_for_sensitivities(count > 0 ? std::optional<SensitivityRequest>(std::move(request)) : std::nullopt);
     return {};
   });
 }
@@ -206,23 +155,7 @@ int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, double g_t, co
     if (!std::isfinite(t) || !std::isfinite(g_t) || !all_finite(g_x, index(n)) ||
         (g_p != nullptr && !all_finite(g_p, index(count))))
       return illegal_argument("t, g_t, g_x or g_p has entries that are not finite.");
-    std::vector<double> S(index(n) * index(count)), x(index(n)), xdot(index(n)), moved(index(count));
-    CallResult result = solver->integration->evaluate_sensitivities(t, S.data(), nullptr);
-    if (result.status != SFDAE_OK) return result;
-    solver->integration->want_slopes(true);
-    result = solver->integration->interpolate(t, false, x.data(), xdot.data());
-    if (result.status != SFDAE_OK) return result;
-    double rate = g_t;
-    for (int i = 0; i < n; ++i) rate += g_x[i] * xdot[index(i)];
-    for (int j = 0; j < count; ++j) {
-      double change = g_p != nullptr ? g_p[j] : 0.0;
-      for (int i = 0; i < n; ++i) change += g_x[i] * S[index(i) + index(j) * index(n)];
-      moved[index(j)] = -change / rate;
-    }
-    if (!all_finite(moved.data(), moved.size()))
-      return {SFDAE_SINGULAR, format("g does not change with t at t = %.15g: g_t + g_x x' = %.3g.", t, rate)};
-    std::copy(moved.begin(), moved.end(), dt);
-    return {};
+    return solver->differentiate_event({t, g_t, g_x, g_p}, dt);
   });
 }
 

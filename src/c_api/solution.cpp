@@ -1,4 +1,4 @@
-// The solution over a whole run: the C API over the core.
+// The solution over a whole run: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <memory>
@@ -82,8 +82,7 @@ int sfdae_destroy_solution(sfdae_solution** solution) {
 
 int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution) {
   return guarded(solver, [&]() -> CallResult {
-    solver->solution = solution != nullptr ? solution->pieces : nullptr;
-    if (solver->integration) solver->integration->record(solver->solution);
+    solver->record(solution != nullptr ? solution->pieces : nullptr);
     return {};
   });
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -51,7 +50,7 @@ Jet point_at(sfdae_solver& solver, double t, int level) {
     point.t = t;
     return point;
   }
-  return solver.model.jet_through(t, solution_at(solver, t).data(), level);
+  return solver.model.jet_through(t, solver.solution_at(t).data(), level);
 }
 
 Jet given_jet(const sfdae_solver& solver, double t, const double* derivatives, int level) {
@@ -111,25 +110,6 @@ CallResult write(const StrangenessFreeEquations& found, const SystemPlaces& to) 
 
 }  // namespace
 
-// The solution at t: within the last step of an integration, else at the point of the analysis.
-std::vector<double> solution_at(sfdae_solver& solver, double t) {
-  if (solver.integration) {
-    std::vector<double> x(index(solver.model.n()));
-    solver.integration->want_slopes(false);
-    const CallResult result = solver.integration->interpolate(t, false, x.data(), nullptr);
-    if (result.status < 0) raise(result.status, result.message);
-    return x;
-  }
-  demand_analysis(solver);
-  const Jet point = solver.model.accepted_point();
-  if (point.n == 0) raise(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
-  if (point.t != t)
-    raise(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
-  return {point.x.begin(), point.x.begin() + point.n};
-}
-
 }  // namespace sfdae::core
 
 using namespace sfdae::core;
@@ -142,7 +122,7 @@ int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, do
     if (jet == nullptr) return illegal_argument("jet is NULL.");
     demand_analysis(*solver);
     std::vector<double> given;
-    if (x == nullptr) given = solution_at(*solver, t);
+    if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
     const Jet found = solver->model.jet_through(t, x == nullptr ? given.data() : x, level);
     double factorial = 1.0;
@@ -218,7 +198,7 @@ int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, d
     if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
     demand_analysis(*solver);
     std::vector<double> given;
-    if (x == nullptr) given = solution_at(*solver, t);
+    if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
     const ExtendedSystem found = solver->kind.multibody->extended_system(t, x == nullptr ? given.data() : x);
     copy_out(found.Qq, Qq);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/linearized_problem.h"
+#include "solver/linearized_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ void check(const sfdae_linearization& choice, int m, int n) {
 // Recorded equations F, whatever the kind of problem.
 class Equations {
  public:
-  explicit Equations(sfdae_solver& solver) {
+  explicit Equations(Solver& solver) {
     if (solver.kind.multibody == nullptr) {
       evaluator_ = solver.model.evaluator();
     } else if (solver.model.evaluator() != nullptr) {
@@ -93,7 +93,7 @@ std::vector<int> numbers_of_parameters(const sfdae_linearization& choice, const 
 }
 
 // x and x', order 1. Linear problems whose matrices are all that counts have none, which is 0.
-Jet point_of(sfdae_solver& solver, const sfdae_linearization& choice, bool solution_counts) {
+Jet point_of(Solver& solver, const sfdae_linearization& choice, bool solution_counts) {
   const std::size_t n = index(solver.model.n());
   Jet point;
   point.t = choice.t;
@@ -112,12 +112,12 @@ Jet point_of(sfdae_solver& solver, const sfdae_linearization& choice, bool solut
     throw Failure(SFDAE_NOT_STARTED,
                   "the linearization depends on x and x': call sfdae_start or sfdae_analyze_at first, or give both.");
   const std::vector<double> x =
-      choice.x != nullptr ? std::vector<double>(choice.x, choice.x + n) : solution_at(solver, choice.t);
+      choice.x != nullptr ? std::vector<double>(choice.x, choice.x + n) : solver.solution_at(choice.t);
   return solver.model.jet_through(choice.t, x.data(), 0);
 }
 
 // Of the user's problem, not those that inputs may have become.
-const std::vector<int>& prescribed_of(const sfdae_solver& solver) {
+const std::vector<int>& prescribed_of(const Solver& solver) {
   static const std::vector<int> none;
   if (solver.kind.linear != nullptr) return solver.kind.linear->problem().prescribed();
   if (solver.kind.nonlinear != nullptr) return solver.kind.nonlinear->problem().prescribed();
@@ -125,7 +125,7 @@ const std::vector<int>& prescribed_of(const sfdae_solver& solver) {
 }
 
 // Unknowns with an equation of their own: those that are inputs, then prescribed ones that are held.
-std::vector<int> pinned_unknowns(const sfdae_solver& solver, const sfdae_linearization& choice) {
+std::vector<int> pinned_unknowns(const Solver& solver, const sfdae_linearization& choice) {
   std::vector<int> pinned(choice.input_unknowns, choice.input_unknowns + choice.num_input_unknowns);
   for (int j : prescribed_of(solver))
     if (std::find(pinned.begin(), pinned.end(), j) == pinned.end()) pinned.push_back(j);
@@ -153,7 +153,7 @@ Matrix outputs_of(const sfdae_linearization& choice, int n) {
 
 }  // namespace
 
-DescriptorSystem linearized(sfdae_solver& solver, const sfdae_linearization& choice) {
+DescriptorSystem linearized(Solver& solver, const sfdae_linearization& choice) {
   const int m = solver.model.m(), n = solver.model.n();
   check(choice, m, n);
   const Equations equations(solver);

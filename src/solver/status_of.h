@@ -1,0 +1,32 @@
+// From exceptions to the public status and the words of a call.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <exception>
+#include <new>
+
+#include "integrate/integration_options.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+inline constexpr const char* out_of_memory = "out of memory.";
+
+// What a body returns, or what an exception out of it means, goes to say(status, text), which returns the status.
+template <class Body, class Say>
+int status_of(Body body, Say say) noexcept {
+  try {
+    const CallResult result = body();
+    return say(result.status, result.message.c_str());
+  } catch (const Failure& failure) {
+    return say(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
+  } catch (const std::exception& unexpected) {
+    return say(SFDAE_INTERNAL, unexpected.what());
+  } catch (...) {
+    return say(SFDAE_INTERNAL, "an exception came out of a callback.");
+  }
+}
+
+}  // namespace sfdae::core
