@@ -1,4 +1,4 @@
-// Hybrid systems: modes, transitions, life cycle: the C API over solvers.
+// Hybrid systems: modes, transitions, switches, life cycle: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "c_api/hybrid.h"
 
@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "c_api/creation.h"
+#include "c_api/expressions.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -13,24 +14,10 @@
 using namespace sfdae::core;
 
 sfdae_hybrid::~sfdae_hybrid() {
-  for (HybridMode& mode : modes) {
-    mode.solver->hybrid = nullptr;
-    if (mode.solver->sensitivities) mode.solver->ask_for_sensitivities(std::nullopt);
-    sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
-  }
+  for (sfdae_solver* solver : solvers) solver->hybrid = nullptr;
 }
 
-std::string sfdae_hybrid::name_of(int mode) const {
-  const std::string& name = modes[index(mode)].name;
-  return name.empty() ? format("mode %d", mode) : format("mode %d (%.80s)", mode, name.c_str());
-}
-
-bool sfdae_hybrid::is_running() const {
-  return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration &&
-         !(mode().surface != nullptr && is_outdated(*this, *mode().surface));
-}
-
-namespace sfdae::core {
+namespace {
 
 CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
   const int count = static_cast<int>(hybrid.modes.size());
@@ -47,10 +34,6 @@ CallResult check_name(const sfdae_hybrid& hybrid, const char* name) {
       return illegal_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
   return {};
 }
-
-}  // namespace sfdae::core
-
-namespace {
 
 sfdae_transition default_transition() {
   sfdae_transition transition{};
@@ -90,6 +73,18 @@ CallResult check_transition(const sfdae_hybrid& hybrid, const sfdae_transition& 
   return {};
 }
 
+CallResult check_switch(const sfdae_hybrid& hybrid, int below, int above, const char* name) {
+  CallResult checked = check_mode(hybrid, "below", below);
+  if (checked.status == SFDAE_OK) checked = check_mode(hybrid, "above", above);
+  if (checked.status == SFDAE_OK) checked = check_name(hybrid, name);
+  if (checked.status != SFDAE_OK) return checked;
+  if (below == above) return illegal_argument(format("below = above = %d: they must be two modes.", below));
+  for (const int mode : {below, above})
+    if (hybrid.modes[index(mode)].surface != nullptr)
+      return illegal_argument(hybrid.name_of(mode) + " is a sliding mode; switches are between modes of solvers.");
+  return {};
+}
+
 CallResult check_start(const sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
   const CallResult checked = check_mode(hybrid, "mode", mode);
   if (checked.status != SFDAE_OK) return checked;
@@ -111,7 +106,7 @@ int advance(sfdae_hybrid* hybrid, double tout, bool stops, double* t, double* x,
     HybridRun& run = hybrid->run;
     if ((tout - run.t) * run.direction() < 0.0)
       return illegal_argument(format("tout = %.15g lies before t = %.15g, the last point returned.", tout, run.t));
-    const CallResult result = advance_run(*hybrid, tout, stops, xdot != nullptr);
+    const CallResult result = hybrid->advance(tout, stops, xdot != nullptr);
     if (result.status == SFDAE_ILLEGAL_ARGUMENT) return result;
     *t = run.t;
     std::copy_n(run.x.begin(), hybrid->n(), x);
@@ -153,11 +148,11 @@ int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name,
   return guarded(hybrid, [&]() -> CallResult {
     const CallResult checked = check_new_mode(*hybrid, solver, name);
     if (checked.status != SFDAE_OK) return checked;
-    hybrid->modes.push_back(
-        {solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0, nullptr});
+    hybrid->solvers.reserve(hybrid->solvers.size() + 1);
+    const int added = hybrid->add_mode(*solver, name != nullptr ? name : "");
+    hybrid->solvers.push_back(solver);
     solver->hybrid = hybrid;
-    hybrid->run.mode = -1;
-    if (mode != nullptr) *mode = static_cast<int>(hybrid->modes.size()) - 1;
+    if (mode != nullptr) *mode = added;
     return {};
   });
 }
@@ -169,11 +164,22 @@ int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transitio
     const sfdae_transition given = read_struct(*transition, default_transition());
     const CallResult checked = check_transition(*hybrid, given);
     if (checked.status != SFDAE_OK) return checked;
-    hybrid->transitions.push_back({given, {}, 0.0, nullptr});
-    // Nothing fails from here on.
-    hybrid->events_are_set = false;
-    hybrid->run.mode = -1;
-    if (number != nullptr) *number = static_cast<int>(hybrid->transitions.size()) - 1;
+    const int added = hybrid->add_transition(given);
+    if (number != nullptr) *number = added;
+    return {};
+  });
+}
+
+int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfdae_equations_function surface, void* user,
+                     const char* name, int* mode) {
+  return guarded(hybrid, [&]() -> CallResult {
+    const CallResult checked = check_switch(*hybrid, below, above, name);
+    if (checked.status != SFDAE_OK) return checked;
+    if (surface == nullptr) return illegal_argument("surface is NULL.");
+    const EquationNames names({"the surface of a switch"});
+    const int added = hybrid->add_switch(below, above, record_equations(surface, 1, hybrid->n(), user, names),
+                                         name != nullptr ? name : "");
+    if (mode != nullptr) *mode = added;
     return {};
   });
 }
@@ -183,7 +189,7 @@ int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, 
     const PointOfInterest point{t, toward, x, xdot};
     const CallResult checked = check_start(*hybrid, mode, point);
     if (checked.status != SFDAE_OK) return checked;
-    CallResult result = start_run(*hybrid, mode, point);
+    CallResult result = hybrid->start(mode, point);
     if (result.status < 0 && result.status != SFDAE_ZENO) return result;
     const HybridRun& run = hybrid->run;
     std::copy_n(run.x.begin(), hybrid->n(), x);
@@ -200,23 +206,37 @@ int sfdae_advance_to_transition(sfdae_hybrid* hybrid, double tout, double* t, do
   return advance(hybrid, tout, true, t, x, xdot);
 }
 
-int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
+int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid) {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  hybrid->request_stop();
+  return SFDAE_OK;
+}
+
+int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length) {
   return guarded(hybrid, [&]() -> CallResult {
-    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
-    sfdae_solver* solver = hybrid->modes[index(std::max(hybrid->run.mode, 0))].solver;
-    const int status = sfdae_record_solution(solver, solution);
-    if (status < 0) return {status, sfdae_message(solver)};
-    hybrid->solution = solver->solution;
+    if (length == nullptr) return illegal_argument("length is NULL.");
+    if (!hybrid->is_running()) return no_run();
+    *length = hybrid->checkpoint_length();
     return {};
   });
 }
 
-int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid) {
-  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  hybrid->stop_is_requested.store(true);
-  sfdae_solver* solver = hybrid->running.load();
-  if (solver != nullptr) solver->problem().request_stop();
-  return SFDAE_OK;
+int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (!hybrid->is_running()) return no_run();
+    hybrid->save_checkpoint(checkpoint, length);
+    return {};
+  });
+}
+
+int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+    hybrid->restore_checkpoint({checkpoint, length});
+    return {};
+  });
 }
 
 }  // extern "C"

@@ -3,9 +3,21 @@
 #include <algorithm>
 
 #include "c_api/hybrid.h"
-#include "c_api/hybrid_report.h"
 #include "c_api/structs.h"
+#include "hybrid/hybrid_report.h"
 #include "linalg/index.h"
+
+namespace sfdae::core {
+
+std::string modes_report(const sfdae_solver& solver) {
+  if (solver.hybrid == nullptr) return "";
+  const std::deque<HybridMode>& modes = solver.hybrid->modes;
+  const auto is_its = [&solver](const HybridMode& mode) { return mode.solver == &solver; };
+  const auto mode = std::find_if(modes.begin(), modes.end(), is_its) - modes.begin();
+  return mode_report(*solver.hybrid, static_cast<int>(mode));
+}
+
+}  // namespace sfdae::core
 
 using namespace sfdae::core;
 
@@ -29,6 +41,18 @@ CallResult fill(Struct* result, const Struct& source) {
   return fill_struct(result, source) ? CallResult{} : illegal_argument("result is NULL or its size is not set.");
 }
 
+sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
+  const HybridMode& mode = hybrid.modes[index(k)];
+  const VisitCounts counts = hybrid.counts_of(k);
+  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
+  if (mode.solver->system() == nullptr) return summary;
+  const CharacteristicValues& values = mode.solver->system()->analysis().values;
+  summary.strangeness_index = values.mu;
+  summary.differential = values.d;
+  summary.algebraic = values.a;
+  return summary;
+}
+
 sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
   sfdae_statistics sum{};
   if (hybrid.run.mode >= 0) sum = statistics_of(*hybrid.mode().solver);
@@ -37,7 +61,7 @@ sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
   sum.evaluations_E = sum.evaluations_A = sum.evaluations_f = sum.evaluations_F = 0;
   sum.linearizations = sum.check_calls = 0;
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
-    const VisitCounts counts = counts_of(hybrid, k);
+    const VisitCounts counts = hybrid.counts_of(k);
     const sfdae_statistics calls = statistics_of(*hybrid.modes[index(k)].solver);
     sum.steps += counts.steps;
     sum.error_failures += counts.error_failures;
@@ -86,29 +110,29 @@ int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result) {
 int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count) {
   return query(hybrid, [&]() -> CallResult {
     if (count == nullptr) return illegal_argument("count is NULL.");
-    *count = hybrid->run.forgotten + static_cast<long>(hybrid->run.passages.size());
+    *count = hybrid->run.passages.count();
     return {};
   });
 }
 
 int sfdae_get_passage(const sfdae_hybrid* hybrid, long number, sfdae_passage* result) {
   return query(hybrid, [&]() -> CallResult {
-    const HybridRun& run = hybrid->run;
-    const long count = run.forgotten + static_cast<long>(run.passages.size());
-    if (number < run.forgotten || number >= count)
+    const PassageList& passages = hybrid->run.passages;
+    const long first = passages.forgotten, count = passages.count();
+    if (number < first || number >= count)
       return illegal_argument(
-          format("index = %ld; transitions from %ld on, below %ld, are known.", number, run.forgotten, count));
-    return fill(result, run.passages[static_cast<std::size_t>(number - run.forgotten)]);
+          format("index = %ld; transitions from %ld on, below %ld, are known.", number, first, count));
+    return fill(result, passages.known[static_cast<std::size_t>(number - first)]);
   });
 }
 
 int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double* after, double* impulse) {
   return query(hybrid, [&]() -> CallResult {
     const HybridRun& run = hybrid->run;
-    if (run.passages.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
-    if (before != nullptr) std::copy_n(run.before.begin(), hybrid->n(), before);
-    if (after != nullptr) std::copy_n(run.after.begin(), hybrid->n(), after);
-    if (impulse != nullptr) std::copy_n(run.impulse.begin(), hybrid->n(), impulse);
+    if (run.passages.known.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
+    if (before != nullptr) std::copy_n(run.last.before.begin(), hybrid->n(), before);
+    if (after != nullptr) std::copy_n(run.last.after.begin(), hybrid->n(), after);
+    if (impulse != nullptr) std::copy_n(run.last.impulse.begin(), hybrid->n(), impulse);
     return {};
   });
 }

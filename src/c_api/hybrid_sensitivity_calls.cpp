@@ -1,6 +1,7 @@
 // Sensitivities of hybrid systems: what is asked for, and returned.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "c_api/hybrid.h"
@@ -61,26 +62,6 @@ bool has_sensitivities(const sfdae_hybrid& hybrid) {
   return hybrid.is_running() && hybrid.mode().solver->integration->sensitivities() != nullptr;
 }
 
-// Without those of the part of a mode, the last unknown along surfaces.
-CallResult sensitivities_at(sfdae_hybrid& hybrid, double t, double* S, double* Sdot) {
-  sfdae_solver* solver = hybrid.mode().solver;
-  const std::size_t n = index(hybrid.n()), rows = index(solver->model.n());
-  int status = SFDAE_OK;
-  if (rows == n || S == nullptr) {
-    status = sfdae_get_sensitivities(solver, t, S, Sdot);
-    return status < 0 ? of_mode(hybrid, hybrid.run.mode, status) : CallResult{};
-  }
-  const std::size_t count = hybrid.sensitivities->names.size();
-  std::vector<double> values(rows * count), slopes(Sdot != nullptr ? rows * count : 0);
-  status = sfdae_get_sensitivities(solver, t, values.data(), Sdot != nullptr ? slopes.data() : nullptr);
-  if (status < 0) return of_mode(hybrid, hybrid.run.mode, status);
-  for (std::size_t j = 0; j < count; ++j) {
-    std::copy_n(values.data() + j * rows, n, S + j * n);
-    if (Sdot != nullptr) std::copy_n(slopes.data() + j * rows, n, Sdot + j * n);
-  }
-  return {};
-}
-
 CallResult no_sensitivities(const sfdae_hybrid& hybrid) {
   if (hybrid.sensitivities && hybrid.sensitivities->by_adjoint)
     return {SFDAE_NOT_STARTED, "with adjoint = 1 there are gradients in place of S: call sfdae_get_hybrid_gradient."};
@@ -102,10 +83,7 @@ int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* 
       const CallResult checked = read_wanted(*hybrid, count, parameters, directions, options, wanted.emplace());
       if (checked.status != SFDAE_OK) return checked;
     }
-    // Nothing fails from here on.
-    hybrid->sensitivities = std::move(wanted);
-    hybrid->kept = {};
-    hybrid->run.mode = -1;
+    hybrid->set_sensitivities(std::move(wanted));
     return {};
   });
 }
@@ -113,7 +91,10 @@ int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* 
 int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot) {
   return guarded(hybrid, [&]() -> CallResult {
     if (!has_sensitivities(*hybrid)) return no_sensitivities(*hybrid);
-    return sensitivities_at(*hybrid, t, S, Sdot);
+    if (S == nullptr) return illegal_argument("S is NULL.");
+    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    hybrid->evaluate_sensitivities(t, S, Sdot);
+    return {};
   });
 }
 
@@ -122,9 +103,24 @@ int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt) {
     if (dt == nullptr) return illegal_argument("dt is NULL.");
     if (!has_sensitivities(*hybrid)) return no_sensitivities(*hybrid);
     const HybridRun& run = hybrid->run;
-    if (run.forgotten == 0 && run.passages.empty())
-      return {SFDAE_NOT_STARTED, "there was no transition since the start."};
-    std::copy(run.shifts.begin(), run.shifts.end(), dt);
+    if (run.passages.count() == 0) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
+    std::copy(run.moving.shifts.begin(), run.moving.shifts.end(), dt);
+    return {};
+  });
+}
+
+int sfdae_get_hybrid_gradient(sfdae_hybrid* hybrid, int num_times, const double* t, int num_functionals,
+                              const double* weights, double* gradient) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (t == nullptr || weights == nullptr || gradient == nullptr)
+      return illegal_argument("t, weights and gradient must not be NULL.");
+    if (!hybrid->is_running() || hybrid->mode().solver->integration->adjoint() == nullptr)
+      return {SFDAE_NOT_STARTED,
+              "no steps are kept: call sfdae_set_hybrid_sensitivities with the option adjoint = 1, and "
+              "sfdae_start_hybrid, first."};
+    const CallResult checked = check_functionals({hybrid->n(), num_times, t, num_functionals, weights});
+    if (checked.status != SFDAE_OK) return checked;
+    hybrid->gradient({num_times, t, num_functionals, weights}, gradient);
     return {};
   });
 }

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "c_api/codes.h"
-#include "c_api/hybrid_report.h"
+#include "c_api/hybrid.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
@@ -238,10 +238,9 @@ int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
 int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
   return query(solver, [&]() -> CallResult {
     if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
-    std::string report = report_of(*solver, solver->hybrid != nullptr ? mode_report(*solver) : std::string());
+    std::string report = report_of(*solver, modes_report(*solver));
     const bool is_analyzed = solver->system() != nullptr || !solver->decisions.empty();
-    if (is_analyzed && solver->message[0] != '\0')
-      report += std::string("Last message: ") + solver->message + "\n";
+    if (is_analyzed && solver->message[0] != '\0') report += std::string("Last message: ") + solver->message + "\n";
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
     return {};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "c_api/creation.h"
+#include "c_api/hybrid.h"
 #include "c_api/solver.h"
 #include "integrate/solution_pieces.h"
 #include "linalg/archive.h"
@@ -83,6 +84,14 @@ int sfdae_destroy_solution(sfdae_solution** solution) {
 int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution) {
   return guarded(solver, [&]() -> CallResult {
     solver->record(solution != nullptr ? solution->pieces : nullptr);
+    return {};
+  });
+}
+
+int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+    hybrid->record(solution != nullptr ? solution->pieces : nullptr);
     return {};
   });
 }

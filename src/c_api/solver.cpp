@@ -89,7 +89,6 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
 CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, double* x, double* xdot) {
   if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
   if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
-  if (!solver->integration) return {SFDAE_NOT_STARTED, "call sfdae_start first."};
   return solver->advance(tout, one_step, *t, x, xdot);
 }
 

@@ -5,6 +5,7 @@
 
 #include "extension/structured_model.h"
 #include "problem/callback_equations.h"
+#include "solver/status_of.h"
 
 namespace sfdae::core {
 
@@ -86,8 +87,7 @@ AnyModel make_model(std::shared_ptr<const Record> record) {
 
 void demand_structure(const Model& model, StructureUse wanted) {
   if (wanted != StructureUse::required || model.has_structure()) return;
-  throw Failure(
-      SFDAE_ILLEGAL_ARGUMENT,
+  refuse_argument(
       "structure = SFDAE_STRUCTURE_REQUIRED is for recorded equations, as many as unknowns, without prescribed "
       "components and differentiations.");
 }

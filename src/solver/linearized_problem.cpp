@@ -14,37 +14,36 @@ namespace sfdae::core {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
-
 void demand_list(const char* name, int count, const void* list) {
   if (count < 0 || count > most_dense_unknowns)
-    refuse(format("num_%s = %d; it must be 0 ... %d.", name, count, most_dense_unknowns));
-  if (count > 0 && list == nullptr) refuse(format("num_%s = %d, but %s is NULL.", name, count, name));
+    refuse_argument(format("num_%s = %d; it must be 0 ... %d.", name, count, most_dense_unknowns));
+  if (count > 0 && list == nullptr) refuse_argument(format("num_%s = %d, but %s is NULL.", name, count, name));
 }
 
 void demand_finite(const char* name, const double* values, std::size_t count) {
-  if (!all_finite(values, count)) refuse(format("%s contains NaN or Inf.", name));
+  if (!all_finite(values, count)) refuse_argument(format("%s contains NaN or Inf.", name));
 }
 
 void demand_unknowns(const char* name, int count, const int* unknowns, int n) {
   demand_list(name, count, unknowns);
   for (int k = 0; k < count; ++k)
     if (unknowns[k] < 0 || unknowns[k] >= n)
-      refuse(format("%s[%d] = %d; unknowns are 0 ... %d.", name, k, unknowns[k], n - 1));
+      refuse_argument(format("%s[%d] = %d; unknowns are 0 ... %d.", name, k, unknowns[k], n - 1));
 }
 
 void demand_no_repetition(const sfdae_linearization& choice) {
   std::vector<int> sorted(choice.input_unknowns, choice.input_unknowns + choice.num_input_unknowns);
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) refuse(format("input_unknowns contains %d twice.", *twice));
+  if (twice != sorted.end()) refuse_argument(format("input_unknowns contains %d twice.", *twice));
 }
 
 void check(const sfdae_linearization& choice, int m, int n) {
   if (m > most_dense_unknowns || n > most_dense_unknowns)
-    refuse(format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_dense_unknowns));
-  if (!std::isfinite(choice.t)) refuse(format("t is %g.", choice.t));
-  if (choice.xdot != nullptr && choice.x == nullptr) refuse("xdot is given, but x is NULL.");
+    refuse_argument(
+        format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_dense_unknowns));
+  if (!std::isfinite(choice.t)) refuse_argument(format("t is %g.", choice.t));
+  if (choice.xdot != nullptr && choice.x == nullptr) refuse_argument("xdot is given, but x is NULL.");
   if (choice.x != nullptr) demand_finite("x", choice.x, index(n));
   if (choice.xdot != nullptr) demand_finite("xdot", choice.xdot, index(n));
   demand_list("input_parameters", choice.num_input_parameters, choice.input_parameters);
@@ -79,14 +78,14 @@ class Equations {
 std::vector<int> numbers_of_parameters(const sfdae_linearization& choice, const TaylorEvaluator* evaluator) {
   std::vector<int> numbers;
   if (choice.num_input_parameters > 0 && evaluator == nullptr)
-    refuse("input_parameters are those of recorded equations; for callbacks give input_columns.");
+    refuse_argument("input_parameters are those of recorded equations; for callbacks give input_columns.");
   for (int k = 0; k < choice.num_input_parameters; ++k) {
     const char* const name = choice.input_parameters[k];
-    if (name == nullptr) refuse(format("input_parameters[%d] is NULL.", k));
+    if (name == nullptr) refuse_argument(format("input_parameters[%d] is NULL.", k));
     const auto found = evaluator->find_parameter(name);
-    if (!found) refuse(format("there is no parameter \"%.60s\" in the equations.", name));
+    if (!found) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
     if (std::find(numbers.begin(), numbers.end(), *found) != numbers.end())
-      refuse(format("the parameter \"%.60s\" is named twice.", name));
+      refuse_argument(format("the parameter \"%.60s\" is named twice.", name));
     numbers.push_back(*found);
   }
   return numbers;

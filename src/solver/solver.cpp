@@ -16,31 +16,29 @@ namespace sfdae::core {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
-
 // Failures of an analysis that wrong derivatives may cause.
 bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
 
 void demand_times(double t, double toward) {
   if (!std::isfinite(t) || !std::isfinite(toward) || t == toward)
-    refuse(format("t = %g, toward = %g: must be finite and different.", t, toward));
+    refuse_argument(format("t = %g, toward = %g: must be finite and different.", t, toward));
 }
 
 // x and xdot may be null where they are not asked for.
 void demand_point(const PointOfInterest& point, int n) {
   demand_times(point.t, point.toward);
-  if (point.x != nullptr && !all_finite(point.x, index(n))) refuse("x contains NaN or Inf.");
+  if (point.x != nullptr && !all_finite(point.x, index(n))) refuse_argument("x contains NaN or Inf.");
   if (point.xdot != nullptr && !all_finite(point.xdot, index(n)))
-    refuse("xdot, which is a guess, contains NaN or Inf.");
+    refuse_argument("xdot, which is a guess, contains NaN or Inf.");
 }
 
 void demand_jump(const Solver& solver, const PointOfInterest& before) {
   const double t = before.t;
   demand_times(t, before.toward);
-  if (!all_finite(before.x, index(solver.model.n()))) refuse("before contains NaN or Inf.");
+  if (!all_finite(before.x, index(solver.model.n()))) refuse_argument("before contains NaN or Inf.");
   const auto& stop = solver.options.integration.stop_time;
   if (stop && (*stop - t) * (before.toward - t) <= 0.0)
-    refuse(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
+    refuse_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
 }
 
 InitialReport report_of(const ConsistentPoint& point) {
@@ -89,7 +87,7 @@ std::size_t end_of_identity(const Solver& solver, const SavedCheckpoint& saved) 
   try {
     identity_of(solver.model, solver.options.model, solver.options.integration.method).demand_same(archive);
   } catch (const DamagedArchive&) {
-    refuse("this is not a checkpoint of this version, or it is damaged.");
+    refuse_argument("this is not a checkpoint of this version, or it is damaged.");
   }
   return archive.size();
 }
@@ -168,8 +166,8 @@ void Solver::set_options(SolverOptions fresh) {
 void Solver::set_parameter(const char* name, double value) {
   TaylorEvaluator* evaluator = model.evaluator();
   const auto number = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
-  if (!number) refuse(format("there is no parameter \"%.60s\" in the equations.", name));
-  if (!std::isfinite(value)) refuse(format("the value of parameter \"%.60s\" is %g.", name, value));
+  if (!number) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
+  if (!std::isfinite(value)) refuse_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
   evaluator->set_parameter(*number, value);
   model.parameters_changed();
   forget_analysis();
@@ -238,7 +236,7 @@ void Solver::make_analysis(PointOfInterest point) {
   if (stop && (*stop - point.toward) * wanted < 0.0) point.toward = *stop;
   const double piece = breakpoints->end_of_piece(t, wanted);
   if ((piece - point.toward) * wanted < 0.0) point.toward = piece;
-  if (point.toward == t) refuse(format("t = %.15g lies at or beyond stop_time.", t));
+  if (point.toward == t) refuse_argument(format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(t, wanted);
   const UserTime user_time(problem(), t);
   forget_analysis();
@@ -283,7 +281,7 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
   const PointOfInterest point = initial_point(t, toward, x, xdot);
   const auto& stop = options.integration.stop_time;
   if (stop && (*stop - t) * point.direction() <= 0.0)
-    refuse(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
+    refuse_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
   const KeptValues kept(problem(), t);
   prepare_start(point);
   const UserTime user_time(problem(), t);
@@ -300,6 +298,7 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
 }
 
 CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
+  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
   integration->want_slopes(xdot != nullptr);
   return integration->advance(tout, one_step, t, x, xdot);
 }
@@ -330,14 +329,14 @@ std::vector<double> Solver::solution_at(double t) {
   const Jet point = model.accepted_point();
   if (point.n == 0) throw Failure(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
   if (point.t != t)
-    refuse(
+    refuse_argument(
         format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
   return {point.x.begin(), point.x.begin() + point.n};
 }
 
 void Solver::demand_checkpoints() const {
   if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
-  if (integration->adjoint() != nullptr) refuse(no_checkpoints);
+  if (integration->adjoint() != nullptr) refuse_argument(no_checkpoints);
 }
 
 std::size_t Solver::checkpoint_length() {
@@ -349,14 +348,14 @@ void Solver::save_checkpoint(double* to, std::size_t length) {
   demand_checkpoints();
   const CheckpointIdentity identity = identity_of_integration(*this);
   const std::size_t needed = identity.size() + checkpoint_size(*model.system(), *integration);
-  if (length < needed) refuse(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
+  if (length < needed) refuse_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
   core::save_checkpoint(*model.system(), *integration, to + identity.size());
   Archive archive = Archive::writer(to, identity.size());
   identity.write(archive);
 }
 
 void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
-  if (sensitivities && sensitivities->by_adjoint) refuse(no_checkpoints);
+  if (sensitivities && sensitivities->by_adjoint) refuse_argument(no_checkpoints);
   std::optional<WantedSensitivities> wanted;
   if (sensitivities) wanted.emplace(WantedSensitivities{sensitivities->parameters, sensitivities->options});
   const std::size_t begin = end_of_identity(*this, saved);

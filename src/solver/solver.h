@@ -21,6 +21,7 @@
 #include "solver/any_model.h"
 #include "solver/model_rules.h"
 #include "solver/sensitivity_request.h"
+#include "solver/status_of.h"
 #include "watch/events.h"
 
 namespace sfdae::core {

@@ -25,8 +25,7 @@ std::unique_ptr<Companion> started_companion(Solver& solver, const ConsistentPoi
   const SensitivityRequest& wanted = *solver.sensitivities;
   std::unique_ptr<SensitivitySystem> system = solver.model.sensitivities(wanted.parameters);
   if (!system)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
+    refuse_argument(
         "there are no sensitivities of these equations: prescribed components, or linear equations with more or "
         "fewer equations than unknowns.");
   ConsistencyRequest request = solver.options.model.request_at(x.data());

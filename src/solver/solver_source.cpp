@@ -12,16 +12,14 @@ namespace sfdae::core {
 
 namespace {
 
-[[noreturn]] void refuse_export(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
-
 void demand_exportable(const Solver& solver) {
   if (solver.kind.multibody != nullptr)
-    refuse_export(
+    refuse_argument(
         "multibody systems have no source: record q' = S v, M v' = f - G^T lambda, 0 = g as equations F(t, x, x') = "
         "0 "
         "and export these.");
   if (solver.model.evaluator() == nullptr || !solver.model.has_structure())
-    refuse_export("only recorded equations, as many as unknowns and without callbacks, have a source.");
+    refuse_argument("only recorded equations, as many as unknowns and without callbacks, have a source.");
   if (solver.system() == nullptr)
     throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
 }
@@ -48,7 +46,7 @@ std::string source_of(Solver& solver, Language language, const char* name) {
   problem.set_equation_names(solver.problem().equation_names());
   problem.stop_with(solver.problem());
   if (problem.structure() == nullptr)
-    refuse_export(
+    refuse_argument(
         "some equations contain too few unknowns for a structure, as sfdae_get_structure tells: there is no source.");
   std::vector<double> x, xdot;
   const PointOfInterest point = present_point(solver, x, xdot);

@@ -1,14 +1,20 @@
-// From exceptions to the public status and the words of a call.
+// Failures of arguments, and what exceptions mean: the public status and the words of a call.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <exception>
 #include <new>
+#include <string>
+#include <utility>
 
 #include "integrate/integration_options.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
+
+[[noreturn]] inline void refuse_argument(std::string message) {
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT, std::move(message));
+}
 
 inline constexpr const char* out_of_memory = "out of memory.";
 

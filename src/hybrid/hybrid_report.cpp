@@ -1,6 +1,5 @@
-// Modes and breakpoints as text.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/hybrid_report.h"
+#include "hybrid/hybrid_report.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +15,7 @@ namespace {
 constexpr std::size_t most_timed = 5, most_passages = 20;
 
 // Transitions at times out of the present mode that lie ahead, the next ones first.
-std::string timed_transitions(const sfdae_hybrid& hybrid) {
+std::string timed_transitions(const HybridSystem& hybrid) {
   const HybridRun& run = hybrid.run;
   std::vector<std::pair<double, int>> ahead;
   for (const int k : hybrid.mode().timed) {
@@ -32,13 +31,8 @@ std::string timed_transitions(const sfdae_hybrid& hybrid) {
   return text;
 }
 
-int number_of(const sfdae_hybrid& hybrid, const sfdae_solver& solver) {
-  const auto is_its = [&solver](const HybridMode& mode) { return mode.solver == &solver; };
-  return static_cast<int>(std::find_if(hybrid.modes.begin(), hybrid.modes.end(), is_its) - hybrid.modes.begin());
-}
-
 // Of the present visit and those that have ended.
-std::string adjoint_report(const sfdae_hybrid& hybrid) {
+std::string adjoint_report(const HybridSystem& hybrid) {
   if (!hybrid.sensitivities || !hybrid.sensitivities->by_adjoint) return "";
   AdjointWork all;
   const auto add = [&all](const Integration* integration) {
@@ -54,15 +48,15 @@ std::string adjoint_report(const sfdae_hybrid& hybrid) {
   return report_of(static_cast<int>(hybrid.sensitivities->names.size()), all);
 }
 
-std::string passages_report(const sfdae_hybrid& hybrid) {
+std::string passages_report(const HybridSystem& hybrid) {
   const HybridRun& run = hybrid.run;
-  const std::size_t count = run.passages.size();
-  const long all = run.forgotten + static_cast<long>(count);
+  const std::size_t count = run.passages.known.size();
+  const long all = run.passages.count();
   if (all == 0) return "";
   std::string text = format("%ld transitions", all);
   text += count == 0 ? ", all before a checkpoint\n" : count > most_passages ? ", the last ones:\n" : ":\n";
   for (std::size_t k = count > most_passages ? count - most_passages : 0; k < count; ++k) {
-    const sfdae_passage& passage = run.passages[k];
+    const sfdae_passage& passage = run.passages.known[k];
     text += format("  t = %-16.10g %s -> %s, largest change %.3g, impulse %.3g\n", passage.t,
                    hybrid.name_of(passage.from).c_str(), hybrid.name_of(passage.to).c_str(), passage.largest_change,
                    passage.largest_impulse);
@@ -72,35 +66,25 @@ std::string passages_report(const sfdae_hybrid& hybrid) {
 
 }  // namespace
 
-sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
-  const HybridMode& mode = hybrid.modes[index(k)];
-  const VisitCounts counts = counts_of(hybrid, k);
-  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
-  if (mode.solver->system() == nullptr) return summary;
-  const sfdae_characteristics values = characteristics_of(*mode.solver);
-  summary.strangeness_index = values.strangeness_index;
-  summary.differential = values.differential;
-  summary.algebraic = values.algebraic;
-  return summary;
-}
-
-std::string report_of(const sfdae_hybrid& hybrid) {
+std::string report_of(const HybridSystem& hybrid) {
   const HybridRun& run = hybrid.run;
   std::string text =
       format("Hybrid system of %zu modes and %zu transitions\n", hybrid.modes.size(), hybrid.transitions.size());
   text += "  mode                          index     d     a     u     v  visits  analyses     steps          time\n";
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
-    const sfdae_mode mode = summary_of(hybrid, k);
+    const HybridMode& mode = hybrid.modes[index(k)];
+    const VisitCounts counts = hybrid.counts_of(k);
     std::string values = "    -     -     -     -     -";
-    if (const DaeSystem* system = hybrid.modes[index(k)].solver->system()) {
+    if (const DaeSystem* system = mode.solver->system()) {
       const CharacteristicValues& c = system->analysis().values;
       values = format("%5d %5d %5d %5d %5d", c.mu, c.d, c.a, c.u, c.v);
     }
     text += format("%c %-30.30s", k == run.mode ? '>' : ' ', hybrid.name_of(k).c_str()) + values +
-            format("  %6ld  %8d  %8ld  %12.6g\n", mode.visits, mode.num_analyses, mode.steps, mode.duration);
+            format("  %6ld  %8d  %8ld  %12.6g\n", counts.visits, mode.num_analyses, counts.steps, counts.duration);
   }
   if (run.mode >= 0) {
-    text += format("At t = %.10g in %s since t = %.10g\n", run.t, hybrid.name_of(run.mode).c_str(), run.entered);
+    text +=
+        format("At t = %.10g in %s since t = %.10g\n", run.t, hybrid.name_of(run.mode).c_str(), run.visit.entered);
     text += timed_transitions(hybrid) + breakpoints_report(*hybrid.mode().solver);
     text += adjoint_report(hybrid);
     if (hybrid.sensitivities && !hybrid.sensitivities->by_adjoint)
@@ -111,18 +95,15 @@ std::string report_of(const sfdae_hybrid& hybrid) {
   return text;
 }
 
-std::string mode_report(const sfdae_solver& solver) {
-  const sfdae_hybrid& hybrid = *solver.hybrid;
-  const int number = number_of(hybrid, solver);
+std::string mode_report(const HybridSystem& hybrid, int number) {
   const HybridRun& run = hybrid.run;
-  const sfdae_mode mode = summary_of(hybrid, number);
   std::string text = format("This is %s of a hybrid system of %zu modes and %zu transitions, ",
                             hybrid.name_of(number).c_str(), hybrid.modes.size(), hybrid.transitions.size());
-  if (run.mode == number) text += format("which is in it since t = %.10g", run.entered);
-  else if (run.mode >= 0) text += "which is in " + hybrid.name_of(run.mode) + format(" since t = %.10g", run.entered);
+  if (run.mode == number) text += format("which is in it since t = %.10g", run.visit.entered);
+  else if (run.mode >= 0)
+    text += "which is in " + hybrid.name_of(run.mode) + format(" since t = %.10g", run.visit.entered);
   else text += "which has not been started";
-  text +=
-      format("; %ld visits, %ld transitions\n", mode.visits, run.forgotten + static_cast<long>(run.passages.size()));
+  text += format("; %ld visits, %ld transitions\n", hybrid.counts_of(number).visits, run.passages.count());
   if (run.mode == number) text += timed_transitions(hybrid);
   return text;
 }
