@@ -51,10 +51,9 @@ int sfdae_get_singular_point(const sfdae_solver* solver, sfdae_singular_point* r
 }
 
 int sfdae_pass_singular_points(sfdae_solver* solver, long max_points) {
-  return guarded(solver, [&]() -> CallResult {
-    if (max_points < 0) return illegal_argument(format("max_points = %ld; it must be >= 0.", max_points));
+  return guarded(solver, [&] {
+    if (max_points < 0) refuse_argument(format("max_points = %ld; it must be >= 0.", max_points));
     solver->pass_singular_points(max_points);
-    return {};
   });
 }
 

@@ -33,7 +33,7 @@ int guarded(sfdae_hybrid* hybrid, Body body) noexcept {
   return returned;
 }
 
-inline CallResult no_run() { return {SFDAE_NOT_STARTED, "call sfdae_start_hybrid first."}; }
+[[noreturn]] inline void refuse_without_run() { throw Failure(SFDAE_NOT_STARTED, "call sfdae_start_hybrid first."); }
 
 // With the system that it is a mode of; empty where there is none.
 std::string modes_report(const sfdae_solver& solver);

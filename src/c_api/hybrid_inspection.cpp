@@ -27,18 +27,15 @@ namespace {
 template <class Body>
 int query(const sfdae_hybrid* hybrid, Body body) noexcept {
   if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  try {
-    const CallResult result = body();
-    if (result.status < 0) std::snprintf(hybrid->message, sizeof hybrid->message, "%s", result.message.c_str());
-    return result.status;
-  } catch (const std::bad_alloc&) {
-    return SFDAE_OUT_OF_MEMORY;
-  }
+  return status_of(body, [hybrid](int status, const char* text) {
+    if (status < 0) std::snprintf(hybrid->message, sizeof hybrid->message, "%s", text);
+    return status;
+  });
 }
 
 template <class Struct>
-CallResult fill(Struct* result, const Struct& source) {
-  return fill_struct(result, source) ? CallResult{} : illegal_argument("result is NULL or its size is not set.");
+void fill(Struct* result, const Struct& source) {
+  if (!fill_struct(result, source)) refuse_argument("result is NULL or its size is not set.");
 }
 
 sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
@@ -91,58 +88,53 @@ int sfdae_mode_init(sfdae_mode* mode, size_t size) { return initialize(mode, siz
 int sfdae_passage_init(sfdae_passage* passage, size_t size) { return initialize(passage, size, sfdae_passage{}); }
 
 int sfdae_get_current_mode(const sfdae_hybrid* hybrid, int* mode) {
-  return query(hybrid, [&]() -> CallResult {
-    if (mode == nullptr) return illegal_argument("mode is NULL.");
-    if (hybrid->run.mode < 0) return no_run();
+  return query(hybrid, [&] {
+    if (mode == nullptr) refuse_argument("mode is NULL.");
+    if (hybrid->run.mode < 0) refuse_without_run();
     *mode = hybrid->run.mode;
-    return {};
   });
 }
 
 int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result) {
-  return query(hybrid, [&]() -> CallResult {
+  return query(hybrid, [&] {
     if (mode < 0 || mode >= static_cast<int>(hybrid->modes.size()))
-      return illegal_argument(format("mode = %d; there are %zu modes.", mode, hybrid->modes.size()));
+      refuse_argument(format("mode = %d; there are %zu modes.", mode, hybrid->modes.size()));
     return fill(result, summary_of(*hybrid, mode));
   });
 }
 
 int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count) {
-  return query(hybrid, [&]() -> CallResult {
-    if (count == nullptr) return illegal_argument("count is NULL.");
+  return query(hybrid, [&] {
+    if (count == nullptr) refuse_argument("count is NULL.");
     *count = hybrid->run.passages.count();
-    return {};
   });
 }
 
 int sfdae_get_passage(const sfdae_hybrid* hybrid, long number, sfdae_passage* result) {
-  return query(hybrid, [&]() -> CallResult {
+  return query(hybrid, [&] {
     const PassageList& passages = hybrid->run.passages;
     const long first = passages.forgotten, count = passages.count();
     if (number < first || number >= count)
-      return illegal_argument(
-          format("index = %ld; transitions from %ld on, below %ld, are known.", number, first, count));
+      refuse_argument(format("index = %ld; transitions from %ld on, below %ld, are known.", number, first, count));
     return fill(result, passages.known[static_cast<std::size_t>(number - first)]);
   });
 }
 
 int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double* after, double* impulse) {
-  return query(hybrid, [&]() -> CallResult {
+  return query(hybrid, [&] {
     const HybridRun& run = hybrid->run;
-    if (run.passages.known.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
+    if (run.passages.known.empty()) throw Failure(SFDAE_NOT_STARTED, "there was no transition since the start.");
     if (before != nullptr) std::copy_n(run.last.before.begin(), hybrid->n(), before);
     if (after != nullptr) std::copy_n(run.last.after.begin(), hybrid->n(), after);
     if (impulse != nullptr) std::copy_n(run.last.impulse.begin(), hybrid->n(), impulse);
-    return {};
   });
 }
 
 int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t) {
-  return query(hybrid, [&]() -> CallResult {
-    if (t == nullptr) return illegal_argument("t is NULL.");
-    if (!hybrid->run.accumulation) return {SFDAE_NOT_STARTED, "transitions have not accumulated."};
+  return query(hybrid, [&] {
+    if (t == nullptr) refuse_argument("t is NULL.");
+    if (!hybrid->run.accumulation) throw Failure(SFDAE_NOT_STARTED, "transitions have not accumulated.");
     *t = *hybrid->run.accumulation;
-    return {};
   });
 }
 
@@ -151,12 +143,11 @@ int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* re
 }
 
 int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed) {
-  return query(hybrid, [&]() -> CallResult {
-    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
+  return query(hybrid, [&] {
+    if (text == nullptr && length > 0) refuse_argument("text is NULL.");
     const std::string report = report_of(*hybrid);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
-    return {};
   });
 }
 

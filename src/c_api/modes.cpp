@@ -16,29 +16,27 @@ namespace {
 
 constexpr int most_breakpoints = 1000000;
 
-CallResult check_breakpoints(int count, const double* t, const int* kinds) {
+void check_breakpoints(int count, const double* t, const int* kinds) {
   if (count < 0 || count > most_breakpoints)
-    return illegal_argument(format("count = %d; it must be 0 ... %d.", count, most_breakpoints));
-  if (count > 0 && t == nullptr) return illegal_argument("t is NULL.");
+    refuse_argument(format("count = %d; it must be 0 ... %d.", count, most_breakpoints));
+  if (count > 0 && t == nullptr) refuse_argument("t is NULL.");
   for (int k = 0; k < count; ++k) {
-    if (!std::isfinite(t[k])) return illegal_argument(format("t[%d] is %g.", k, t[k]));
+    if (!std::isfinite(t[k])) refuse_argument(format("t[%d] is %g.", k, t[k]));
     if (k > 0 && t[k] == t[k - 1])
-      return illegal_argument(format("t[%d] = t[%d] = %.17g: breakpoints must be different.", k - 1, k, t[k]));
+      refuse_argument(format("t[%d] = t[%d] = %.17g: breakpoints must be different.", k - 1, k, t[k]));
     if (k > 0 && !(t[k] > t[k - 1]))
-      return illegal_argument(
+      refuse_argument(
           format("t[%d] = %.17g is before t[%d] = %.17g: breakpoints must be in order.", k, t[k], k - 1, t[k - 1]));
     if (kinds != nullptr && kinds[k] != SFDAE_BREAKPOINT_KINK && kinds[k] != SFDAE_BREAKPOINT_JUMP)
-      return illegal_argument(
+      refuse_argument(
           format("kinds[%d] = %d; it must be SFDAE_BREAKPOINT_KINK or SFDAE_BREAKPOINT_JUMP.", k, kinds[k]));
   }
-  return {};
 }
 
-CallResult check_restitution(const double* restitution, int count) {
+void check_restitution(const double* restitution, int count) {
   for (int i = 0; i < count && restitution != nullptr; ++i)
     if (!(restitution[i] >= 0.0 && restitution[i] <= 1.0))
-      return illegal_argument(format("restitution[%d] = %g; it must be 0 ... 1.", i, restitution[i]));
-  return {};
+      refuse_argument(format("restitution[%d] = %g; it must be 0 ... 1.", i, restitution[i]));
 }
 
 }  // namespace
@@ -46,15 +44,13 @@ CallResult check_restitution(const double* restitution, int count) {
 extern "C" {
 
 int sfdae_set_breakpoints(sfdae_solver* solver, int count, const double* t, const int* kinds) {
-  return guarded(solver, [&]() -> CallResult {
-    const CallResult checked = check_breakpoints(count, t, kinds);
-    if (checked.status != SFDAE_OK) return checked;
+  return guarded(solver, [&] {
+    check_breakpoints(count, t, kinds);
     std::vector<double> times;
     if (count > 0) times.assign(t, t + count);
     std::vector<char> jumps(index(count), 0);
     for (int k = 0; k < count && kinds != nullptr; ++k) jumps[index(k)] = kinds[k] == SFDAE_BREAKPOINT_JUMP ? 1 : 0;
     solver->set_breakpoints(std::move(times), std::move(jumps));
-    return {};
   });
 }
 
@@ -75,11 +71,11 @@ int sfdae_get_jump(const sfdae_solver* solver, double* t, double* before, double
 
 int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* before, double* after, int orders,
                double* impulses) {
-  return guarded(solver, [&]() -> CallResult {
-    if (before == nullptr || after == nullptr) return illegal_argument("before and after must not be NULL.");
+  return guarded(solver, [&] {
+    if (before == nullptr || after == nullptr) refuse_argument("before and after must not be NULL.");
     if (orders < 0 || (orders > 0 && impulses == nullptr))
-      return illegal_argument(format("orders = %d, impulses %s: orders must be 0 or the columns of impulses.", orders,
-                                     impulses == nullptr ? "NULL" : "given"));
+      refuse_argument(format("orders = %d, impulses %s: orders must be 0 or the columns of impulses.", orders,
+                             impulses == nullptr ? "NULL" : "given"));
     const Jump jump = solver->jump({t, toward, before});
     const std::size_t n = index(solver->model.n());
     std::copy(jump.x.begin(), jump.x.end(), after);
@@ -88,25 +84,22 @@ int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* befo
       if (k < jump.impulses.cols()) std::copy_n(jump.impulses.view().column(k), n, column);
       else std::fill_n(column, n, 0.0);
     }
-    return {};
   });
 }
 
 int sfdae_impact(sfdae_solver* solver, double t, const double* restitution, const double* before, double* after,
                  double* impulses) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded(solver, [&] {
     StructuredMultibody* model = solver->kind.multibody;
-    if (model == nullptr) return illegal_argument("impacts are those of multibody systems: call sfdae_jump.");
-    if (before == nullptr || after == nullptr) return illegal_argument("before and after must not be NULL.");
+    if (model == nullptr) refuse_argument("impacts are those of multibody systems: call sfdae_jump.");
+    if (before == nullptr || after == nullptr) refuse_argument("before and after must not be NULL.");
     const int count = model->problem().sizes().constraints();
-    const CallResult checked = check_restitution(restitution, count);
-    if (checked.status != SFDAE_OK) return checked;
+    check_restitution(restitution, count);
     std::vector<double> coefficients;
     if (restitution != nullptr) coefficients.assign(restitution, restitution + count);
     const Jump jump = solver->impact({t, time_beside(t, solver->direction), before}, coefficients);
     std::copy(jump.x.begin(), jump.x.end(), after);
     for (int i = 0; i < count && impulses != nullptr; ++i) impulses[i] = jump.impulses(model->n() - count + i, 0);
-    return {};
   });
 }
 

@@ -11,7 +11,7 @@ namespace sfdae::core {
 inline constexpr int most_sensitivities = 10000;
 
 // Reads what the user says, NULL for the defaults.
-CallResult read_sensitivity_options(int count, const sfdae_sensitivity_options* given, SensitivityRequest& request);
+void read_sensitivity_options(int count, const sfdae_sensitivity_options* given, SensitivityRequest& request);
 // Arguments of gradients.
 struct GivenFunctionals {
   int n, num_times;
@@ -19,6 +19,6 @@ struct GivenFunctionals {
   int num_functionals;
   const double* weights;
 };
-CallResult check_functionals(const GivenFunctionals& given);
+void check_functionals(const GivenFunctionals& given);
 
 }  // namespace sfdae::core

@@ -67,10 +67,9 @@ extern "C" {
 
 int sfdae_create_solution(sfdae_solution** solution) {
   if (solution != nullptr) *solution = nullptr;
-  return creating([&]() -> CallResult {
-    if (solution == nullptr) return illegal_argument("solution, where the new one goes, is NULL.");
+  return creating([&] {
+    if (solution == nullptr) refuse_argument("solution, where the new one goes, is NULL.");
     *solution = new sfdae_solution;
-    return {};
   });
 }
 
@@ -82,17 +81,13 @@ int sfdae_destroy_solution(sfdae_solution** solution) {
 }
 
 int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution) {
-  return guarded(solver, [&]() -> CallResult {
-    solver->record(solution != nullptr ? solution->pieces : nullptr);
-    return {};
-  });
+  return guarded(solver, [&] { solver->record(solution != nullptr ? solution->pieces : nullptr); });
 }
 
 int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+  return guarded(hybrid, [&] {
+    if (hybrid->modes.empty()) refuse_argument("there are no modes: call sfdae_add_mode.");
     hybrid->record(solution != nullptr ? solution->pieces : nullptr);
-    return {};
   });
 }
 

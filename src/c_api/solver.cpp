@@ -41,32 +41,30 @@ int unknowns_of(const sfdae_multibody_problem& problem) {
 }
 
 template <class Problem>
-CallResult read_arguments(const Problem* problem, const sfdae_options* options, const Problem& defaults,
-                          Arguments<Problem>& result) {
-  if (problem == nullptr) return illegal_argument("problem is NULL.");
+void read_arguments(const Problem* problem, const sfdae_options* options, const Problem& defaults,
+                    Arguments<Problem>& result) {
+  if (problem == nullptr) refuse_argument("problem is NULL.");
   if (!is_plausible_size(problem->size))
-    return illegal_argument("problem->size is not set: call the init function of problems.");
+    refuse_argument("problem->size is not set: call the init function of problems.");
   if (options != nullptr && !is_plausible_size(options->size))
-    return illegal_argument("options->size is not set: call sfdae_options_init.");
+    refuse_argument("options->size is not set: call sfdae_options_init.");
   result.problem = read_struct(*problem, defaults);
   result.options = options != nullptr ? read_struct(*options, default_options()) : default_options();
-  const CallResult checked = check_problem(result.problem);
-  return checked.status == SFDAE_OK ? check_options(result.options, unknowns_of(result.problem)) : checked;
+  check_problem(result.problem);
+  check_options(result.options, unknowns_of(result.problem));
 }
 
 template <class Problem>
 int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults) {
   if (solver != nullptr) *solver = nullptr;
-  return creating([&]() -> CallResult {
-    if (solver == nullptr) return illegal_argument("solver, where the new one goes, is NULL.");
+  return creating([&] {
+    if (solver == nullptr) refuse_argument("solver, where the new one goes, is NULL.");
     Arguments<Problem> arguments;
-    CallResult result = read_arguments(problem, options, defaults, arguments);
-    if (result.status != SFDAE_OK) return result;
+    read_arguments(problem, options, defaults, arguments);
     AnyModel model = make_model(arguments.problem);
     const int n = model.model->n();
     demand_structure(*model.model, structure_use_of(arguments.options.structure));
     *solver = new sfdae_solver(std::move(model), solver_options(arguments.options, n));
-    return result;
   });
 }
 
@@ -75,10 +73,8 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
   if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
   const auto body = [&] {
     Arguments<Problem> arguments;
-    const CallResult checked = read_arguments(problem, options, defaults, arguments);
-    if (checked.status == SFDAE_OK)
-      demand_structure(*make_model(arguments.problem).model, structure_use_of(arguments.options.structure));
-    return checked;
+    read_arguments(problem, options, defaults, arguments);
+    demand_structure(*make_model(arguments.problem).model, structure_use_of(arguments.options.structure));
   };
   return status_of(body, [=](int status, const char* message) {
     if (length > 0) std::snprintf(text, length, "%s", message);
@@ -87,24 +83,24 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
 }
 
 CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, double* x, double* xdot) {
-  if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
-  if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
+  if (t == nullptr || x == nullptr) refuse_argument("t and x must not be NULL.");
+  if (!std::isfinite(tout)) refuse_argument(format("tout is %g.", tout));
   return solver->advance(tout, one_step, *t, x, xdot);
 }
 
 int analyze(sfdae_solver* solver, const PointOfInterest& point, sfdae_characteristics* result) {
   return guarded(solver, [&]() -> CallResult {
     if (result != nullptr && !is_plausible_size(result->size))
-      return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
+      refuse_argument("result->size is not set: call sfdae_characteristics_init.");
     if (point.x == nullptr && solver->model.needs_x())
-      return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
+      refuse_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     CallResult warning = solver->analyze(point);
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
     return warning;
   });
 }
 
-CallResult no_values() { return illegal_argument("x is NULL."); }
+[[noreturn]] void refuse_null() { refuse_argument("x is NULL."); }
 
 }  // namespace
 
@@ -147,14 +143,12 @@ int sfdae_destroy(sfdae_solver** solver) {
 }
 
 int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded(solver, [&] {
     if (options == nullptr || !is_plausible_size(options->size))
-      return illegal_argument("options is NULL or its size is not set: call sfdae_options_init.");
+      refuse_argument("options is NULL or its size is not set: call sfdae_options_init.");
     const sfdae_options copy = read_struct(*options, default_options());
-    const CallResult checked = check_options(copy, solver->model.n());
-    if (checked.status != SFDAE_OK) return checked;
+    check_options(copy, solver->model.n());
     solver->set_options(solver_options(copy, solver->model.n()));
-    return {};
   });
 }
 
@@ -174,23 +168,28 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
 
 int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double* x, sfdae_characteristics* result) {
   if (x != nullptr) return analyze(solver, {t, toward, x}, result);
-  return guarded(solver, no_values);
+  return guarded(solver, refuse_null);
 }
 
 int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
-  return guarded(solver, [&]() -> CallResult {
-    if (name == nullptr) return illegal_argument("name is NULL.");
+  return guarded(solver, [&] {
+    if (name == nullptr) refuse_argument("name is NULL.");
     solver->set_parameter(name, value);
-    return {};
   });
 }
 
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
-  return guarded(solver, [&] { return x == nullptr ? no_values() : solver->make_consistent(t, x, xdot); });
+  return guarded(solver, [&] {
+    if (x == nullptr) refuse_null();
+    return solver->make_consistent(t, x, xdot);
+  });
 }
 
 int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot) {
-  return guarded(solver, [&] { return x == nullptr ? no_values() : solver->start(t, toward, x, xdot); });
+  return guarded(solver, [&] {
+    if (x == nullptr) refuse_null();
+    return solver->start(t, toward, x, xdot);
+  });
 }
 
 int sfdae_advance(sfdae_solver* solver, double tout, double* t, double* x, double* xdot) {
@@ -202,26 +201,23 @@ int sfdae_step(sfdae_solver* solver, double tout, double* t, double* x, double* 
 }
 
 int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
-    if (length == nullptr) return illegal_argument("length is NULL.");
+  return guarded<Text::of_failure>(solver, [&] {
+    if (length == nullptr) refuse_argument("length is NULL.");
     *length = solver->checkpoint_length();
-    return {};
   });
 }
 
 int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t length) {
-  return guarded(solver, [&]() -> CallResult {
-    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+  return guarded(solver, [&] {
+    if (checkpoint == nullptr) refuse_argument("checkpoint is NULL.");
     solver->save_checkpoint(checkpoint, length);
-    return {};
   });
 }
 
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
-  return guarded(solver, [&]() -> CallResult {
-    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+  return guarded(solver, [&] {
+    if (checkpoint == nullptr) refuse_argument("checkpoint is NULL.");
     solver->restore_checkpoint({checkpoint, length});
-    return {};
   });
 }
 

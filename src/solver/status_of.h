@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "integrate/integration_options.h"
@@ -18,11 +19,14 @@ namespace sfdae::core {
 
 inline constexpr const char* out_of_memory = "out of memory.";
 
-// What a body returns, or what an exception out of it means, goes to say(status, text), which returns the status.
+// What a body returns, SFDAE_OK if it returns nothing, or what an exception out of it means, goes to
+// say(status, text), which returns the status.
 template <class Body, class Say>
 int status_of(Body body, Say say) noexcept {
   try {
-    const CallResult result = body();
+    CallResult result;
+    if constexpr (std::is_void_v<decltype(body())>) body();
+    else result = body();
     return say(result.status, result.message.c_str());
   } catch (const Failure& failure) {
     return say(failure.status(), failure.what());
