@@ -24,7 +24,7 @@ program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
 package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev
   "${python_build[@]}" "${site[@]}")
 test=("${demo[@]}" gfortran libgtest-dev libsuitesparse-dev libcli11-dev nlohmann-json3-dev python3 ninja-build
-  "${python[@]}" python3-pytest python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
+  "${python[@]}" python3-pytest mypy python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
   "${site[@]}" chromium chromium-driver python3-selenium)
 all=("${test[@]}" libbenchmark-dev valgrind clang clang-format-14)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.

@@ -7,19 +7,23 @@ The stop is an event with an action: it keeps the part r of the velocities, and 
 started anew. Check: y'' = -g/2; impact k is at T (1 + 2 r + ... + 2 r^(k-1)) with T = 2 / sqrt(g).
 """
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 import sfdae
+from sfdae import Expression, ExpressionArray
 
 g, r = 9.81, 0.8
 
 
-def bead(t, x, xdot):
+def bead(t: Expression, x: ExpressionArray, xdot: ExpressionArray) -> list[Any]:
     px, py, u, v, force = x
     return [xdot[0] - u, xdot[1] - v, xdot[2] + force, xdot[3] + g - force, py - px]
 
 
-def bounce(t, x):
+def bounce(t: float, x: NDArray[np.float64]) -> Any:
     return x * [1, 1, -r, -r, 1]
 
 

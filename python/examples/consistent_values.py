@@ -9,15 +9,17 @@ given, forces are not known at all. Check: every constraint, its derivative and 
 motion hold for what is returned."""
 
 import warnings
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import sfdae
 
 a, b, c, d, g = 1.0, 2.5, 2.0, 3.0, 9.81
 
 
-def rods(p):
+def rods(p: NDArray[Any]) -> NDArray[Any]:
     return np.array([p[0] ** 2 + p[1] ** 2 - a**2, (p[2] - p[0]) ** 2 + (p[3] - p[1]) ** 2 - b**2,
                      (p[2] - d) ** 2 + p[3] ** 2 - c**2])  # fmt: skip
 

@@ -24,7 +24,7 @@ problem = sfdae.MultibodyProblem(
 )
 
 
-def period(amplitude):
+def period(amplitude: float) -> float:
     start = {"x": L * np.sin(amplitude), "y": -L * np.cos(amplitude)}
     turn = sfdae.Event(lambda t, x: x[0] * x[3] - x[1] * x[2], direction=-1, terminal=True)
     sol = sfdae.solve(
@@ -33,11 +33,11 @@ def period(amplitude):
     return sol.last.t
 
 
-def exact_period(amplitude):
+def exact_period(amplitude: float) -> float:
     a, b = 1.0, np.cos(amplitude / 2)
     while abs(a - b) > 1e-15:
         a, b = (a + b) / 2, np.sqrt(a * b)
-    return 2 * np.pi * np.sqrt(L / g) / a
+    return float(2 * np.pi * np.sqrt(L / g) / a)
 
 
 amplitudes = np.radians([10, 30, 60, 90, 120, 150, 170])

@@ -8,14 +8,17 @@ Solvers of index-1 problems, such as IDA, fail on these equations; here nothing 
 differentiated by hand. Check: the energy is constant, the links keep their lengths, and velocities
 are tangential to rounding."""
 
+from typing import Any
+
 import numpy as np
 
 import sfdae
+from sfdae import Expression, ExpressionArray
 
 N, g = 4, 9.81
 
 
-def chain(t, x, xdot):
+def chain(t: Expression, x: ExpressionArray, xdot: ExpressionArray) -> list[Any]:
     p, v, force = x[: 2 * N].reshape(N, 2), x[2 * N : 4 * N].reshape(N, 2), x[4 * N :]
     link = p - np.vstack([[0, 0], p[:-1]])
     pull = -force[:, None] * link
@@ -37,7 +40,8 @@ speed = np.diff(v, axis=0, prepend=0)
 energy = (v**2).sum(axis=(0, 1)) / 2 + g * p[:, 1].sum(axis=0)
 print(f"{sol.message}; {sol.steps.t.size} steps, {sol.report!r}")
 print(f"energy {np.abs(energy).max():.1e}, lengths {np.abs((link**2).sum(axis=1) - 1).max():.1e}")
-assert sol.success and sol.report.characteristics.strangeness_index == 2
+index = sol.report.characteristics
+assert sol.success and index is not None and index.strangeness_index == 2
 assert np.abs(energy).max() < 1e-4
 assert np.abs((link**2).sum(axis=1) - 1).max() < 1e-12
 assert np.abs((link * speed).sum(axis=1)).max() < 1e-10

@@ -6,18 +6,21 @@ emitter takes 0.01 I(U) from the base and 0.99 I(U) from the collector, I(U) = 1
 mV) - 1). Strangeness index 0, d = 5, a = 3: the matrix of capacitors is singular. Check: reference
 values at t = 0.2 of the test set for IVP solvers."""
 
+from typing import Any
+
 import numpy as np
 
 import sfdae
+from sfdae import Expression, ExpressionArray
 
 SUPPLY, R0, R = 6.0, 1000.0, 9000.0
 
 
-def transistor(base, emitter):
+def transistor(base: Expression, emitter: Expression) -> Any:
     return 1e-6 * (np.exp((base - emitter) / 0.026) - 1)
 
 
-def amplifier(t, U, Udot):
+def amplifier(t: Expression, U: ExpressionArray, Udot: ExpressionArray) -> list[Any]:
     first, second = transistor(U[1], U[2]), transistor(U[4], U[5])
     current = [
         (0.1 * np.sin(200 * np.pi * t) - U[0]) / R0,

@@ -34,12 +34,12 @@ except ImportError as error:
         "directory of its sources"
     ) from error
 
-from ._callbacks import CannotEvaluate
+from ._arrays import ExpressionArray
 from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
-from ._functions import choose, derivative, external, table, time_derivative
+from ._functions import choose, derivative, external, time_derivative
 from ._inspection import (
     DerivativeArray,
     ExtendedSystem,
@@ -53,7 +53,8 @@ from ._branches import SingularPoint
 from ._modes import Jump
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
-from ._problem import LinearProblem, NonlinearProblem, Problem
+from ._linear_problem import LinearProblem
+from ._problem import NonlinearProblem, Problem
 from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._solution import Solution, Steps
@@ -61,6 +62,7 @@ from ._solve import analyze, make_consistent, solve
 from ._points import Point, Progress
 from ._solver import Solver
 from ._status import (
+    CannotEvaluate,
     Error,
     InitialValuesWarning,
     IntegrationWarning,
@@ -71,16 +73,39 @@ from ._status import (
 )
 from ._structs import Struct
 from ._switch import Switch
+from ._table import table
 from ._transition import Passage, Transition
+from ._types import Function as _Function
 
+sqrt: _Function
+exp: _Function
+log: _Function
+log10: _Function
+sin: _Function
+cos: _Function
+tan: _Function
+arcsin: _Function
+arccos: _Function
+arctan: _Function
+arctan2: _Function
+sinh: _Function
+cosh: _Function
+tanh: _Function
+absolute: _Function
+minimum: _Function
+maximum: _Function
+sign: _Function
+floor: _Function
+mod: _Function
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
 
 __version__ = version()
 __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
-    "Event", "EventRecord", "Expression", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
+    "Event", "EventRecord", "Expression", "ExpressionArray", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "SingularPoint",
+    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning",
+    "SingularPoint",
     "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative", "Transition", "Switch",

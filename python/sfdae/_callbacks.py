@@ -11,15 +11,13 @@ from typing import Any, Callable
 import numpy as np
 
 from ._arguments import PointFunction
+from ._arrays import vector
 from ._binding import ffi, lib
-from ._expression import Expression, Recording, vector
+from ._expression import Expression, Recording
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
+from ._status import CannotEvaluate
 from ._unknowns import Watch, require_confirmed, require_same_names
-
-
-class CannotEvaluate(Exception):
-    """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""
 
 
 class CountMismatch(ValueError):
@@ -211,21 +209,21 @@ def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -
     """Calls the equations with expressions t, x, xdot, and checks that they unpack x under the
     names that the unknowns have.
     """
+    equations, (t, x, xdot) = problem.equations, arguments
+    count = problem.num_equations
     if not problem._has_names:
-        return problem.equations(*arguments, values=values)
-    function, (t, x, xdot) = problem.equations.function, arguments
-    watch = Watch(function, x)
-    result = problem.equations(t, watch.over(x), xdot, values=values)
+        return equations(t, x, xdot, values=values, count=count)
+    watch = Watch(equations.function, x)
+    result = equations(t, watch.over(x), xdot, values=values, count=count)
     require = require_confirmed if problem._must_confirm_names else require_same_names
-    require(function, problem.names, watch.names())
+    require(equations.function, problem.names, watch.names())
     return result
 
 
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
         entries = flatten(_written(problem, arguments, state.values), "equations")
@@ -234,15 +232,12 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
         write_formulas(
             residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations"
         )
-    finally:
-        recording.is_open = False
 
 
 @callback("python_nonlinear_problem_linear_equations")
 def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any, f: Any) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         time = Expression(t, recording)
         shape = (problem.num_equations, problem.num_unknowns)
         for name, places in (("E", E), ("A", A), ("f", f)):
@@ -252,8 +247,6 @@ def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any,
             elif part is None:
                 continue
             write_formulas(places, part, shape[:1] if name == "f" else shape, name)
-    finally:
-        recording.is_open = False
 
 
 @callback("python_nonlinear_problem_total_derivative")
@@ -264,7 +257,10 @@ def _total_derivative(
     m, n = problem.num_equations, problem.num_unknowns
     asks_for_jacobians = F_x != ffi.NULL
     jet = _numbers(derivatives, (n, order + 2))
-    result = problem.total_derivative(t, order, jet, asks_for_jacobians)
+    if problem.records:
+        result = problem.total_derivative(t, order, jet, asks_for_jacobians)
+    else:
+        result = problem._derivative_of_numbers(t, order, jet, asks_for_jacobians, state.values)
     if result is None:
         return lib.SFDAE_ORDER_NOT_AVAILABLE
     if isinstance(result, tuple):
@@ -288,8 +284,7 @@ def _multibody_equations(
     state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
 ) -> None:
     problem = state.problem
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         time = Expression(t, recording)
         positions = vector(q, problem.num_positions, recording)
         velocities = vector(v, problem.num_velocities, recording)
@@ -309,8 +304,6 @@ def _multibody_equations(
             elif part is None:
                 continue
             write_formulas(getattr(formulas, place), part, problem.shape(name), name)
-    finally:
-        recording.is_open = False
 
 
 def _define_multibody(name: str, has_velocities: bool) -> None:

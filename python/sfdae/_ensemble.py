@@ -7,6 +7,7 @@ import warnings
 from typing import Any, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._binding import ffi, lib
 from ._callbacks import callback
@@ -17,6 +18,7 @@ from ._solve import ProblemOrFunction, as_problem, output_times, span, with_stop
 from ._solver import Solver
 from ._status import IntegrationWarning, Status
 from ._structs import prepared
+from ._types import Values
 
 _MESSAGE_LENGTH = 1536  # always enough, says ensemble.h
 
@@ -43,6 +45,15 @@ class EnsembleSolution:
     names : tuple of str
         Of the unknowns.
     """
+
+    t: np.ndarray
+    x: np.ndarray
+    xdot: np.ndarray | None
+    parameters: dict[str, np.ndarray]
+    status: list[Status]
+    messages: list[str]
+    num_analyses: int
+    names: tuple[str, ...]
 
     def __init__(self, **members: Any) -> None:
         vars(self).update(members)
@@ -83,10 +94,10 @@ def _instance_ended(state: _EnsembleState, progress: Any) -> None:
 def solve_ensemble(
     problem: ProblemOrFunction,
     t_span: Sequence[float],
-    x0: Any,
+    x0: Values,
     *,
     parameters: Mapping[str, Any] | None = None,
-    t_eval: Any = None,
+    t_eval: ArrayLike | None = None,
     threads: int = 0,
     xdot: bool = False,
     names: Sequence[str] | None = None,
@@ -134,11 +145,13 @@ def solve_ensemble(
     Error
         For mistakes in arguments, and problems that are not recorded.
     """
+    parameters = parameters or {}
     first = x0 if isinstance(x0, Mapping) else np.atleast_2d(np.array(x0, dtype=float))[0]
-    problem = as_problem(problem, first, names, None)
+    given = {name: value if np.ndim(value) == 0 else value[0] for name, value in parameters.items()}
+    problem = as_problem(problem, first, names, parameters=given)
     t0, t1 = span(t_span)
     times = np.array([t1]) if t_eval is None else output_times(t_eval, t0, t1)
-    common, different, count = _parameters(problem, parameters or {}, x0)
+    common, different, count = _parameters(problem, parameters, x0)
     solver = Solver(problem, parameters=common, **with_stop_time(options, t1))
     start = _start_values(problem, x0, count)
     labels, columns = _columns(different)

@@ -39,7 +39,7 @@ class Event:
 
     def __init__(
         self,
-        function: Callable[..., float],
+        function: Callable[..., Any],
         *,
         direction: float = 0,
         terminal: bool | int = False,

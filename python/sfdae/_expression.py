@@ -3,28 +3,104 @@
 
 from __future__ import annotations
 
+import dis
 import numbers
+import sys
 from typing import Any, Callable
 
 import numpy as np
 
 from ._binding import ffi, lib
 
-_NO_VALUE = (
-    "an expression has no value while equations are recorded, so that {}. Use sfdae.choose or "
-    "np.where(a > b, ...) for branches, np.sin, np.exp, ... (not those of math) for functions"
-)
+_NO_VALUE = "an expression has no value while equations are recorded, so that {}. {}"
+_AS_NUMBERS = "record=False calls the function with numbers instead of recording it"
+_BRANCHES = "Use np.where(a > b, ...), np.maximum(a, b), np.minimum(a, b) or sfdae.choose. "
+_EQUALITY = "Use np.where(abs(a - b) < c, ...). "
+_ARRAYS = "Arrays of expressions need like=x: np.array([...], like=x), np.zeros(n, like=x). "
+_NUMBERS = "Use np.sin, np.exp, ... (not those of math), and np.zeros(n, like=x) for arrays. "
+
+
+# What to write instead of code of other packages that needs numbers, by the name of the module.
+_INSTEAD = {
+    "scipy.sparse": "write x @ A.T instead of A @ x. ",
+    "scipy.interpolate": "write sfdae.table(t, spline) instead of spline(t). ",
+    "scipy": "",
+    "numba": "",
+}
+
+
+def _hint(modules: list[str]) -> str | None:
+    """What to do where code of these modules, one a frame, needs numbers; None for other modules."""
+    for start, instead in _INSTEAD.items():
+        for module in modules:
+            if module.startswith(start):
+                return f"{start} needs numbers: {instead}"
+    return None
+
+
+def no_value(what: str, frame: Any) -> TypeError:
+    """The error of code that needs a value, with the change that the code in this frame needs."""
+    modules = [frame.f_globals.get("__name__", "")]
+    while frame.f_back is not None and modules[-1].split(".")[0] in ("numpy", "sfdae"):
+        frame = frame.f_back
+        modules.append(frame.f_globals.get("__name__", ""))
+    code = frame.f_code.co_code
+    operation = dis.opname[code[frame.f_lasti]] if 0 <= frame.f_lasti < len(code) else ""
+    hint = _hint(modules)
+    if hint is None and what.startswith(("==", "!=")):
+        hint = _EQUALITY
+    elif hint is None and operation.startswith(("STORE_S", "COMPARE_OP")):  # STORE_SUBSCR, _SLICE
+        hint = _ARRAYS
+    elif hint is None and what == "it is no float":
+        hint = _NUMBERS
+    elif hint is None:  # max(a, b), or np.maximum of an array made by np.array
+        hint = _BRANCHES + (_ARRAYS if "CALL" in operation else "")
+    return TypeError(_NO_VALUE.format(what, hint) + _AS_NUMBERS)
+
+
+def explain(exception: BaseException, traceback: Any) -> None:
+    """Adds to an exception of another package, raised while equations are recorded, what to do."""
+    modules = []
+    while traceback is not None:
+        modules.append(traceback.tb_frame.f_globals.get("__name__", ""))
+        traceback = traceback.tb_next
+    hint, text = _hint(modules), str(exception)
+    if hint is None and "dtype('O')" in text:  # numpy, of an array made without like=x
+        hint = _ARRAYS
+    elif hint is None and "Expression" in text:  # as Python calls what it cannot use
+        hint = ""
+    is_explained = hint is None or "record=False" in text or not exception.args
+    if is_explained or not isinstance(exception, Exception):
+        return
+    if not isinstance(exception.args[0], str):  # UFuncTypeError makes its text of other arguments
+        raise TypeError(f"{text} ({hint}{_AS_NUMBERS})") from exception
+    exception.args = (f"{text} ({hint}{_AS_NUMBERS})", *exception.args[1:])
 
 
 class Recording:
     """A recording under way; expressions of it are of no use after it has ended."""
 
-    __slots__ = ("c", "is_open", "state")
+    __slots__ = ("c", "is_open", "state", "refused")
 
     def __init__(self, record: Any, state: Any = None) -> None:
         self.c = record
         self.is_open = True
         self.state = state  # of the callbacks of the solver, which keeps what is needed later
+        self.refused: TypeError | None = None  # == was used; numpy < 1.25 ignores the exception
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(self, kind: Any, exception: BaseException | None, traceback: Any) -> None:
+        self.is_open = False
+        refused, self.refused = (
+            self.refused,
+            None,
+        )  # no cycle through arrays, which are not collected
+        if exception is not None:
+            explain(exception, traceback)
+        elif refused is not None:
+            raise refused
 
     def require_open(self) -> None:
         if not self.is_open:
@@ -69,7 +145,10 @@ def as_expression(value: Any) -> Expression:
     return Expression(c, None)
 
 
-def _operator(function: Callable[[Any, Any], Any]) -> tuple[Callable, Callable]:
+_Operator = Callable[["Expression", Any], "Expression"]
+
+
+def _operator(function: Callable[[Any, Any], Any]) -> tuple[_Operator, _Operator]:
     """The methods a (op) b and b (op) a for a function of C with two operands."""
 
     def forward(self: Expression, other: Any) -> Expression:
@@ -118,13 +197,19 @@ class Expression:
     __pow__, __rpow__ = _operator(lib.sfdae_power)
     __mod__, __rmod__ = _operator(lib.sfdae_modulo)
 
-    def __floordiv__(self, other: Any) -> Any:
+    def __floordiv__(self, other: Any) -> Expression:
         quotient = self.__truediv__(other)
         return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
 
-    def __rfloordiv__(self, other: Any) -> Any:
+    def __rfloordiv__(self, other: Any) -> Expression:
         quotient = self.__rtruediv__(other)
         return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
+
+    def __divmod__(self, other: Any) -> Any:
+        return self // other, self % other
+
+    def __rdivmod__(self, other: Any) -> Any:
+        return other // self, other % self
 
     def __neg__(self) -> Expression:
         return self._apply(lib.sfdae_negate)
@@ -158,18 +243,24 @@ class Expression:
         return self._compare(lib.sfdae_less_equal, other)
 
     def __eq__(self, other: object) -> bool:
-        raise TypeError(_NO_VALUE.format("== cannot be decided"))
+        raise self._refuse("==", sys._getframe(1))
 
     def __ne__(self, other: object) -> bool:
-        raise TypeError(_NO_VALUE.format("!= cannot be decided"))
+        raise self._refuse("!=", sys._getframe(1))
+
+    def _refuse(self, operator: str, frame: Any) -> TypeError:
+        error = no_value(f"{operator} cannot be decided", frame)
+        if self._recording is not None:
+            self._recording.refused = error
+        return error
 
     __hash__ = object.__hash__
 
     def __bool__(self) -> bool:
-        raise TypeError(_NO_VALUE.format("it is neither true nor false"))
+        raise no_value("it is neither true nor false", sys._getframe(1))
 
     def __float__(self) -> float:
-        raise TypeError(_NO_VALUE.format("it is no float"))
+        raise no_value("it is no float", sys._getframe(1))
 
     __int__ = __index__ = __complex__ = __float__
 
@@ -182,12 +273,12 @@ class Expression:
         return "Expression(recorded)"
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        from ._functions import apply_ufunc
+        from ._arrays import apply_ufunc
 
         return apply_ufunc(ufunc, method, inputs, kwargs)
 
     def __array_function__(self, function: Callable, types: Any, args: Any, kwargs: Any) -> Any:
-        from ._functions import apply_array_function
+        from ._arrays import apply_array_function
 
         return apply_array_function(function, args, kwargs)
 
@@ -200,18 +291,22 @@ class Condition(Expression):
     __slots__ = ()
 
     def __bool__(self) -> bool:
-        raise TypeError(_NO_VALUE.format("a comparison is neither true nor false"))
+        raise no_value("a comparison is neither true nor false", sys._getframe(1))
 
     def __and__(self, other: Any) -> Condition:
-        return _condition(lib.sfdae_and, self, other)
+        return self._compare(lib.sfdae_and, other)
 
     def __or__(self, other: Any) -> Condition:
-        return _condition(lib.sfdae_or, self, other)
+        return self._compare(lib.sfdae_or, other)
 
     def __invert__(self) -> Condition:
         return Condition(self._apply(lib.sfdae_not)._c, self._recording)
 
-    __rand__, __ror__ = __and__, __or__
+    def __xor__(self, other: Any) -> Any:
+        either = self | other
+        return NotImplemented if either is NotImplemented else either & ~(self & other)
+
+    __rand__, __ror__, __rxor__ = __and__, __or__, __xor__
 
 
 def _condition(function: Callable[[Any, Any], Any], a: Any, b: Any) -> Any:
@@ -242,11 +337,3 @@ def parameter(inside: Any, name: str, value: float) -> Expression:
     expression._recording.require_open()
     c = lib.sfdae_parameter(expression._recording.c, name.encode(), float(value))
     return Expression(c, expression._recording)
-
-
-def vector(c_array: Any, count: int, recording: Recording | None) -> np.ndarray:
-    """The expressions of a C array as an array of objects."""
-    result = np.empty(count, dtype=object)
-    for i in range(count):
-        result[i] = Expression(c_array[i], recording)
-    return result

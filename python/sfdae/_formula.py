@@ -30,10 +30,11 @@ class Formula:
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any]) -> Any:
         """The formulas; each parameter is recorded where `arguments` are recorded."""
-        named = {
-            name: recorded_parameter(arguments[0], name, values[name]) for name in self.defaults
-        }
-        return self.function(*arguments, **named)
+        return self.function(*arguments, **self.recorded(arguments[0], values))
+
+    def recorded(self, inside: Any, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The named parameters, recorded where `inside` is recorded."""
+        return {name: recorded_parameter(inside, name, values[name]) for name in self.defaults}
 
 
 def recorded_parameter(inside: Any, name: str, value: Any) -> Any:
@@ -74,7 +75,7 @@ def parameter_values(
         if value is None:
             raise TypeError(
                 f"parameter {name!r} has no value: give it a default, or "
-                f"parameters={{{name!r}: ...}}"
+                f"parameters={{{name!r}: ...}}; an array that takes the residuals is called res"
             )
         values[name] = checked_value(name, value)
     return values

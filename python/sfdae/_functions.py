@@ -8,6 +8,7 @@ from typing import Any, Callable
 
 import numpy as np
 
+from ._arrays import elementwise
 from ._binding import ffi, lib
 from ._expression import Condition, Expression, _condition, as_expression
 
@@ -49,6 +50,13 @@ def _of_expressions(function: Callable[..., Any], count: int) -> Callable[..., E
 OF_C = _functions_of_c()
 
 
+def truth(a: Any) -> Any:
+    """What numpy takes for true: a comparison that holds, and every number but 0."""
+    if isinstance(a, Condition) or not isinstance(a, Expression):
+        return a if isinstance(a, Condition) else bool(a)
+    return (a < 0.0) | (a > 0.0)
+
+
 def _scalar_choose(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return a if condition else b
@@ -59,6 +67,104 @@ def _scalar_choose(condition: Any, a: Any, b: Any) -> Any:
 
 def _log_of_base(base: float) -> Callable[[Any], Expression]:
     return lambda a: OF_C["log"](a) / math.log(base)
+
+
+def _xor(a: Any, b: Any) -> Any:
+    both, either = _condition(lib.sfdae_and, a, b), _condition(lib.sfdae_or, a, b)
+    return either & ~both
+
+
+def _logical(name: str, function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """A function of two truth values for the operators &, | and ^."""
+
+    def call(a: Any, b: Any) -> Any:
+        for operand in (a, b):
+            if not isinstance(operand, (Condition, bool, np.bool_)):
+                raise TypeError(f"{name} combines comparisons, not {type(operand).__name__}")
+        return function(a, b)
+
+    return call
+
+
+def _not(a: Any) -> Any:
+    return _condition(lib.sfdae_less_equal, a, 0.0)
+
+
+def _invert(a: Any) -> Any:
+    if not isinstance(a, (Condition, bool, np.bool_)):
+        raise TypeError(f"~ inverts comparisons, not {type(a).__name__}")
+    return _not(a)
+
+
+def _rint(a: Any) -> Any:
+    """The nearest integer, the even one of two."""
+    up = OF_C["floor"](as_expression(a) + 0.5)
+    return up - (up % 2) * _condition(lib.sfdae_less_equal, as_expression(a) + 0.5, up)
+
+
+def rounded(a: Any, decimals: int | None = None) -> Any:
+    """np.round of a number or an expression."""
+    unit = 10.0 ** (decimals or 0)
+    return _rint(as_expression(a) * unit) / unit
+
+
+def _ceil(a: Any) -> Any:
+    return -OF_C["floor"](-as_expression(a))
+
+
+def _trunc(a: Any) -> Any:
+    return OF_C["choose"](a, OF_C["floor"](a), _ceil(a))
+
+
+def _heaviside(a: Any, at_zero: Any) -> Any:
+    below = _condition(lib.sfdae_less, a, 0.0)
+    return OF_C["choose"](a, 1.0, OF_C["choose"](below, 0.0, at_zero))
+
+
+def _cbrt(a: Any) -> Any:
+    a = as_expression(a)
+    return OF_C["sign"](a) * OF_C["power"](OF_C["abs"](a), 1.0 / 3.0)
+
+
+def _arcsinh(a: Any) -> Any:
+    a = as_expression(a)
+    root = OF_C["sqrt"](a * a + 1)
+    return OF_C["choose"](a, OF_C["log"](root + a), -OF_C["log"](root - a))
+
+
+def _arccosh(a: Any) -> Any:
+    a = as_expression(a)
+    return OF_C["log"](a + OF_C["sqrt"](a * a - 1))
+
+
+def _arctanh(a: Any) -> Any:
+    a = as_expression(a)
+    return OF_C["log"]((1 + a) / (1 - a)) / 2
+
+
+def _logaddexp(a: Any, b: Any) -> Any:
+    larger = OF_C["max"](a, b)
+    return larger + OF_C["log"](OF_C["exp"](a - larger) + OF_C["exp"](b - larger))
+
+
+def _divmod(a: Any, b: Any) -> Any:
+    return as_expression(a) // b, as_expression(a) % b
+
+
+def _external_erf(name: str, sign: float) -> Callable[[Any], Expression]:
+    """erf and erfc: the derivatives are Hermite polynomials times exp(-a^2)."""
+    value = getattr(math, name)
+
+    def derivatives(order: int, arguments: Any) -> float:
+        a = float(arguments[0])
+        if order == 0:
+            return value(a)
+        before, now = 0.0, 1.0  # H_0 = 1, H_(k+1) = 2 a H_k - 2 k H_(k-1)
+        for k in range(order - 1):
+            before, now = now, 2 * a * now - 2 * k * before
+        return sign * (-1) ** (order - 1) * 2 / math.sqrt(math.pi) * now * math.exp(-a * a)
+
+    return lambda a: external(name, derivatives, a)
 
 
 # Those that numpy calls otherwise, and some that are made of others.
@@ -82,6 +188,21 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "maximum": OF_C["max"],
     "fmin": OF_C["min"],
     "fmax": OF_C["max"],
+    "rint": _rint,
+    "ceil": _ceil,
+    "trunc": _trunc,
+    "heaviside": _heaviside,
+    "cbrt": _cbrt,
+    "arcsinh": _arcsinh,
+    "arccosh": _arccosh,
+    "arctanh": _arctanh,
+    "log1p": lambda a: OF_C["log"](1 + as_expression(a)),
+    "logaddexp": _logaddexp,
+    "copysign": lambda a, b: OF_C["choose"](_condition(lib.sfdae_less, b, 0.0), -abs(a), abs(a)),
+    "fmod": lambda a, b: as_expression(a) - b * _trunc(as_expression(a) / b),
+    "divmod": _divmod,
+    "clip": lambda a, low, high: OF_C["min"](OF_C["max"](a, low), high),
+    "conjugate": as_expression,
     "square": lambda a: as_expression(a) * a,
     "reciprocal": lambda a: 1 / as_expression(a),
     "hypot": lambda a, b: OF_C["sqrt"](as_expression(a) * a + as_expression(b) * b),
@@ -90,9 +211,14 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "log2": _log_of_base(2.0),
     "remainder": OF_C["modulo"],
     "floor_divide": lambda a, b: as_expression(a) // b,
-    "logical_and": lambda a, b: _condition(lib.sfdae_and, a, b),
-    "logical_or": lambda a, b: _condition(lib.sfdae_or, a, b),
-    "logical_not": lambda a: ~_condition(lib.sfdae_greater, a, 0.0),
+    "logical_and": lambda a, b: _condition(lib.sfdae_and, truth(a), truth(b)),
+    "logical_or": lambda a, b: _condition(lib.sfdae_or, truth(a), truth(b)),
+    "logical_not": lambda a: _not(truth(a)),
+    "logical_xor": lambda a, b: _xor(truth(a), truth(b)),
+    "bitwise_and": _logical("&", lambda a, b: _condition(lib.sfdae_and, a, b)),
+    "bitwise_or": _logical("|", lambda a, b: _condition(lib.sfdae_or, a, b)),
+    "bitwise_xor": _logical("^", _xor),
+    "invert": _invert,
     "degrees": lambda a: as_expression(a) * (180.0 / math.pi),
     "radians": lambda a: as_expression(a) * (math.pi / 180.0),
     "greater": lambda a, b: as_expression(a) > b,
@@ -103,10 +229,17 @@ UFUNCS: dict[str, Callable[..., Any]] = {
 UFUNCS["rad2deg"], UFUNCS["deg2rad"] = UFUNCS["degrees"], UFUNCS["radians"]
 for _name, _function in OF_C.items():  # sin, exp, ...: the same name
     if isinstance(getattr(np, _name, None), np.ufunc):
-        UFUNCS[_name] = _function
+        UFUNCS.setdefault(_name, _function)
+# Those of scipy.special.
+OF_SCIPY: dict[str, Callable[..., Any]] = {
+    "erf": _external_erf("erf", 1.0),
+    "erfc": _external_erf("erfc", -1.0),
+    "expit": lambda a: (1 + OF_C["tanh"](as_expression(a) / 2)) / 2,
+    "xlogy": lambda a, b: as_expression(a) * OF_C["log"](b),
+}
 
-# numpy's loops over objects call methods of these names: np.sin(np.array([x[0], x[1]])).
-_OPERATORS = {
+# Operators of expressions: numpy's loops over objects call them.
+OPERATORS = {
     "add",
     "subtract",
     "multiply",
@@ -115,80 +248,21 @@ _OPERATORS = {
     "negative",
     "positive",
     "absolute",
+    "power",
 }
-_OPERATORS |= {"remainder", "floor_divide"}
-_OPERATORS |= {"power", "greater", "greater_equal", "less", "less_equal"}
-for _name in sorted(UFUNCS.keys() - _OPERATORS):
+OPERATORS |= {"remainder", "floor_divide"}
+_COMPARISONS = {"greater", "greater_equal", "less", "less_equal"}
+# The loops over plain arrays, np.sin(np.array([x[0], x[1]])), call methods of these names.
+for _name in sorted(UFUNCS.keys() - OPERATORS - _COMPARISONS):
     setattr(Expression, _name, UFUNCS[_name])
-Expression.conjugate = as_expression  # np.vdot, np.linalg.norm
-
-
-def _elementwise(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """A scalar function of the elements of arrays, broadcast; a scalar if all arguments are."""
-    if not any(isinstance(argument, (np.ndarray, list, tuple)) for argument in arguments):
-        return function(*arguments)
-    arrays = [_as_array(argument) for argument in arguments]
-    shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
-    result = np.empty(flat[0].size, dtype=object)
-    for i, elements in enumerate(zip(*flat)):
-        result[i] = function(*elements)
-    return result.reshape(shape)
-
-
-def _as_array(value: Any) -> np.ndarray:
-    if isinstance(value, np.ndarray):
-        return value
-    if isinstance(value, (Expression, Condition)):
-        result = np.empty((), dtype=object)
-        result[()] = value
-        return result
-    return np.array(value, dtype=object)
-
-
-def apply_ufunc(
-    ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: dict[str, Any]
-) -> Any:
-    """A function of numpy where one of the operands is an expression."""
-    if method == "__call__" and not kwargs and ufunc.__name__ in UFUNCS:
-        return _elementwise(UFUNCS[ufunc.__name__], inputs)
-    if ufunc.__name__ == "matmul" and method == "__call__":
-        raise TypeError("matmul: @ needs vectors or matrices, use * for a single expression")
-    out = kwargs.get("out")
-    if (
-        method in ("__call__", "at")
-        and ufunc.__name__ in UFUNCS
-        and out is not None
-        and len(out) == 1
-    ):
-        if (
-            not isinstance(out[0], np.ndarray) or out[0].dtype != object
-        ):  # x += expression, x an array of floats
-            raise TypeError(
-                "an expression cannot be stored in an array of numbers: use dtype=object for it"
-            )
-        out[0][...] = _elementwise(UFUNCS[ufunc.__name__], inputs)
-        return out[0]
-    known = ", ".join(sorted(UFUNCS))
-    raise TypeError(f"np.{ufunc.__name__} cannot be recorded; these can: {known}")
-
-
-def apply_array_function(function: Callable, args: Any, kwargs: Any) -> Any:
-    """np.where with a comparison of expressions; everything else as numpy does it for objects."""
-    if function is np.where and len(args) == 3 and not kwargs:
-        return choose(*args)
-    wrapped = [
-        _as_array(argument) if isinstance(argument, Expression) else argument for argument in args
-    ]
-    if any(
-        isinstance(argument, (Expression, Condition)) for argument in [*wrapped, *kwargs.values()]
-    ):
-        return NotImplemented
-    return function(*wrapped, **kwargs)
+for _name in ("floor", "ceil", "trunc"):  # math.floor(a)
+    setattr(Expression, f"__{_name}__", UFUNCS[_name])
+setattr(Expression, "__round__", rounded)
+UFUNCS.update(OF_SCIPY)
 
 
 def _is_recorded(value: Any) -> bool:
-    if isinstance(value, (Expression, Condition)):
+    if isinstance(value, Expression):
         return True
     if isinstance(value, (list, tuple)):
         return any(_is_recorded(element) for element in value)
@@ -200,7 +274,7 @@ def _public(name: str, ufunc: np.ufunc) -> Callable[..., Any]:
 
     def function(*arguments: Any) -> Any:
         if any(_is_recorded(argument) for argument in arguments):
-            return _elementwise(UFUNCS[ufunc.__name__], arguments)
+            return elementwise(UFUNCS[ufunc.__name__], arguments)
         return ufunc(*arguments)
 
     function.__name__ = function.__qualname__ = name
@@ -217,7 +291,12 @@ def choose(condition: Any, a: Any, b: Any) -> Any:
         A comparison such as ``x[0] > 1``, or an expression, which means that it is > 0.
     a, b : Expression, float or arrays of these
     """
-    return _elementwise(_scalar_choose, (condition, a, b))
+    return elementwise(_scalar_choose, (condition, a, b))
+
+
+def where(condition: Any, a: Any, b: Any) -> Any:
+    """np.where: as choose, but numbers and expressions are true unless they are 0."""
+    return elementwise(lambda c, u, v: _scalar_choose(truth(c), u, v), (condition, a, b))
 
 
 def derivative(a: Any, variable: Any) -> Any:
@@ -232,7 +311,7 @@ def derivative(a: Any, variable: Any) -> Any:
         t, unknowns or their derivatives as they were handed to the function that writes the
         equations, or parameters.
     """
-    return _elementwise(OF_C["derivative"], (a, variable))
+    return elementwise(OF_C["derivative"], (a, variable))
 
 
 def time_derivative(a: Any) -> Any:
@@ -243,36 +322,7 @@ def time_derivative(a: Any) -> Any:
     a : Expression, float or array of these
         Without x' in it, whose derivative is no variable, and not of a MultibodyProblem.
     """
-    return _elementwise(OF_C["time_derivative"], (a,))
-
-
-def table(a: Any, x: Any, y: Any, degree: int = 3) -> Any:
-    """The value at a of the spline through points (x, y); see sfdae_table of the C library.
-
-    Outside of the data there is no value: hold the ends with ``np.clip``, or rather
-    ``np.minimum`` and ``np.maximum``, or use ``a % period``.
-
-    Parameters
-    ----------
-    a : Expression, float or array of these
-    x, y : array_like
-        At least degree + 1 points, x increasing.
-    degree : int
-        1, 3, 5 or 7.
-    """
-    points, values = (np.ascontiguousarray(data, dtype=float) for data in (x, y))
-    if points.ndim != 1 or points.shape != values.shape:
-        raise ValueError(f"x and y have the shapes {points.shape} and {values.shape}")
-    c_points, c_values = (ffi.cast("double*", data.ctypes.data) for data in (points, values))
-
-    def at(argument: Any) -> Expression:
-        expression = as_expression(argument)
-        if expression._recording is not None:
-            expression._recording.require_open()
-        c = lib.sfdae_table(expression._c, int(degree), points.size, c_points, c_values)
-        return Expression(c, expression._recording)
-
-    return _elementwise(at, (a,))
+    return elementwise(OF_C["time_derivative"], (a,))
 
 
 def external(name: str, function: Callable[..., Any], *arguments: Any) -> Any:

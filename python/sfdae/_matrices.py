@@ -58,7 +58,7 @@ class Matrices:
                 raise ValueError(f"{part} has shape {array.shape}, not {expected}")
 
 
-def coefficient(name: str, given: Any, dimension: int) -> Any:
+def coefficient(name: str, given: Any, dimension: int, parameters: Mapping[str, Any] | None) -> Any:
     """An array of numbers, a function of (t, order), or a Formula in t."""
     if not callable(given):
         try:
@@ -75,6 +75,13 @@ def coefficient(name: str, given: Any, dimension: int) -> Any:
         return array
     arguments = Arguments(given, ("t",), name, ("order",))
     if not arguments.by_name:
+        missing = [other for other in arguments.required if other not in (parameters or {})]
+        if missing:
+            raise TypeError(
+                f"the argument {missing[0]} of {name} has no value. If it is the order of the "
+                f"derivative, call it order: {name}(t, order); a parameter needs a default, or "
+                f"parameters={{{missing[0]!r}: ...}}"
+            )
         return Formula(given, ("t",), name)
     if arguments.required:
         raise TypeError(

@@ -36,7 +36,7 @@ class MultibodyProblem(Problem):
     lambda, kappa).
 
     The functions are called with expressions when a solver is created, and recorded; arguments
-    after t, q and v are named parameters. With ``recorded=False`` they are called at every point
+    after t, q and v are named parameters. With ``record=False`` they are called at every point
     with numbers, and the derivatives of the constraints have to be given, too. Each of them may be
     an array, if it is constant; a vector in place of a square matrix is its diagonal.
 
@@ -58,13 +58,13 @@ class MultibodyProblem(Problem):
         nv; nq if it is not given.
     num_constraints, num_nonholonomic : int, optional
         nl and nk; counted if they are not given.
-    recorded : bool
+    record : bool
         False: functions of numbers, called at every point.
     constraint_jacobian, constraint_rate : array_like or callable, optional
-        With ``recorded=False``: g_q, nl x nq, and g_t, nl entries (0 if it is not given), of (t,
+        With ``record=False``: g_q, nl x nq, and g_t, nl entries (0 if it is not given), of (t,
         q).
     constraint_curvature, nonholonomic_curvature : array_like or callable, optional
-        With ``recorded=False``: gamma, nl entries, and eta, nk entries, of (t, q, v), see
+        With ``record=False``: gamma, nl entries, and eta, nk entries, of (t, q, v), see
         sfdae_multibody_problem; by differences if they are not given.
     coordinates : str
         ``"orthogonal"`` or ``"permutation"``.
@@ -93,7 +93,7 @@ class MultibodyProblem(Problem):
         num_velocities: int | None = None,
         num_constraints: int | None = None,
         num_nonholonomic: int | None = None,
-        recorded: bool = True,
+        record: bool = True,
         constraint_jacobian: Any = None,
         constraint_rate: Any = None,
         constraint_curvature: Any = None,
@@ -116,7 +116,7 @@ class MultibodyProblem(Problem):
             "constraint_curvature": constraint_curvature,
             "nonholonomic_curvature": nonholonomic_curvature,
         }
-        self.recorded = bool(recorded)
+        self.records = bool(record)
         self.coordinates = constant("coordinates", coordinates)
         self.num_positions = int(num_positions)
         self.num_velocities = self.num_positions if num_velocities is None else int(num_velocities)
@@ -136,15 +136,15 @@ class MultibodyProblem(Problem):
         )
 
     def _set_functions(self, given: dict[str, Any], parameters: Mapping[str, Any] | None) -> None:
-        superfluous = [name for name in _DERIVATIVES if name in given and self.recorded]
+        superfluous = [name for name in _DERIVATIVES if name in given and self.records]
         if superfluous:
             raise TypeError(
                 f"{superfluous[0]} is computed from recorded formulas: give it with "
-                "recorded=False only"
+                "record=False only"
             )
-        if not self.recorded and "constraints" in given and "constraint_jacobian" not in given:
-            raise TypeError("constraint_jacobian is needed with recorded=False")
-        if not self.recorded:
+        if not self.records and "constraints" in given and "constraint_jacobian" not in given:
+            raise TypeError("constraint_jacobian is needed with record=False")
+        if not self.records:
             given.setdefault("forces", np.zeros(self.num_velocities))
         self.functions: dict[str, Any] = {}
         formulas = []
@@ -157,7 +157,7 @@ class MultibodyProblem(Problem):
             )
             self.functions[name] = Formula(value, arguments, name)
             formulas.append(self.functions[name])
-        if not self.recorded and parameters:
+        if not self.records and parameters:
             raise TypeError("named parameters need recorded formulas")
         self.parameters = parameter_values(formulas, parameters)
 
@@ -172,7 +172,7 @@ class MultibodyProblem(Problem):
             return function.shape[0]
         t, q = (
             (probe(1)[0], probe(self.num_positions))
-            if self.recorded
+            if self.records
             else (0.0, np.ones(self.num_positions))
         )
         value = function(t, q, values=self.parameters)
@@ -206,7 +206,7 @@ class MultibodyProblem(Problem):
         if self.constraint_names is not None:
             count = self.num_constraints + self.num_nonholonomic
             c.constraint_names = c_names(self.constraint_names, count, "constraints", keep)
-        if self.recorded:
+        if self.records:
             c.equations = lib.python_multibody_problem_equations
             return
         for name in self.functions:

@@ -34,7 +34,9 @@ def _curve(solution: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def plot_solution(solution: Any, names: Sequence[str], ax: Any) -> Any:
-    """Curves of unknowns over time: one axis for each unit, labelled with names and unit."""
+    """The figure with curves of unknowns over time: one axis for each unit, labelled with names and
+    unit.
+    """
     chosen = list(names) or list(solution.names)
     for name in chosen:
         if name not in solution.names:
@@ -54,7 +56,7 @@ def plot_solution(solution: Any, names: Sequence[str], ax: Any) -> Any:
     for event in solution.events:
         for axis in axes:
             axis.axvline(event.t, color="0.6", linewidth=0.8, linestyle=":")
-    return axes[0] if len(axes) == 1 or ax is not None else np.array(axes)
+    return axes[0].figure
 
 
 def _with_unit_of_time(text: str, solution: Any) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Linear and nonlinear problems."""
+"""Problems: what all have in common, and nonlinear ones."""
 
 from __future__ import annotations
 
@@ -9,8 +9,19 @@ from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 import numpy as np
 
 from ._binding import ffi, lib
-from ._formula import Formula, flatten, parameter_values
-from ._matrices import Matrices, coefficient
+from ._equations import Equations
+from ._finite_differences import jacobian
+from ._formula import flatten, parameter_values
+from ._matrices import Matrices
+from ._types import Values
+
+_MOST_UNKNOWNS = 50_000  # of the library, which says it when a solver is created
+
+_MISSING_ORDER = "Provide it, or set the option difference_derivatives."
+_NOT_RECORDED = (
+    "With record=False no equation can be differentiated: the differentiation index has to be at "
+    "most 1. Record the equations, or differentiate the constraints by hand."
+)
 
 Prescribed = Mapping[Union[str, int], Callable[[float], float]]
 
@@ -33,6 +44,8 @@ class Problem:
     """
 
     kind = ""
+    records = True  # functions write formulas once, or callbacks have their derivatives
+    default_options: Mapping[str, Any] = {}  # of solvers, unless others are given
     num_equations: int | None
     num_unknowns: int
 
@@ -42,6 +55,8 @@ class Problem:
         names: Sequence[str] | None,
         units: Mapping[str, str] | Sequence[str] | None,
     ) -> None:
+        if count > _MOST_UNKNOWNS:  # before as many names are made
+            raise ValueError(f"{count} unknowns are too many: at most {_MOST_UNKNOWNS}")
         self._has_names = names is not None
         if names is None:
             names = [f"x[{i}]" for i in range(count)]
@@ -82,7 +97,7 @@ class Problem:
             raise IndexError(f"there is no unknown {i}: the problem has {self.num_unknowns}")
         return i % self.num_unknowns
 
-    def values(self, given: Any, name: str = "x0", missing: Any = 0.0) -> np.ndarray:
+    def values(self, given: Values, name: str = "x0", missing: Any = 0.0) -> np.ndarray:
         """Values of all unknowns as a new array.
 
         Parameters
@@ -163,7 +178,8 @@ class NonlinearProblem(Matrices, Problem):
         ``equations(t, x, xdot, ...)`` returns the m formulas, a list or an array, nested as you
         like. It is called when a solver is created, with expressions: t, x (n) and xdot (n); the
         library records and differentiates. Further arguments are named parameters: ``def F(t, x,
-        xdot, g=9.81)``.
+        xdot, g=9.81)``. A fourth argument called ``res`` or ``out`` is an array that takes the
+        residuals: ``def F(t, x, xdot, res)``.
     num_unknowns : int, optional
         n; not needed where names are given.
     names, units : sequence of str, optional
@@ -181,6 +197,13 @@ class NonlinearProblem(Matrices, Problem):
         F_xdot)``, total derivatives of F (m) and of its Jacobians (m x n); None if the order is not
         available. derivatives: n x (order + 2), column k is the k-th derivative of x. num_equations
         is then n if it is not given.
+    mass : float, array_like, matrix of scipy.sparse, or callable, optional
+        M of M x' = f(t, x), m x n, a diagonal, a number, or a function ``M(t)`` or ``M(t, x)``; the
+        equations are then ``f(t, x, ...)``.
+    record : bool
+        False: the equations are called with numbers at every point, and Jacobians are central
+        differences, so that branches, interpolators and other programs work. Each Jacobian costs
+        4 n calls, and no equation can be differentiated: for differentiation index 0 and 1 only.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
     differentiations : sequence of int, optional
@@ -207,6 +230,8 @@ class NonlinearProblem(Matrices, Problem):
         num_equations: int | None = None,
         parameters: Mapping[str, Any] | None = None,
         total_derivative: Callable[..., Any] | None = None,
+        mass: Any = None,
+        record: bool = True,
         prescribed: Prescribed | None = None,
         differentiations: Iterable[int] | None = None,
         F_x_pattern: Any = None,
@@ -215,17 +240,23 @@ class NonlinearProblem(Matrices, Problem):
     ) -> None:
         if num_unknowns is None and names is None:
             raise TypeError("the number of unknowns is needed: num_unknowns or names")
-        self._set_unknowns(len(names) if num_unknowns is None else int(num_unknowns), names, units)
+        count = len(names) if num_unknowns is None else int(num_unknowns)
+        if num_unknowns is not None and count != num_unknowns:
+            raise TypeError(f"num_unknowns has to be an integer, not {num_unknowns!r}")
+        self._set_unknowns(count, names, units)
         self._set_equation_names(equation_names)
         if num_equations is None and equation_names is not None:
             num_equations = len(equation_names)
         if (equations is None) == (total_derivative is None):
             raise TypeError("either equations or total_derivative is needed")
+        self.records = bool(record) or equations is None
+        if not self.records:  # a comparison of differences with differences
+            self.default_options = {"check_derivatives": 0}
         self._counts = num_equations is None and equations is not None
         self.num_equations = self.num_unknowns if num_equations is None else int(num_equations)
-        self.equations = (
-            None if equations is None else Formula(equations, ("t", "x", "xdot"), "equations")
-        )
+        self.equations = equations if isinstance(equations, Equations) else None
+        if equations is not None and self.equations is None:
+            self.equations = Equations(equations, mass)
         self.total_derivative = total_derivative
         self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
         self._must_confirm_names = False  # they were read from the equations
@@ -235,7 +266,7 @@ class NonlinearProblem(Matrices, Problem):
         )
         self._set_patterns({"F_x": F_x_pattern, "F_xdot": F_xdot_pattern}, matrices)
 
-    def residual(self, t: float, x: Any, xdot: Any, **parameters: Any) -> np.ndarray:
+    def residual(self, t: float, x: Values, xdot: Values, **parameters: Any) -> np.ndarray:
         """F(t, x, x') for numbers: the function that writes the equations, evaluated.
 
         Parameters
@@ -251,14 +282,46 @@ class NonlinearProblem(Matrices, Problem):
                 "there are no equations to evaluate: the problem is given by total_derivative"
             )
         values = parameter_values([self.equations], {**self.parameters, **parameters})
-        x, xdot = self.values(x, "x"), self.values(xdot, "xdot")
-        return np.array(
-            flatten(self.equations(float(t), x, xdot, values=values), "equations"), dtype=float
-        )
+        return self._evaluated(float(t), self.values(x, "x"), self.values(xdot, "xdot"), values)
+
+    def _evaluated(self, t: float, x: Any, xdot: Any, values: Mapping[str, Any]) -> np.ndarray:
+        result = self.equations(t, x, xdot, values=values, count=self.num_equations)
+        if isinstance(result, np.ndarray) and result.dtype == float:
+            return result.ravel()
+        entries = np.array(flatten(result, "equations"))
+        if np.iscomplexobj(entries):
+            raise TypeError("equations returned complex values; sfdae is real")
+        return entries.astype(float)
+
+    def with_names(self, text: str) -> str:
+        """A message of the library; what it says of missing derivatives fits record=False."""
+        if not self.records:
+            text = text.replace(_MISSING_ORDER, _NOT_RECORDED)
+        return super().with_names(text)
+
+    def _derivative_of_numbers(
+        self, t: float, order: int, jet: np.ndarray, jacobians: bool, values: Mapping[str, Any]
+    ) -> Any:
+        """The total derivative of equations that are not recorded: of order 0 alone."""
+        if order > 0:
+            return None
+
+        def F(x: Any, xdot: Any) -> np.ndarray:
+            result = self._evaluated(t, x.copy(), xdot.copy(), values)
+            if len(result) != self.num_equations:
+                raise ValueError(
+                    f"{len(result)} residuals, not {self.num_equations}: num_equations?"
+                )
+            return result
+
+        x, xdot = jet[:, 0], jet[:, 1]
+        if not jacobians:
+            return F(x, xdot)
+        return F(x, xdot), jacobian(lambda z: F(z, xdot), x), jacobian(lambda z: F(x, z), xdot)
 
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
-        if self.equations is not None:
+        if self.equations is not None and self.records:
             c.equations = lib.python_nonlinear_problem_equations
         else:
             c.total_derivative = lib.python_nonlinear_problem_total_derivative
@@ -270,116 +333,6 @@ class NonlinearProblem(Matrices, Problem):
                 raise ValueError(f"differentiations has {given} entries for {m} equations")
             keep.append(ffi.new("int[]", self.differentiations))
             c.differentiations = keep[-1]
-        self._fill_patterns(c, keep)
-
-
-class LinearProblem(Matrices, Problem):
-    """E(t) x' = A(t) x + f(t), m equations for n unknowns.
-
-    Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is
-    created and returns formulas in the expression t (further arguments are named parameters); or of
-    ``(t, order)``, which is called at every point and returns the derivative of this order as
-    numbers, or None if it is not available. If one of them is a function of ``(t, order)``, all
-    have to be such functions or arrays.
-
-    Parameters
-    ----------
-    E, A : array_like or callable
-        m x n.
-    f : array_like or callable, optional
-        m entries, 0 if it is not given.
-    num_equations, num_unknowns : int, optional
-        Needed where neither E nor A is an array; m is n if it is not given.
-    names, units, equation_names, parameters, prescribed
-        As for NonlinearProblem.
-    E_pattern, A_pattern : pair of array_like, optional
-        For functions of (t, order): sparsity, as F_x_pattern of NonlinearProblem.
-    matrices : {"dense", "compressed"}, optional
-        "compressed": E and A, arrays or functions, are the entries in the order of their patterns.
-    """
-
-    def __init__(
-        self,
-        E: Any,
-        A: Any,
-        f: Any = None,
-        *,
-        num_equations: int | None = None,
-        num_unknowns: int | None = None,
-        names: Sequence[str] | None = None,
-        units: Mapping[str, str] | Sequence[str] | None = None,
-        equation_names: Sequence[str] | None = None,
-        parameters: Mapping[str, Any] | None = None,
-        prescribed: Prescribed | None = None,
-        E_pattern: Any = None,
-        A_pattern: Any = None,
-        matrices: str = "dense",
-    ) -> None:
-        dimension = 1 if matrices == "compressed" else 2
-        self.coefficients = {
-            "E": coefficient("E", E, dimension),
-            "A": coefficient("A", A, dimension),
-        }
-        if f is not None:
-            self.coefficients["f"] = coefficient("f", f, 1)
-        patterns = {"E": E_pattern, "A": A_pattern}
-        if num_unknowns is None and names is None and E_pattern is not None:
-            num_unknowns = len(E_pattern[0]) - 1
-        m, n = self._shape(num_equations, num_unknowns, names, matrices == "compressed")
-        self._set_unknowns(n, names, units)
-        self._set_equation_names(equation_names)
-        self.num_equations = m
-        self._set_patterns(patterns, matrices)
-        if matrices != "dense":
-            self._check_entries()
-        functions = {name: part for name, part in self.coefficients.items() if callable(part)}
-        callbacks = [
-            name for name, function in functions.items() if not isinstance(function, Formula)
-        ]
-        formulas = [name for name in functions if name not in callbacks]
-        if callbacks and formulas:
-            raise TypeError(
-                f"{formulas[0]} is a function of t, which is recorded, and {callbacks[0]} one of "
-                "(t, order), which is called at every point: give functions of one kind"
-            )
-        self.kind = "linear" if callbacks or not formulas else "nonlinear"
-        if self.patterns and self.kind != "linear":
-            raise TypeError("patterns are for functions of (t, order): those of formulas are known")
-        self.parameters = parameter_values([functions[name] for name in formulas], parameters)
-        self._set_prescribed(prescribed)
-
-    def _shape(
-        self, m: int | None, n: int | None, names: Sequence[str] | None, is_compressed: bool
-    ) -> tuple[int, int]:
-        if n is None and names is not None:
-            n = len(names)
-        for part in () if is_compressed else ("E", "A"):
-            matrix = self.coefficients[part]
-            if isinstance(matrix, np.ndarray):
-                m = matrix.shape[0] if m is None else m
-                n = matrix.shape[1] if n is None else n
-        if n is None:
-            raise TypeError("num_unknowns or names is needed where neither E nor A is an array")
-        m = n if m is None else m
-        for part, expected in (("E", (m, n)), ("A", (m, n)), ("f", (m,))):
-            if is_compressed and part != "f":
-                continue
-            array = self.coefficients.get(part)
-            if isinstance(array, np.ndarray) and array.shape != expected:
-                raise ValueError(f"{part} has shape {array.shape}, not {expected}")
-        return int(m), int(n)
-
-    def _fill(self, c: Any, keep: list[Any]) -> None:
-        c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
-        self._fill_prescribed(c, keep)
-        self._fill_equation_names(c, keep)
-        if self.kind == "nonlinear":
-            c.linear_equations = lib.python_nonlinear_problem_linear_equations
-            return
-        for part in self.coefficients:
-            setattr(c, part, getattr(lib, f"python_linear_problem_{part}"))
-        c.constant_E = isinstance(self.coefficients["E"], np.ndarray)
-        c.constant_A = isinstance(self.coefficients["A"], np.ndarray)
         self._fill_patterns(c, keep)
 
 

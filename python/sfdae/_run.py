@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from typing import Any, Callable, Mapping, Sequence
 
@@ -16,6 +17,8 @@ from ._points import Point
 from ._recorded_solution import RecordedSolution
 from ._solver import Solver
 from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
+
+_log = logging.getLogger("sfdae")  # level INFO: notes as they come, events, the end
 
 _GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
 _ACCURACY_TO_WARN = 10.0  # tolerances that dense output may err by without a warning
@@ -204,6 +207,7 @@ class Run:
         for i in np.flatnonzero(which):
             event = self.events[i]
             self._counts[i] += 1
+            _log.info("event %r at t = %.9g", event.name, point.t)
             self.happened.append(
                 EventRecord(point.t, point.x, point.xdot, int(i), event.name, int(which[i]))
             )
@@ -246,6 +250,7 @@ class Run:
             warnings.warn(message, category, stacklevel=stacklevel + 1)
 
     def _note(self, message: str, category: type[Warning]) -> None:
+        _log.info("%s", message)
         self.notes.append(message)
         self._warnings.append((message, category))
 
@@ -265,6 +270,7 @@ class Run:
             )
         elif self.status == Status.OK:
             self.message = "the end of the interval was reached"
+        _log.info("%s", self.message)
         if self.dense is not None:
             self._finish_dense()
         times = np.array([point[0] for point in self.points])

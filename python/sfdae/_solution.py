@@ -150,7 +150,8 @@ class Solution:
 
         Returns
         -------
-        matplotlib.axes.Axes or array of them
+        matplotlib.figure.Figure
+            Its ``axes`` are a list, ``savefig`` writes a file.
         """
         from ._plots import plot_solution
 

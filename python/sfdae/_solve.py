@@ -7,7 +7,9 @@ from collections import ChainMap
 from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ._equations import Equations
 from ._events import Event, as_events
 from ._formula import checked_value
 from ._options import check_names
@@ -17,34 +19,38 @@ from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._run import Run
 from ._solution import Solution
-from ._points import Point
+from ._points import Point, Progress
 from ._solver import Solver
+from ._types import Breakpoints, Tolerance, Units, Unknowns, Values
 from ._unknowns import names_for
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
+EventOrFunction = Union[Event, Callable[..., Any]]
 
 
 def solve(
     problem: ProblemOrFunction,
     t_span: Sequence[float],
-    x0: Any,
+    x0: Values,
     *,
     method: str = "bdf",
-    rtol: Any = None,
-    atol: Any = None,
-    t_eval: Any = None,
+    rtol: Tolerance | None = None,
+    atol: Tolerance | None = None,
+    t_eval: ArrayLike | None = None,
     dense_output: bool | None = None,
-    events: Any = None,
-    breakpoints: Any = None,
-    fixed: Any = None,
+    events: EventOrFunction | Sequence[EventOrFunction] | None = None,
+    breakpoints: Breakpoints | None = None,
+    fixed: Unknowns | None = None,
     parameters: Mapping[str, Any] | None = None,
     max_steps: int | None = None,
     sensitivities: Sequence[str] | None = None,
-    xdot0: Any = None,
+    xdot0: Values | None = None,
     names: Sequence[str] | None = None,
-    units: Any = None,
+    units: Units | None = None,
+    mass: Any = None,
+    record: bool = True,
     progress: bool = False,
-    monitor: Callable[[Any], Any] | None = None,
+    monitor: Callable[[Progress], Any] | None = None,
     **options: Any,
 ) -> Solution:
     """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's
@@ -97,6 +103,11 @@ def solve(
     names, units : sequence of str, optional
         Of the unknowns, in the order of x, where the problem is a function. Needed where x0 is a
         dict and the function does not unpack x as a whole; the order of the keys does not matter.
+    mass : float, array_like, matrix of scipy.sparse, or callable, optional
+        M of M x' = f(t, x), where the problem is a function ``f(t, x)``; see NonlinearProblem.
+    record : bool
+        False, where the problem is a function: it is called with numbers at every point, and
+        Jacobians are central differences. For code that cannot be recorded; see NonlinearProblem.
     progress : bool
         Shows a bar with time, step size and order.
     monitor : callable, optional
@@ -143,7 +154,9 @@ def solve(
     >>> bool(abs(sol(5.0)[0] ** 2 + sol(5.0)[1] ** 2 - 1) < 1e-6)
     True
     """
-    problem = as_problem(problem, x0, names, units)
+    problem = as_problem(
+        problem, x0, names, units=units, mass=mass, record=record, parameters=parameters
+    )
     t0, t1 = span(t_span)
     times = None if t_eval is None else output_times(t_eval, t0, t1)
     dense_output = times is None if dense_output is None else bool(dense_output)
@@ -190,10 +203,12 @@ def solve(
 def analyze(
     problem: ProblemOrFunction,
     t: float = 0.0,
-    x: Any = None,
+    x: Values | None = None,
     *,
     toward: float | None = None,
     names: Sequence[str] | None = None,
+    mass: Any = None,
+    record: bool = True,
     parameters: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Report:
@@ -208,7 +223,7 @@ def analyze(
         + 1.
     x : array_like or dict, optional
         Values near the solution; linear problems need none.
-    names, parameters, **options
+    names, mass, record, parameters, **options
         As for solve; names are needed for a dict x where they cannot be read from the function.
 
     Returns
@@ -223,7 +238,7 @@ def analyze(
     """
     if x is None and not isinstance(problem, Problem):
         raise TypeError("x is needed: the index of a nonlinear problem depends on the solution")
-    problem = as_problem(problem, x, names, None)
+    problem = as_problem(problem, x, names, mass=mass, record=record, parameters=parameters)
     solver = Solver(problem, parameters=parameters, **options)
     try:
         solver.analyze(t, t + 1.0 if toward is None else toward, x)
@@ -236,11 +251,13 @@ def analyze(
 def make_consistent(
     problem: ProblemOrFunction,
     t: float,
-    x: Any,
+    x: Values,
     *,
-    xdot: Any = None,
-    fixed: Any = None,
+    xdot: Values | None = None,
+    fixed: Unknowns | None = None,
     names: Sequence[str] | None = None,
+    mass: Any = None,
+    record: bool = True,
     parameters: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Point:
@@ -248,7 +265,7 @@ def make_consistent(
 
     Parameters
     ----------
-    problem, fixed, names, parameters, **options
+    problem, fixed, names, mass, record, parameters, **options
         As for solve; initial_values is ``"nearest"``, ``"fixed"`` or ``"accept"``.
     t : float
     x : array_like or dict
@@ -267,29 +284,36 @@ def make_consistent(
     Error
         If there are no such values.
     """
-    problem = as_problem(problem, x, names, None)
+    problem = as_problem(problem, x, names, mass=mass, record=record, parameters=parameters)
     solver = Solver(problem, parameters=parameters, fixed=fixed, **options)
     return solver.make_consistent(t, x, xdot)
 
 
 def as_problem(
-    problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, units: Any
+    problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, **more: Any
 ) -> Problem:
-    """A problem as it is; a function as a nonlinear one, with as many unknowns as x0 has."""
+    """A problem as it is; a function as a nonlinear one, with as many unknowns as x0 has. more:
+    further arguments of NonlinearProblem; parameters may have names that the function has not.
+    """
     if isinstance(problem, Problem):
-        if names is not None or units is not None:
+        if names is not None or more.get("units") is not None:
             raise TypeError("names and units belong to the problem: give them there")
+        if more.get("mass") is not None or not more.get("record", True):
+            raise TypeError("mass and record belong to the problem: give them there")
         return problem
     if not callable(problem):
         raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
     count = np.size(x0)
     is_read = names is None and isinstance(x0, Mapping)
     if is_read:
-        found = names_for(problem, x0)
+        found = names_for(problem, x0, more.get("record", True))
         names, count = (None, found) if isinstance(found, int) else (found, len(found))
     elif names is not None:
         count = len(names)
-    result = NonlinearProblem(problem, count, names=names, units=units)
+    equations = Equations(problem, more.pop("mass", None))
+    given = more.pop("parameters", None) or {}
+    needed = {name: given[name] for name in equations.arguments.required if name in given}
+    result = NonlinearProblem(equations, count, names=names, parameters=needed, **more)
     result._must_confirm_names = is_read and names is not None
     return result
 

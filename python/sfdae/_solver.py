@@ -16,11 +16,14 @@ from ._linearization import Linearizing
 from ._branches import Branches
 from ._modes import Modes
 from ._options import c_options, check_names
-from ._points import Point, wrapped
-from ._problem import LinearProblem, Problem
+from ._points import Point, Progress, wrapped
+from ._linear_problem import LinearProblem
+from ._problem import Problem
 from ._recorded_solution import RecordedSolution
 from ._sensitivities import Sensitivities
 from ._status import Error, Status
+from ._structs import Struct
+from ._types import Values
 
 
 class Solver(Sensitivities, Linearizing, Modes, Branches):
@@ -57,7 +60,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         problem: Problem,
         *,
         parameters: Mapping[str, Any] | None = None,
-        monitor: Callable[[Any], Any] | None = None,
+        monitor: Callable[[Progress], Any] | None = None,
         **options: Any,
     ) -> None:
         if not isinstance(problem, Problem):
@@ -66,7 +69,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             )
         check_names(options)
         self.problem = problem
-        self._options = dict(options)
+        self._options = {**problem.default_options, **options}
         self._lock = threading.RLock()
         self._box = ffi.new("sfdae_solver**")
         self._recorder = ffi.gc(ffi.new("python_recorder*"), lib.python_free_steps)
@@ -203,6 +206,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             For a value that is not finite.
         """
         for name, value in self._set_values(parameters).items():
+            if not self.problem.records:  # the function gets the values at every call
+                continue
             if np.ndim(value) == 0:
                 self._call(lib.sfdae_set_parameter, name.encode(), value)
                 continue
@@ -229,13 +234,15 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """The value that the library has of a parameter, also of ``sfdae.parameter`` and of
         ``"k[1]"``.
         """
+        if not self.problem.records and np.ndim(self._state.values.get(name, [])) == 0:
+            return float(self._state.values[name])
         value = ffi.new("double*")
         self._call(lib.sfdae_get_parameter, name.encode(), value)
         return value[0]
 
     # ---- Integration -----------------------------------------------------------------------------
 
-    def analyze(self, t: float, toward: float, x: Any = None) -> Any:
+    def analyze(self, t: float, toward: float, x: Values | None = None) -> Struct:
         """Detects the strangeness index at t and at a nearby point in the direction of `toward`.
 
         Parameters
@@ -262,7 +269,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
             self._call(lib.sfdae_analyze_at, t, toward, self._pointer(values), ffi.NULL)
         return self.characteristics
 
-    def make_consistent(self, t: float, x: Any, xdot: Any = None) -> Point:
+    def make_consistent(self, t: float, x: Values, xdot: Values | None = None) -> Point:
         """Makes x consistent at t as the options say and computes the derivative of the solution
         through it.
 
@@ -276,7 +283,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """
         return self._values(lib.sfdae_make_consistent, (t,), x, xdot)
 
-    def start(self, t: float, x: Any, toward: float, xdot: Any = None) -> Point:
+    def start(self, t: float, x: Values, toward: float, xdot: Values | None = None) -> Point:
         """Starts or restarts the integration at (t, x) in the direction of `toward`.
 
         Parameters

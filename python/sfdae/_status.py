@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import enum
+from typing import TYPE_CHECKING
 
 from ._binding import ffi, lib
 
@@ -28,10 +29,20 @@ def _status_codes() -> dict[str, int]:
     return codes
 
 
-Status = enum.IntEnum("Status", _status_codes(), module=__name__)
-Status.__doc__ = (
-    """What a call returned: ``OK`` (0), a warning (> 0) or a failure (< 0), as in C."""
-)
+if TYPE_CHECKING:
+
+    class _Names(enum.EnumMeta):
+        def __getattr__(cls, name: str) -> Status:
+            ...
+
+    class Status(enum.IntEnum, metaclass=_Names):
+        """The members are those of C."""
+
+else:
+    Status = enum.IntEnum("Status", _status_codes(), module=__name__)
+    Status.__doc__ = (
+        """What a call returned: ``OK`` (0), a warning (> 0) or a failure (< 0), as in C."""
+    )
 
 
 class Error(RuntimeError):
@@ -70,3 +81,7 @@ class InitialValuesWarning(SfdaeWarning):
 
 class IntegrationWarning(SfdaeWarning):
     """The integration ended early, or equations that contradict each other were ignored."""
+
+
+class CannotEvaluate(Exception):
+    """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from ._binding import lib
+from ._arrays import vector
 from ._callbacks import callback
-from ._expression import Expression, Recording, as_expression, vector
+from ._expression import Expression, Recording, as_expression
 from ._formula import Formula, parameter_values
 from ._problem import Problem
 
@@ -48,10 +48,7 @@ class SurfaceState:
 
 @callback("python_equations_function")
 def _surface(state: SurfaceState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
-    recording = Recording(record, state)
-    try:
+    with Recording(record, state) as recording:
         arguments = Expression(t, recording), vector(x, state.n, recording)
         value = state.switch.surface(*arguments, values=state.values)
         residual[0] = as_expression(value)._c
-    finally:
-        recording.is_open = False

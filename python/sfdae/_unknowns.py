@@ -2,7 +2,7 @@
 """Names of unknowns as a user-supplied function writes them: ``p, q, u = x``.
 
 They are read from the bytecode, which every Python function has, also one without source text.
-They count only if they are confirmed when the function runs: a WatchedVector sees which unknowns it
+They count only if they are confirmed when the function runs: a Watch sees which unknowns it
 unpacks under which names, so that wrappers that rearrange x and branches that are not taken do not
 mislead.
 """
@@ -12,9 +12,8 @@ from __future__ import annotations
 import dis
 import functools
 import re
-import sys
 import types
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -96,18 +95,26 @@ def _code_of(function: Any) -> tuple[types.CodeType, int] | None:
     return None
 
 
-def read_names(function: Callable[..., Any]) -> tuple[str, ...] | None:
+def _is_wrapper(function: Any) -> bool:
+    plain = getattr(function, "__func__", function)  # of a method
+    return not isinstance(plain, types.FunctionType) or hasattr(plain, "__wrapped__")
+
+
+def read_names(function: Callable[..., Any], is_confirmed: bool = True) -> tuple[str, ...] | None:
     """The names under which a function of (t, x, ...) unpacks the whole of x; None if it does not
-    do so, or several times under different names.
+    do so, or several times under different names. is_confirmed: a Watch confirms the names; else
+    they are read only where the function is no wrapper and does not assign to x.
     """
     found = _code_of(function)
-    if found is None:
+    if found is None or not is_confirmed and _is_wrapper(function):
         return None
     code, place = found
     if place >= code.co_argcount:
         return None
     x = code.co_varnames[place]
     operations = _operations(code)
+    if not is_confirmed and any(op.kind == "STORE" and op.argument == x for op in operations):
+        return None
     readings = set()
     for k, operation in enumerate(operations[:-1]):
         if (operation.kind, operation.argument) != ("LOAD", x):
@@ -139,9 +146,9 @@ class Watch:
         self._index = {id(unknown): i for i, unknown in enumerate(self._unknowns)}
         self._seen: dict[str, set[int | None]] = {}
 
-    def over(self, part: np.ndarray) -> WatchedVector:
-        """A part of the unknowns to be handed to the function."""
-        result = part.view(WatchedVector)
+    def over(self, part: Any) -> Any:
+        """A part of the unknowns, an ExpressionArray, to be handed to the function."""
+        result = part.view()
         result._watch = self
         return result
 
@@ -165,20 +172,6 @@ class Watch:
         return {name: index for name, index in single.items() if index is not None}
 
 
-class WatchedVector(np.ndarray):
-    """Unknowns, or what was made of them, that tell their Watch who unpacks them."""
-
-    _watch: Watch | None = None
-
-    def __array_finalize__(self, source: Any) -> None:
-        self._watch = getattr(source, "_watch", None)
-
-    def __iter__(self) -> Iterator[Any]:
-        if self._watch is not None:
-            self._watch.note(self, sys._getframe(1))
-        return super().__iter__()
-
-
 # ---- Agreement of names --------------------------------------------------------------------------
 
 
@@ -186,7 +179,9 @@ def called(function: Callable[..., Any]) -> str:
     return getattr(function, "__qualname__", None) or type(function).__name__
 
 
-def names_for(function: Callable[..., Any], x0: Mapping[Any, Any]) -> tuple[str, ...] | int:
+def names_for(
+    function: Callable[..., Any], x0: Mapping[Any, Any], is_recorded: bool = True
+) -> tuple[str, ...] | int:
     """The names of the unknowns of a function for which values are given by name, or the number of
     unknowns if the values are given by index.
 
@@ -197,7 +192,7 @@ def names_for(function: Callable[..., Any], x0: Mapping[Any, Any]) -> tuple[str,
     KeyError
         For a key that is no name of an unknown.
     """
-    names = read_names(function)
+    names = read_names(function, is_confirmed=is_recorded)
     keys = list(x0)
     if names is None:
         if keys and all(isinstance(key, (int, np.integer)) for key in keys):

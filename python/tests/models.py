@@ -46,3 +46,17 @@ def value_of(formula, t=0.3):
     """A formula in t as the library computes it: x with 0 = x - formula(t)."""
     problem = sfdae.NonlinearProblem(lambda time, x, xdot: [x[0] - formula(time)], 1)
     return sfdae.Solver(problem).make_consistent(t, [0.0]).x[0]
+
+
+def values_of(formula, t, x, size):
+    """An array of `size` formulas in t and x as the library computes it, with its shape."""
+    shapes, n = [], len(x)
+
+    def equations(time, z, zdot):
+        result = formula(time, z[:n])
+        shapes.append(np.shape(result))
+        return [zdot[:n], z[n:] - np.ravel(result)]
+
+    problem = sfdae.NonlinearProblem(equations, n + size)
+    point = sfdae.Solver(problem).make_consistent(t, [*x, *np.zeros(size)])
+    return point.x[n:].reshape(shapes[0])

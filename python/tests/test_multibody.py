@@ -25,7 +25,7 @@ def callbacks(**more):
         forces=lambda t, q, v: [0, -G],
         constraints=lambda t, q: [q @ q - 1],
         constraint_jacobian=lambda t, q: [2 * q],
-        recorded=False,
+        record=False,
         **more,
     )
 
@@ -105,7 +105,7 @@ def test_the_extended_system():
 @pytest.mark.parametrize(
     "arguments, error, text",
     [
-        (dict(constraint_jacobian=[[1, 0]]), TypeError, "recorded=False only"),
+        (dict(constraint_jacobian=[[1, 0]]), TypeError, "record=False only"),
         (dict(mass=np.eye(3)), ValueError, r"mass has shape \(3, 3\), not \(2, 2\)"),
         (dict(forces=lambda t, q, v: [0]), ValueError, r"forces has shape \(1,\), not \(2,\)"),
         (dict(num_constraints=2), ValueError, r"constraints has shape \(1,\), not \(2,\)"),
@@ -122,14 +122,14 @@ def test_mistakes(arguments, error, text):
 
 def test_mistakes_of_callbacks():
     with pytest.raises(TypeError, match="constraint_jacobian is needed"):
-        sfdae.MultibodyProblem(2, constraints=lambda t, q: [q @ q - 1], recorded=False)
+        sfdae.MultibodyProblem(2, constraints=lambda t, q: [q @ q - 1], record=False)
     with pytest.raises(TypeError, match="named parameters need recorded formulas"):
-        sfdae.MultibodyProblem(2, forces=[0, 0], recorded=False, parameters={"g": 1})
+        sfdae.MultibodyProblem(2, forces=[0, 0], record=False, parameters={"g": 1})
     wrong = sfdae.MultibodyProblem(
         2,
         constraints=lambda t, q: [q @ q - 1],
         constraint_jacobian=lambda t, q: [3 * q],
-        recorded=False,
+        record=False,
     )
     check = sfdae.Solver(wrong).check_multibody_derivatives(0.0, [0.6, -0.8], [0.8, 0.6])
     assert check.suspicious and check.function == "G"
@@ -139,5 +139,5 @@ def test_mistakes_of_callbacks():
         sfdae.Solver(callbacks()).check_multibody_derivatives(0.0, [0.6], [0.8, 0.6])
     with pytest.raises(ZeroDivisionError):
         sfdae.solve(
-            sfdae.MultibodyProblem(1, forces=lambda t, q, v: 1 / 0, recorded=False), (0, 1), [0, 0]
+            sfdae.MultibodyProblem(1, forces=lambda t, q, v: 1 / 0, record=False), (0, 1), [0, 0]
         )

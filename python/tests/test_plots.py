@@ -24,7 +24,7 @@ def solution(**more):
 
 
 def test_one_axis_for_each_unit():
-    axes = solution().plot()
+    axes = solution().plot().axes
     assert [ax.get_ylabel() for ax in axes] == ["px, py [m]", "u, v [m/s]", "lambda [N/m]"]
     assert axes[-1].get_xlabel() == "t [s]"
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["px", "py"]
@@ -33,7 +33,7 @@ def test_one_axis_for_each_unit():
 def test_chosen_unknowns_on_a_given_axis():
     figure, ax = plt.subplots()
     sol = solution(t_eval=[0, 0.5, 1])
-    assert sol.plot("px", ax=ax) is ax
+    assert sol.plot("px", ax=ax) is figure
     assert np.array_equal(ax.lines[0].get_ydata(), sol["px"])
     with pytest.raises(KeyError, match="no unknown 'angle'"):
         sol.plot("angle")
@@ -49,7 +49,7 @@ def test_curves_are_smooth_and_events_are_marked():
         rtol=1e-9,
         atol=1e-9,
     )
-    ax = sol.plot("px")
+    (ax,) = sol.plot("px").axes
     t, px = ax.lines[0].get_data()
     assert t.size > 5 * sol.t.size and np.all(np.diff(t) >= 0)
     assert px == pytest.approx(sol(t)[0], abs=1e-8)
@@ -57,8 +57,17 @@ def test_curves_are_smooth_and_events_are_marked():
 
 
 def test_names_without_units():
-    assert sfdae.solve(pendulum_problem(), (0, 1), PENDULUM_START).plot().get_ylabel() == "unknowns"
-    assert solution().plot("px").get_ylabel() == "px [m]"
+    (ax,) = sfdae.solve(pendulum_problem(), (0, 1), PENDULUM_START).plot().axes
+    assert ax.get_ylabel() == "unknowns"
+    assert solution().plot("px").axes[0].get_ylabel() == "px [m]"
+
+
+def test_pictures_are_figures_whatever_the_number_of_axes(tmp_path):
+    for names in ([], ["px"], ["px", "u"]):
+        figure = solution().plot(*names)
+        assert isinstance(figure, matplotlib.figure.Figure)
+        figure.savefig(tmp_path / "picture.svg")
+        assert (tmp_path / "picture.svg").stat().st_size > 5000
 
 
 def test_steps():

@@ -4,6 +4,8 @@
 import os
 import pickle
 import signal
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -581,3 +583,25 @@ def test_the_energy_is_kept():
     assert np.abs(energy(sol.x)).max() < 1e-8
     px, py, u, v, _ = sol.x
     assert np.abs(px**2 + py**2 - 1).max() < 1e-13 and np.abs(px * u + py * v).max() < 1e-12
+
+
+def test_notes_events_and_the_end_are_logged(caplog):
+    """Of the logger sfdae, level INFO; nothing is seen unless it is asked for."""
+
+    with caplog.at_level("INFO", logger="sfdae"):
+        sfdae.solve(lambda t, x, xdot: xdot - 1, (0, 1), [0.0], events=lambda t, x: x[0] - 0.5)
+        with pytest.warns(sfdae.InitialValuesWarning):
+            sfdae.solve(lambda t, x, xdot: [xdot[0] - x[1], x[0] - np.sin(t)], (0, 1), [1.0, 0.0])
+    texts = [record.getMessage() for record in caplog.records]
+    assert texts[0].endswith("at t = 0.5") and texts[1] == "the end of the interval was reached"
+    assert "adjusted" in texts[2] or "changed" in texts[2]
+    assert all(record.levelname == "INFO" for record in caplog.records)
+
+
+def test_the_module_prints_versions_and_files():
+    result = subprocess.run(
+        [sys.executable, "-m", "sfdae"], capture_output=True, text=True, check=True
+    )
+    lines = dict(line.split(maxsplit=1) for line in result.stdout.splitlines())
+    assert lines["sfdae"] == sfdae.version() and lines["numpy"] == np.__version__
+    assert lines["module"].endswith(".so") and result.stderr == ""

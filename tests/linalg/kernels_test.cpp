@@ -160,12 +160,13 @@ TEST_P(EveryInstructionSet, PivotedFactorsAreThoseOfTheMatrix) {
           scaled_R(i, j) /= unit;
         }
       EXPECT_LE(distance(times(Q, scaled_R), scaled_AP), rounding(m));
-      for (int k = 0; k < f.steps(); ++k)
-        for (int j = k + 1; j < n; ++j) {
-          double left = 0.0;
-          for (int i = k; i < std::min(j + 1, m); ++i) left += scaled_R(i, j) * scaled_R(i, j);
-          EXPECT_LE(std::sqrt(left), (1.0 + 1e-7) * std::fabs(scaled_R(k, k)) + rounding(m)) << k << ' ' << j;
+      for (int j = 1; j < n; ++j) {
+        double left = j < m ? scaled_R(j, j) * scaled_R(j, j) : 0.0;
+        for (int k = std::min(j, f.steps()) - 1; k >= 0; --k) {
+          left += scaled_R(k, j) * scaled_R(k, j);
+          ASSERT_LE(std::sqrt(left), (1.0 + 1e-7) * std::fabs(scaled_R(k, k)) + rounding(m)) << k << ' ' << j;
         }
+      }
     }
 }
 

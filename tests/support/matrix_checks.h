@@ -41,8 +41,12 @@ inline std::vector<double> random_vector(int n, std::uint64_t seed) {
 inline sfdae::core::Matrix times(sfdae::core::ConstView a, sfdae::core::ConstView b) {
   sfdae::core::Matrix c(a.rows, b.cols);
   for (int j = 0; j < b.cols; ++j)
-    for (int k = 0; k < a.cols; ++k)
-      for (int i = 0; i < a.rows; ++i) c(i, j) += a(i, k) * b(k, j);
+    for (int k = 0; k < a.cols; ++k) {
+      double* const sum = c.view().column(j);
+      const double* const column = a.column(k);
+      const double factor = b(k, j);
+      for (int i = 0; i < a.rows; ++i) sum[i] += column[i] * factor;
+    }
   return c;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Consistent values fulfil the constraints, and the conditions of optimality that define them.
-#include "starts/consistent_values.h"
+#include "linear/linear_values.h"
 
 #include <gtest/gtest.h>
 
