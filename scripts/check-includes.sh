@@ -2,7 +2,7 @@
 # Fails if an #include runs upward: folders of src/ know the ones below them only.
 #
 #   linalg < expression < structure < problem < reduction < system < starts < linear < array < extension
-#          < multibody < watch < sensitivity < integrate < c_api
+#          < multibody < watch < sensitivity < integrate < solver < hybrid < ensemble < c_api
 #
 # fortran_bindings/f77 is a second front end beside c_api: it may use all folders below. The public headers
 # (sfdae/...) have no folder of src/ below them. The program in cli/ uses the public headers only:
@@ -14,7 +14,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 awk '
   BEGIN {
     count = split("linalg expression structure problem reduction system starts linear array extension " \
-                  "multibody watch sensitivity integrate c_api", order)
+                  "multibody watch sensitivity integrate solver hybrid ensemble c_api", order)
     for (i = 1; i <= count; ++i) height[order[i]] = i
     height["f77"] = height["c_api"]
     height["sfdae"] = 0

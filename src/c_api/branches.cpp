@@ -1,4 +1,4 @@
-// Singular points of solutions: the C API over the core.
+// Singular points of solutions: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sfdae/branches.h"
 
@@ -6,25 +6,6 @@
 
 #include "c_api/solver.h"
 #include "c_api/structs.h"
-
-namespace sfdae::core {
-
-// Start values may be found otherwise.
-ModelOptions ContinuationOfModel::options() const {
-  ModelOptions options = solver_.options.model;
-  options.consistency = ConsistencyRequest();
-  return options;
-}
-
-ConsistentPoint ContinuationOfModel::look_at(const PointOfInterest& point) {
-  return solver_.model.consistent_point_beside(point, options());
-}
-
-ConsistentPoint ContinuationOfModel::move_to(const PointOfInterest& point) {
-  return solver_.model.consistent_point(point, options());
-}
-
-}  // namespace sfdae::core
 
 using namespace sfdae::core;
 
@@ -70,12 +51,9 @@ int sfdae_get_singular_point(const sfdae_solver* solver, sfdae_singular_point* r
 }
 
 int sfdae_pass_singular_points(sfdae_solver* solver, long max_points) {
-  return guarded(solver, [&]() -> CallResult {
-    if (max_points < 0) return illegal_argument(format("max_points = %ld; it must be >= 0.", max_points));
-    solver->max_passed = max_points;
-    solver->use_continuation(solver->options.integration);
-    if (solver->integration) solver->integration->set_continuation(solver->options.integration);
-    return {};
+  return guarded(solver, [&] {
+    if (max_points < 0) refuse_argument(format("max_points = %ld; it must be >= 0.", max_points));
+    solver->pass_singular_points(max_points);
   });
 }
 

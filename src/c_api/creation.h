@@ -12,7 +12,7 @@ namespace sfdae::core {
 using CreationMessage = char[sizeof(sfdae_solver::message)];
 CreationMessage& creation_message();
 
-// Runs the body of such a function, which returns a CallResult.
+// Runs the body of such a function.
 template <class Body>
 int creating(Body body) noexcept {
   return status_of(body, [](int status, const char* text) {

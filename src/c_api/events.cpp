@@ -1,4 +1,4 @@
-// Events and values within the last step: the C API over the core.
+// Events and values within the last step: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -12,14 +12,13 @@ namespace {
 
 constexpr int most_events = 10000;
 
-CallResult check_events(int num_events, sfdae_event_function function, const int* directions) {
+void check_events(int num_events, sfdae_event_function function, const int* directions) {
   if (num_events < 0 || num_events > most_events)
-    return illegal_argument(format("num_events = %d; it must be 0 ... %d.", num_events, most_events));
-  if (num_events > 0 && function == nullptr) return illegal_argument("function is NULL.");
+    refuse_argument(format("num_events = %d; it must be 0 ... %d.", num_events, most_events));
+  if (num_events > 0 && function == nullptr) refuse_argument("function is NULL.");
   for (int i = 0; i < num_events && directions != nullptr; ++i)
     if (directions[i] < -1 || directions[i] > 1)
-      return illegal_argument(format("directions[%d] = %d; it must be -1, 0 or 1.", i, directions[i]));
-  return {};
+      refuse_argument(format("directions[%d] = %d; it must be -1, 0 or 1.", i, directions[i]));
 }
 
 }  // namespace
@@ -28,19 +27,15 @@ extern "C" {
 
 int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function function, const int* directions,
                      void* user) {
-  return guarded(solver, [&]() -> CallResult {
-    const CallResult checked = check_events(num_events, function, directions);
-    if (checked.status != SFDAE_OK) return checked;
+  return guarded(solver, [&] {
+    check_events(num_events, function, directions);
     std::unique_ptr<Events> events;
     if (num_events > 0) {
       std::vector<int> wanted(index(num_events), 0);
       if (directions != nullptr) std::copy_n(directions, num_events, wanted.begin());
       events = std::make_unique<Events>(function, user, std::move(wanted));
     }
-    if (solver->integration) solver->integration->set_events(events.get());
-    solver->options.integration.events = events.get();
-    solver->events = std::move(events);
-    return {};
+    solver->set_events(std::move(events));
   });
 }
 
@@ -58,9 +53,9 @@ int sfdae_get_events(const sfdae_solver* solver, int* which) {
 
 int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    if (x == nullptr) return illegal_argument("x is NULL.");
-    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    if (!solver->integration) return {SFDAE_NOT_STARTED, "call sfdae_start first."};
+    if (x == nullptr) refuse_argument("x is NULL.");
+    if (!std::isfinite(t)) refuse_argument(format("t is %g.", t));
+    if (!solver->integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
     solver->integration->want_slopes(xdot != nullptr);
     return solver->integration->interpolate(t, true, x, xdot);
   });

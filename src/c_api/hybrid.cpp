@@ -1,4 +1,4 @@
-// Hybrid systems: modes, transitions, life cycle: the C API over solvers.
+// Hybrid systems: modes, transitions, switches, life cycle: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "c_api/hybrid.h"
 
@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "c_api/creation.h"
+#include "c_api/expressions.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -13,44 +14,22 @@
 using namespace sfdae::core;
 
 sfdae_hybrid::~sfdae_hybrid() {
-  for (HybridMode& mode : modes) {
-    mode.solver->hybrid = nullptr;
-    if (mode.solver->sensitivities) take_sensitivities(*mode.solver, std::nullopt);
-    sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
-  }
+  for (sfdae_solver* solver : solvers) solver->hybrid = nullptr;
 }
-
-std::string sfdae_hybrid::name_of(int mode) const {
-  const std::string& name = modes[index(mode)].name;
-  return name.empty() ? format("mode %d", mode) : format("mode %d (%.80s)", mode, name.c_str());
-}
-
-bool sfdae_hybrid::is_running() const {
-  return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration &&
-         !(mode().surface != nullptr && is_outdated(*this, *mode().surface));
-}
-
-namespace sfdae::core {
-
-CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
-  const int count = static_cast<int>(hybrid.modes.size());
-  if (count == 0)
-    return illegal_argument(format("%s = %d, but there are no modes: call sfdae_add_mode.", name, mode));
-  if (mode < 0 || mode >= count)
-    return illegal_argument(format("%s = %d; there are the modes 0 ... %d.", name, mode, count - 1));
-  return {};
-}
-
-CallResult check_name(const sfdae_hybrid& hybrid, const char* name) {
-  for (std::size_t k = 0; k < hybrid.modes.size() && name != nullptr && *name != '\0'; ++k)
-    if (hybrid.modes[k].name == name)
-      return illegal_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
-  return {};
-}
-
-}  // namespace sfdae::core
 
 namespace {
+
+void check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
+  const int count = static_cast<int>(hybrid.modes.size());
+  if (count == 0) refuse_argument(format("%s = %d, but there are no modes: call sfdae_add_mode.", name, mode));
+  if (mode < 0 || mode >= count)
+    refuse_argument(format("%s = %d; there are the modes 0 ... %d.", name, mode, count - 1));
+}
+
+void check_name(const sfdae_hybrid& hybrid, const char* name) {
+  for (std::size_t k = 0; k < hybrid.modes.size() && name != nullptr && *name != '\0'; ++k)
+    if (hybrid.modes[k].name == name) refuse_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
+}
 
 sfdae_transition default_transition() {
   sfdae_transition transition{};
@@ -59,59 +38,65 @@ sfdae_transition default_transition() {
   return transition;
 }
 
-CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver, const char* name) {
-  if (solver == nullptr) return illegal_argument("solver is NULL.");
-  if (solver->hybrid != nullptr) return illegal_argument("the solver is a mode of a hybrid system already.");
-  if (solver->events) return illegal_argument("the solver has events; events of a mode are its transitions.");
+void check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver, const char* name) {
+  if (solver == nullptr) refuse_argument("solver is NULL.");
+  if (solver->hybrid != nullptr) refuse_argument("the solver is a mode of a hybrid system already.");
+  if (solver->events) refuse_argument("the solver has events; events of a mode are its transitions.");
   if (solver->sensitivities)
-    return illegal_argument(
+    refuse_argument(
         "the solver has sensitivities of its own; those of a hybrid system are set by "
         "sfdae_set_hybrid_sensitivities.");
   if (!hybrid.modes.empty() && solver->model.n() != hybrid.n())
-    return illegal_argument(
+    refuse_argument(
         format("the solver has %d unknowns, but those of the other modes have %d.", solver->model.n(), hybrid.n()));
   return check_name(hybrid, name);
 }
 
-CallResult check_transition(const sfdae_hybrid& hybrid, const sfdae_transition& transition) {
-  CallResult checked = check_mode(hybrid, "from", transition.from);
-  if (checked.status == SFDAE_OK) checked = check_mode(hybrid, "to", transition.to);
-  if (checked.status != SFDAE_OK) return checked;
+void check_transition(const sfdae_hybrid& hybrid, const sfdae_transition& transition) {
+  check_mode(hybrid, "from", transition.from);
+  check_mode(hybrid, "to", transition.to);
   if (transition.kind < SFDAE_TRANSITION_CONDITION || transition.kind > SFDAE_TRANSITION_TIME)
-    return illegal_argument(format("kind = %d; it must be one of SFDAE_TRANSITION_...", transition.kind));
+    refuse_argument(format("kind = %d; it must be one of SFDAE_TRANSITION_...", transition.kind));
   if (transition.kind == SFDAE_TRANSITION_TIME) {
-    if (!std::isfinite(transition.time)) return illegal_argument(format("time is %g.", transition.time));
-    if (transition.function != nullptr) return illegal_argument("a transition at a time has no function.");
-    return {};
+    if (!std::isfinite(transition.time)) refuse_argument(format("time is %g.", transition.time));
+    if (transition.function != nullptr) refuse_argument("a transition at a time has no function.");
+    return;
   }
-  if (transition.function == nullptr) return illegal_argument("function is NULL.");
+  if (transition.function == nullptr) refuse_argument("function is NULL.");
   if (transition.direction < -1 || transition.direction > 1)
-    return illegal_argument(format("direction = %d; it must be -1, 0 or 1.", transition.direction));
-  return {};
+    refuse_argument(format("direction = %d; it must be -1, 0 or 1.", transition.direction));
 }
 
-CallResult check_start(const sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
-  const CallResult checked = check_mode(hybrid, "mode", mode);
-  if (checked.status != SFDAE_OK) return checked;
+void check_switch(const sfdae_hybrid& hybrid, int below, int above, const char* name) {
+  check_mode(hybrid, "below", below);
+  check_mode(hybrid, "above", above);
+  check_name(hybrid, name);
+  if (below == above) refuse_argument(format("below = above = %d: they must be two modes.", below));
+  for (const int mode : {below, above})
+    if (hybrid.modes[index(mode)].surface != nullptr)
+      refuse_argument(hybrid.name_of(mode) + " is a sliding mode; switches are between modes of solvers.");
+}
+
+void check_start(const sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
+  check_mode(hybrid, "mode", mode);
   if (!std::isfinite(point.t) || !std::isfinite(point.toward) || point.t == point.toward)
-    return illegal_argument(format("t = %g, toward = %g: must be finite and different.", point.t, point.toward));
-  if (point.x == nullptr) return illegal_argument("x is NULL.");
-  if (!all_finite(point.x, index(hybrid.n()))) return illegal_argument("x contains NaN or Inf.");
-  return {};
+    refuse_argument(format("t = %g, toward = %g: must be finite and different.", point.t, point.toward));
+  if (point.x == nullptr) refuse_argument("x is NULL.");
+  if (!all_finite(point.x, index(hybrid.n()))) refuse_argument("x contains NaN or Inf.");
 }
 
 int advance(sfdae_hybrid* hybrid, double tout, bool stops, double* t, double* x, double* xdot) {
   return guarded(hybrid, [&]() -> CallResult {
-    if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
-    if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
+    if (t == nullptr || x == nullptr) refuse_argument("t and x must not be NULL.");
+    if (!std::isfinite(tout)) refuse_argument(format("tout is %g.", tout));
     if (hybrid->run.accumulation && hybrid->run.mode >= 0)
-      return {SFDAE_ZENO,
-              format("transitions accumulate at t = %.10g: call sfdae_start_hybrid.", *hybrid->run.accumulation)};
-    if (!hybrid->is_running()) return no_run();
+      throw Failure(SFDAE_ZENO, format("transitions accumulate at t = %.10g: call sfdae_start_hybrid.",
+                                       *hybrid->run.accumulation));
+    if (!hybrid->is_running()) refuse_without_run();
     HybridRun& run = hybrid->run;
     if ((tout - run.t) * run.direction() < 0.0)
-      return illegal_argument(format("tout = %.15g lies before t = %.15g, the last point returned.", tout, run.t));
-    const CallResult result = advance_run(*hybrid, tout, stops, xdot != nullptr);
+      refuse_argument(format("tout = %.15g lies before t = %.15g, the last point returned.", tout, run.t));
+    const CallResult result = hybrid->advance(tout, stops, xdot != nullptr);
     if (result.status == SFDAE_ILLEGAL_ARGUMENT) return result;
     *t = run.t;
     std::copy_n(run.x.begin(), hybrid->n(), x);
@@ -130,10 +115,9 @@ int sfdae_transition_init(sfdae_transition* transition, size_t size) {
 
 int sfdae_create_hybrid(sfdae_hybrid** hybrid) {
   if (hybrid != nullptr) *hybrid = nullptr;
-  return creating([&]() -> CallResult {
-    if (hybrid == nullptr) return illegal_argument("hybrid, where the new one goes, is NULL.");
+  return creating([&] {
+    if (hybrid == nullptr) refuse_argument("hybrid, where the new one goes, is NULL.");
     *hybrid = new sfdae_hybrid;
-    return {};
   });
 }
 
@@ -150,40 +134,44 @@ int sfdae_destroy_hybrid(sfdae_hybrid** hybrid) {
 const char* sfdae_get_hybrid_message(const sfdae_hybrid* hybrid) { return hybrid == nullptr ? "" : hybrid->message; }
 
 int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name, int* mode) {
-  return guarded(hybrid, [&]() -> CallResult {
-    const CallResult checked = check_new_mode(*hybrid, solver, name);
-    if (checked.status != SFDAE_OK) return checked;
-    hybrid->modes.push_back(
-        {solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0, nullptr});
+  return guarded(hybrid, [&] {
+    check_new_mode(*hybrid, solver, name);
+    hybrid->solvers.reserve(hybrid->solvers.size() + 1);
+    const int added = hybrid->add_mode(*solver, name != nullptr ? name : "");
+    hybrid->solvers.push_back(solver);
     solver->hybrid = hybrid;
-    hybrid->run.mode = -1;
-    if (mode != nullptr) *mode = static_cast<int>(hybrid->modes.size()) - 1;
-    return {};
+    if (mode != nullptr) *mode = added;
   });
 }
 
 int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transition, int* number) {
-  return guarded(hybrid, [&]() -> CallResult {
+  return guarded(hybrid, [&] {
     if (transition == nullptr || !is_plausible_size(transition->size))
-      return illegal_argument("transition is NULL or its size is not set: call sfdae_transition_init.");
+      refuse_argument("transition is NULL or its size is not set: call sfdae_transition_init.");
     const sfdae_transition given = read_struct(*transition, default_transition());
-    const CallResult checked = check_transition(*hybrid, given);
-    if (checked.status != SFDAE_OK) return checked;
-    hybrid->transitions.push_back({given, {}, 0.0, nullptr});
-    // Nothing fails from here on.
-    hybrid->events_are_set = false;
-    hybrid->run.mode = -1;
-    if (number != nullptr) *number = static_cast<int>(hybrid->transitions.size()) - 1;
-    return {};
+    check_transition(*hybrid, given);
+    const int added = hybrid->add_transition(given);
+    if (number != nullptr) *number = added;
+  });
+}
+
+int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfdae_equations_function surface, void* user,
+                     const char* name, int* mode) {
+  return guarded(hybrid, [&] {
+    check_switch(*hybrid, below, above, name);
+    if (surface == nullptr) refuse_argument("surface is NULL.");
+    const EquationNames names({"the surface of a switch"});
+    const int added = hybrid->add_switch(below, above, record_equations(surface, 1, hybrid->n(), user, names),
+                                         name != nullptr ? name : "");
+    if (mode != nullptr) *mode = added;
   });
 }
 
 int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, double* x, double* xdot) {
   return guarded(hybrid, [&]() -> CallResult {
     const PointOfInterest point{t, toward, x, xdot};
-    const CallResult checked = check_start(*hybrid, mode, point);
-    if (checked.status != SFDAE_OK) return checked;
-    CallResult result = start_run(*hybrid, mode, point);
+    check_start(*hybrid, mode, point);
+    CallResult result = hybrid->start(mode, point);
     if (result.status < 0 && result.status != SFDAE_ZENO) return result;
     const HybridRun& run = hybrid->run;
     std::copy_n(run.x.begin(), hybrid->n(), x);
@@ -200,23 +188,34 @@ int sfdae_advance_to_transition(sfdae_hybrid* hybrid, double tout, double* t, do
   return advance(hybrid, tout, true, t, x, xdot);
 }
 
-int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
-    sfdae_solver* solver = hybrid->modes[index(std::max(hybrid->run.mode, 0))].solver;
-    const int status = sfdae_record_solution(solver, solution);
-    if (status < 0) return {status, sfdae_message(solver)};
-    hybrid->solution = solver->solution;
-    return {};
+int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid) {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  hybrid->request_stop();
+  return SFDAE_OK;
+}
+
+int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length) {
+  return guarded(hybrid, [&] {
+    if (length == nullptr) refuse_argument("length is NULL.");
+    if (!hybrid->is_running()) refuse_without_run();
+    *length = hybrid->checkpoint_length();
   });
 }
 
-int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid) {
-  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  hybrid->stop_is_requested.store(true);
-  sfdae_solver* solver = hybrid->running.load();
-  if (solver != nullptr) solver->problem().request_stop();
-  return SFDAE_OK;
+int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length) {
+  return guarded(hybrid, [&] {
+    if (checkpoint == nullptr) refuse_argument("checkpoint is NULL.");
+    if (!hybrid->is_running()) refuse_without_run();
+    hybrid->save_checkpoint(checkpoint, length);
+  });
+}
+
+int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length) {
+  return guarded(hybrid, [&] {
+    if (checkpoint == nullptr) refuse_argument("checkpoint is NULL.");
+    if (hybrid->modes.empty()) refuse_argument("there are no modes: call sfdae_add_mode.");
+    hybrid->restore_checkpoint({checkpoint, length});
+  });
 }
 
 }  // extern "C"

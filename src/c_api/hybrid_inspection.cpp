@@ -3,9 +3,21 @@
 #include <algorithm>
 
 #include "c_api/hybrid.h"
-#include "c_api/hybrid_report.h"
 #include "c_api/structs.h"
+#include "hybrid/hybrid_report.h"
 #include "linalg/index.h"
+
+namespace sfdae::core {
+
+std::string modes_report(const sfdae_solver& solver) {
+  if (solver.hybrid == nullptr) return "";
+  const std::deque<HybridMode>& modes = solver.hybrid->modes;
+  const auto is_its = [&solver](const HybridMode& mode) { return mode.solver == &solver; };
+  const auto mode = std::find_if(modes.begin(), modes.end(), is_its) - modes.begin();
+  return mode_report(*solver.hybrid, static_cast<int>(mode));
+}
+
+}  // namespace sfdae::core
 
 using namespace sfdae::core;
 
@@ -15,18 +27,27 @@ namespace {
 template <class Body>
 int query(const sfdae_hybrid* hybrid, Body body) noexcept {
   if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  try {
-    const CallResult result = body();
-    if (result.status < 0) std::snprintf(hybrid->message, sizeof hybrid->message, "%s", result.message.c_str());
-    return result.status;
-  } catch (const std::bad_alloc&) {
-    return SFDAE_OUT_OF_MEMORY;
-  }
+  return status_of(body, [hybrid](int status, const char* text) {
+    if (status < 0) std::snprintf(hybrid->message, sizeof hybrid->message, "%s", text);
+    return status;
+  });
 }
 
 template <class Struct>
-CallResult fill(Struct* result, const Struct& source) {
-  return fill_struct(result, source) ? CallResult{} : illegal_argument("result is NULL or its size is not set.");
+void fill(Struct* result, const Struct& source) {
+  if (!fill_struct(result, source)) refuse_argument("result is NULL or its size is not set.");
+}
+
+sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
+  const HybridMode& mode = hybrid.modes[index(k)];
+  const VisitCounts counts = hybrid.counts_of(k);
+  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
+  if (mode.solver->system() == nullptr) return summary;
+  const CharacteristicValues& values = mode.solver->system()->analysis().values;
+  summary.strangeness_index = values.mu;
+  summary.differential = values.d;
+  summary.algebraic = values.a;
+  return summary;
 }
 
 sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
@@ -37,7 +58,7 @@ sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
   sum.evaluations_E = sum.evaluations_A = sum.evaluations_f = sum.evaluations_F = 0;
   sum.linearizations = sum.check_calls = 0;
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
-    const VisitCounts counts = counts_of(hybrid, k);
+    const VisitCounts counts = hybrid.counts_of(k);
     const sfdae_statistics calls = statistics_of(*hybrid.modes[index(k)].solver);
     sum.steps += counts.steps;
     sum.error_failures += counts.error_failures;
@@ -67,58 +88,53 @@ int sfdae_mode_init(sfdae_mode* mode, size_t size) { return initialize(mode, siz
 int sfdae_passage_init(sfdae_passage* passage, size_t size) { return initialize(passage, size, sfdae_passage{}); }
 
 int sfdae_get_current_mode(const sfdae_hybrid* hybrid, int* mode) {
-  return query(hybrid, [&]() -> CallResult {
-    if (mode == nullptr) return illegal_argument("mode is NULL.");
-    if (hybrid->run.mode < 0) return no_run();
+  return query(hybrid, [&] {
+    if (mode == nullptr) refuse_argument("mode is NULL.");
+    if (hybrid->run.mode < 0) refuse_without_run();
     *mode = hybrid->run.mode;
-    return {};
   });
 }
 
 int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result) {
-  return query(hybrid, [&]() -> CallResult {
+  return query(hybrid, [&] {
     if (mode < 0 || mode >= static_cast<int>(hybrid->modes.size()))
-      return illegal_argument(format("mode = %d; there are %zu modes.", mode, hybrid->modes.size()));
+      refuse_argument(format("mode = %d; there are %zu modes.", mode, hybrid->modes.size()));
     return fill(result, summary_of(*hybrid, mode));
   });
 }
 
 int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count) {
-  return query(hybrid, [&]() -> CallResult {
-    if (count == nullptr) return illegal_argument("count is NULL.");
-    *count = hybrid->run.forgotten + static_cast<long>(hybrid->run.passages.size());
-    return {};
+  return query(hybrid, [&] {
+    if (count == nullptr) refuse_argument("count is NULL.");
+    *count = hybrid->run.passages.count();
   });
 }
 
 int sfdae_get_passage(const sfdae_hybrid* hybrid, long number, sfdae_passage* result) {
-  return query(hybrid, [&]() -> CallResult {
-    const HybridRun& run = hybrid->run;
-    const long count = run.forgotten + static_cast<long>(run.passages.size());
-    if (number < run.forgotten || number >= count)
-      return illegal_argument(
-          format("index = %ld; transitions from %ld on, below %ld, are known.", number, run.forgotten, count));
-    return fill(result, run.passages[static_cast<std::size_t>(number - run.forgotten)]);
+  return query(hybrid, [&] {
+    const PassageList& passages = hybrid->run.passages;
+    const long first = passages.forgotten, count = passages.count();
+    if (number < first || number >= count)
+      refuse_argument(format("index = %ld; transitions from %ld on, below %ld, are known.", number, first, count));
+    return fill(result, passages.known[static_cast<std::size_t>(number - first)]);
   });
 }
 
 int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double* after, double* impulse) {
-  return query(hybrid, [&]() -> CallResult {
+  return query(hybrid, [&] {
     const HybridRun& run = hybrid->run;
-    if (run.passages.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
-    if (before != nullptr) std::copy_n(run.before.begin(), hybrid->n(), before);
-    if (after != nullptr) std::copy_n(run.after.begin(), hybrid->n(), after);
-    if (impulse != nullptr) std::copy_n(run.impulse.begin(), hybrid->n(), impulse);
-    return {};
+    if (run.passages.known.empty()) throw Failure(SFDAE_NOT_STARTED, "there was no transition since the start.");
+    if (before != nullptr) std::copy_n(run.last.before.begin(), hybrid->n(), before);
+    if (after != nullptr) std::copy_n(run.last.after.begin(), hybrid->n(), after);
+    if (impulse != nullptr) std::copy_n(run.last.impulse.begin(), hybrid->n(), impulse);
   });
 }
 
 int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t) {
-  return query(hybrid, [&]() -> CallResult {
-    if (t == nullptr) return illegal_argument("t is NULL.");
-    if (!hybrid->run.accumulation) return {SFDAE_NOT_STARTED, "transitions have not accumulated."};
+  return query(hybrid, [&] {
+    if (t == nullptr) refuse_argument("t is NULL.");
+    if (!hybrid->run.accumulation) throw Failure(SFDAE_NOT_STARTED, "transitions have not accumulated.");
     *t = *hybrid->run.accumulation;
-    return {};
   });
 }
 
@@ -127,12 +143,11 @@ int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* re
 }
 
 int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed) {
-  return query(hybrid, [&]() -> CallResult {
-    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
+  return query(hybrid, [&] {
+    if (text == nullptr && length > 0) refuse_argument("text is NULL.");
     const std::string report = report_of(*hybrid);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
-    return {};
   });
 }
 

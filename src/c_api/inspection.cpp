@@ -1,9 +1,10 @@
 // Looking inside: the C API of reports, decisions, statistics, arrays, projectors.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstring>
+#include <string>
 
 #include "c_api/codes.h"
+#include "c_api/hybrid.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
@@ -11,10 +12,11 @@
 #include "multibody/multibody_derivative_check.h"
 #include "problem/derivative_check.h"
 #include "problem/total_derivative_check.h"
+#include "solver/report.h"
 
 namespace sfdae::core {
 
-sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
+sfdae_characteristics characteristics_of(const Solver& solver) {
   const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
   return {sizeof(sfdae_characteristics),
@@ -30,7 +32,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           smallest_gap(solver.decisions.different())};
 }
 
-sfdae_statistics statistics_of(const sfdae_solver& solver) {
+sfdae_statistics statistics_of(const Solver& solver) {
   sfdae_statistics s{};
   s.size = sizeof s;
   const EvaluationCounts evaluations = solver.model.evaluations();
@@ -60,6 +62,8 @@ sfdae_statistics statistics_of(const sfdae_solver& solver) {
   return s;
 }
 
+namespace {
+
 sfdae_decision public_decision(const RankDecision& decision) {
   return {sizeof(sfdae_decision),
           decision.t,
@@ -77,8 +81,6 @@ sfdae_decision public_decision(const RankDecision& decision) {
           code_of(decision.verdict)};
 }
 
-namespace {
-
 sfdae_multibody_report public_report(const ConstraintsReport& report) {
   return {sizeof(sfdae_multibody_report),
           report.t,
@@ -93,17 +95,27 @@ sfdae_multibody_report public_report(const ConstraintsReport& report) {
           report.velocity_residual};
 }
 
-CallResult too_many_to_check() {
-  return illegal_argument(format(
+sfdae_initial_report public_report(const InitialReport& report) {
+  return {sizeof(sfdae_initial_report),
+          report.t,
+          report.residual_before,
+          report.residual_after,
+          report.largest_change,
+          report.component,
+          report.is_derivative_exact ? 1 : 0};
+}
+
+[[noreturn]] void refuse_size() {
+  refuse_argument(format(
       "derivatives of problems with more than %d unknowns are not checked: it takes matrices of all of them. Check "
       "a smaller problem with the same functions.",
       most_dense_unknowns));
 }
 
-CallResult linear_only() { return illegal_argument("the problem is not linear."); }
+[[noreturn]] void refuse_nonlinear() { refuse_argument("the problem is not linear."); }
 
-CallResult no_struct() {
-  return illegal_argument("the result is NULL or its size is not set: call its init function.");
+[[noreturn]] void refuse_struct() {
+  refuse_argument("the result is NULL or its size is not set: call its init function.");
 }
 
 // Passes a mismatch on, with words if it is suspicious.
@@ -128,20 +140,11 @@ bool is_usable(const Struct* result) {
 template <class Body>
 int query(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  const auto say = [solver](int status, const char* text) {
-    if (!solver->message_explains_failure) std::snprintf(solver->message, sizeof solver->message, "%s", text);
+  return status_of(body, [solver](int status, const char* text) {
+    if (status < 0 && !solver->message_explains_failure)
+      std::snprintf(solver->message, sizeof solver->message, "%s", text);
     return status;
-  };
-  try {
-    const CallResult result = body();
-    return result.status < 0 ? say(result.status, result.message.c_str()) : result.status;
-  } catch (const std::bad_alloc&) {
-    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
-  } catch (const std::exception& unexpected) {
-    return say(SFDAE_INTERNAL, unexpected.what());
-  } catch (...) {
-    return say(SFDAE_INTERNAL, "an unknown exception.");
-  }
+  });
 }
 
 }  // namespace
@@ -153,105 +156,96 @@ using namespace sfdae::core;
 extern "C" {
 
 int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics* result) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(result)) return no_struct();
-    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_struct();
+    if (!solver->system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first.");
     fill_struct(result, characteristics_of(*solver));
-    return {};
   });
 }
 
 int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(report)) return no_struct();
-    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
-    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
+  return query(solver, [&] {
+    if (!is_usable(report)) refuse_struct();
+    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
+    if (!solver->system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first.");
     fill_struct(report, public_report(solver->kind.multibody->constraints()));
-    return {};
   });
 }
 
 int sfdae_get_num_decisions(const sfdae_solver* solver, int* count) {
-  return query(solver, [&]() -> CallResult {
-    if (count == nullptr) return illegal_argument("count is NULL.");
-    if (solver->decisions.empty()) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
+  return query(solver, [&] {
+    if (count == nullptr) refuse_argument("count is NULL.");
+    if (solver->decisions.empty()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first.");
     *count = static_cast<int>(solver->decisions.size());
-    return {};
   });
 }
 
 int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* result) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(result)) return no_struct();
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_struct();
     const int count = static_cast<int>(solver->decisions.size());
-    if (count == 0) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
-    if (index < 0 || index >= count)
-      return illegal_argument(format("index %d; there are %d decisions.", index, count));
+    if (count == 0) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first.");
+    if (index < 0 || index >= count) refuse_argument(format("index %d; there are %d decisions.", index, count));
     fill_struct(result, public_decision(solver->decisions[static_cast<std::size_t>(index)]));
-    return {};
   });
 }
 
 int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(result)) return no_struct();
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_struct();
     if (!solver->integration || !solver->integration->change())
-      return {SFDAE_NOT_STARTED, "no change of characteristic values has been met."};
+      throw Failure(SFDAE_NOT_STARTED, "no change of characteristic values has been met.");
     const LocatedChange& change = *solver->integration->change();
     const CharacteristicValues& was = solver->system()->analysis().values;
     const CharacteristicValues& is = change.new_values;
     fill_struct(result, sfdae_change{sizeof(sfdae_change), change.t, was.mu, was.d, was.a, was.u, was.v, is.mu, is.d,
                                      is.a, is.u, is.v});
-    return {};
   });
 }
 
 int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* result) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(result)) return no_struct();
-    if (!solver->initial_report) return {SFDAE_NOT_STARTED, "call sfdae_start or sfdae_make_consistent first."};
-    fill_struct(result, *solver->initial_report);
-    return {};
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_struct();
+    if (!solver->initial_report) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start or sfdae_make_consistent first.");
+    fill_struct(result, public_report(*solver->initial_report));
   });
 }
 
 int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
-  return query(solver, [&]() -> CallResult {
-    if (!is_usable(result)) return no_struct();
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_struct();
     fill_struct(result, statistics_of(*solver));
-    return {};
   });
 }
 
 int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
-  return query(solver, [&]() -> CallResult {
-    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
-    const std::string report = report_of(*solver);
+  return query(solver, [&] {
+    if (text == nullptr && length > 0) refuse_argument("text is NULL.");
+    std::string report = report_of(*solver, modes_report(*solver));
+    const bool is_analyzed = solver->system() != nullptr || !solver->decisions.empty();
+    if (is_analyzed && solver->message[0] != '\0') report += std::string("Last message: ") + solver->message + "\n";
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
-    return {};
   });
 }
 
 int sfdae_certify(sfdae_solver* solver, double* distance) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
-    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+  return guarded<Text::of_failure>(solver, [&] {
+    if (!solver->system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze first.");
     const double found = solver->model.certify();
     solver->model.system()->set_distance(found);
     if (distance != nullptr) *distance = found;
-    return {};
   });
 }
 
 int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)
-      return illegal_argument(
-          format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
-    if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
+      refuse_argument(format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
+    if (result == nullptr || !is_plausible_size(result->size)) refuse_struct();
     LinearModel* linear = solver->kind.linear;
-    if (linear == nullptr) return linear_only();
-    if (solver->model.n() > most_dense_unknowns) return too_many_to_check();
+    if (linear == nullptr) refuse_nonlinear();
+    if (solver->model.n() > most_dense_unknowns) refuse_size();
     return report_mismatch(check_derivatives(linear->problem(), t, max_order), solver->problem().equation_names(),
                            result);
   });
@@ -261,15 +255,14 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
                                   sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || max_order < 0 || max_order > max_derivative_order)
-      return illegal_argument(
-          format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
-    if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
+      refuse_argument(format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
+    if (result == nullptr || !is_plausible_size(result->size)) refuse_struct();
     const std::size_t count = index(solver->model.n()) * index(max_order + 2);
-    if (derivatives == nullptr) return illegal_argument("derivatives is NULL.");
-    if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
+    if (derivatives == nullptr) refuse_argument("derivatives is NULL.");
+    if (!all_finite(derivatives, count)) refuse_argument("derivatives contains NaN or Inf.");
     CallbackProblem* callback = solver->kind.nonlinear != nullptr ? solver->kind.nonlinear->callback() : nullptr;
-    if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
-    if (solver->model.n() > most_dense_unknowns) return too_many_to_check();
+    if (callback == nullptr) refuse_argument("there is no callback for total derivatives.");
+    if (solver->model.n() > most_dense_unknowns) refuse_size();
     return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), callback->equation_names(),
                            result);
   });
@@ -278,27 +271,26 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
 int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const double* q, const double* v,
                                       sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
-    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    if (!is_usable(result)) return no_struct();
-    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
+    if (!std::isfinite(t)) refuse_argument(format("t is %g.", t));
+    if (!is_usable(result)) refuse_struct();
+    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
     CallbackMultibody* callbacks = solver->kind.multibody->callbacks();
-    if (callbacks == nullptr) return illegal_argument("recorded equations are differentiated by the library.");
-    if (q == nullptr || v == nullptr) return illegal_argument("q or v is NULL.");
+    if (callbacks == nullptr) refuse_argument("recorded equations are differentiated by the library.");
+    if (q == nullptr || v == nullptr) refuse_argument("q or v is NULL.");
     const MultibodySizes& sizes = callbacks->sizes();
     if (!all_finite(q, index(sizes.positions)) || !all_finite(v, index(sizes.velocities)))
-      return illegal_argument("q or v contains NaN or Inf.");
+      refuse_argument("q or v contains NaN or Inf.");
     return report_mismatch(check_multibody_derivatives(*callbacks, t, q, v), {}, result);
   });
 }
 
 int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
-  return query(solver, [&]() -> CallResult {
-    if (name == nullptr || value == nullptr) return illegal_argument("name or value is NULL.");
+  return query(solver, [&] {
+    if (name == nullptr || value == nullptr) refuse_argument("name or value is NULL.");
     TaylorEvaluator* evaluator = solver->model.evaluator();
     const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
-    if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
+    if (!index) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
     *value = evaluator->parameter(*index);
-    return {};
   });
 }
 

@@ -11,11 +11,11 @@
 
 #include "c_api/checks.h"
 #include "c_api/creation.h"
-#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linear/descriptor_system.h"
+#include "solver/linearized_problem.h"
 
 using namespace sfdae::core;
 
@@ -66,16 +66,16 @@ void write(const Matrix& from, double* to) {
   if (to != nullptr) std::copy_n(from.data(), index(from.rows()) * index(from.cols()), to);
 }
 
-CallResult create(const sfdae_descriptor_matrices& given, sfdae_descriptor** to) {
+void create(const sfdae_descriptor_matrices& given, sfdae_descriptor** to) {
   const int m = given.num_equations, n = given.num_unknowns, q = given.num_inputs, p = given.num_outputs;
   if (!is_number_of_lines(m, 1) || !is_number_of_lines(n, 1) || !is_number_of_lines(q, 0) ||
       !is_number_of_lines(p, 0))
-    return illegal_argument(format(
+    refuse_argument(format(
         "%d equations, %d unknowns, %d inputs, %d outputs: there must be 1 to %d equations and unknowns and 0 to %d "
         "inputs and outputs.",
         m, n, q, p, most_dense_unknowns, most_dense_unknowns));
   if (!(given.rank_tol >= 0.0 && given.rank_tol < 1.0))
-    return illegal_argument(format("rank_tol = %g; it must be >= 0 and < 1.", given.rank_tol));
+    refuse_argument(format("rank_tol = %g; it must be >= 0 and < 1.", given.rank_tol));
   auto descriptor = std::make_unique<sfdae_descriptor>();
   DescriptorSystem& system = descriptor->system;
   system = {Matrix(m, n), Matrix(m, n), Matrix(m, q), Matrix(p, n), Matrix(p, q)};
@@ -91,10 +91,9 @@ CallResult create(const sfdae_descriptor_matrices& given, sfdae_descriptor** to)
                   {"D", given.D, true, system.D}};
   for (const auto& matrix : matrices)
     if (!read(matrix.values, matrix.may_be_null, matrix.to))
-      return illegal_argument(format("%s is NULL or contains NaN or Inf.", matrix.name));
+      refuse_argument(format("%s is NULL or contains NaN or Inf.", matrix.name));
   descriptor->rank_tol = given.rank_tol;
   *to = descriptor.release();
-  return {};
 }
 
 struct Places {
@@ -102,11 +101,10 @@ struct Places {
   double *real, *imaginary, *errors;
 };
 
-CallResult check(const Places& to) {
+void check(const Places& to) {
   if (to.spectrum == nullptr || !is_plausible_size(to.spectrum->size))
-    return illegal_argument("the spectrum is NULL or its size is not set: call sfdae_spectrum_init.");
-  if (to.real == nullptr || to.imaginary == nullptr) return illegal_argument("real or imaginary is NULL.");
-  return {};
+    refuse_argument("the spectrum is NULL or its size is not set: call sfdae_spectrum_init.");
+  if (to.real == nullptr || to.imaginary == nullptr) refuse_argument("real or imaginary is NULL.");
 }
 
 // size: of the pencil.
@@ -141,13 +139,13 @@ void demand_values_of_solution(const sfdae_descriptor& descriptor, const PencilS
              describe(found.values).c_str(), describe(*solution).c_str()));
 }
 
-CallResult transfer(const DescriptorSystem& system, int count, const double* const s[2], double* const H[2]) {
-  if (count < 0) return illegal_argument(format("count = %d; it must be >= 0.", count));
-  if (count == 0) return {};
+void transfer(const DescriptorSystem& system, int count, const double* const s[2], double* const H[2]) {
+  if (count < 0) refuse_argument(format("count = %d; it must be >= 0.", count));
+  if (count == 0) return;
   if (s[0] == nullptr || s[1] == nullptr || H[0] == nullptr || H[1] == nullptr)
-    return illegal_argument("real, imaginary, H_real or H_imaginary is NULL.");
+    refuse_argument("real, imaginary, H_real or H_imaginary is NULL.");
   if (!all_finite(s[0], index(count)) || !all_finite(s[1], index(count)))
-    return illegal_argument("real or imaginary contains NaN or Inf.");
+    refuse_argument("real or imaginary contains NaN or Inf.");
   const std::size_t size = index(system.inputs()) * index(system.outputs());
   std::vector<std::complex<double>> values(size);
   TransferFunction function(system);
@@ -158,7 +156,6 @@ CallResult transfer(const DescriptorSystem& system, int count, const double* con
       H[1][k * size + i] = values[i].imag();
     }
   }
-  return {};
 }
 
 }  // namespace
@@ -180,26 +177,25 @@ int sfdae_spectrum_init(sfdae_spectrum* spectrum, size_t size) {
 
 int sfdae_linearize(sfdae_solver* solver, const sfdae_linearization* choice, sfdae_descriptor** descriptor) {
   if (descriptor != nullptr) *descriptor = nullptr;
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
-    if (descriptor == nullptr) return illegal_argument("descriptor is NULL.");
+  return guarded<Text::of_failure>(solver, [&] {
+    if (descriptor == nullptr) refuse_argument("descriptor is NULL.");
     if (choice == nullptr || !is_plausible_size(choice->size))
-      return illegal_argument("the choice is NULL or its size is not set: call sfdae_linearization_init.");
+      refuse_argument("the choice is NULL or its size is not set: call sfdae_linearization_init.");
     auto found = std::make_unique<sfdae_descriptor>();
     found->system = linearized(*solver, read_struct(*choice, default_linearization()));
     found->rank_tol = solver->options.model.analysis.rank_tol;
     const bool is_that_of_problem = found->system.equations() == solver->model.m();
     if (solver->system() != nullptr && is_that_of_problem) found->solution = solver->system()->analysis().values;
     *descriptor = found.release();
-    return {};
   });
 }
 
 int sfdae_create_descriptor(const sfdae_descriptor_matrices* matrices, sfdae_descriptor** descriptor) {
   if (descriptor != nullptr) *descriptor = nullptr;
-  return creating([&]() -> CallResult {
-    if (descriptor == nullptr) return illegal_argument("descriptor, where the new one goes, is NULL.");
+  return creating([&] {
+    if (descriptor == nullptr) refuse_argument("descriptor, where the new one goes, is NULL.");
     if (matrices == nullptr || !is_plausible_size(matrices->size))
-      return illegal_argument("matrices is NULL or its size is not set: call sfdae_descriptor_matrices_init.");
+      refuse_argument("matrices is NULL or its size is not set: call sfdae_descriptor_matrices_init.");
     return create(read_struct(*matrices, default_matrices()), descriptor);
   });
 }
@@ -240,30 +236,28 @@ int sfdae_get_descriptor_matrices(const sfdae_descriptor* descriptor, double* E,
 
 int sfdae_get_poles(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                     double* errors) {
-  return guarded_on(descriptor, [&]() -> CallResult {
+  return guarded_on(descriptor, [&] {
     const Places to{spectrum, real, imaginary, errors};
-    if (const CallResult checked = check(to); checked.status != SFDAE_OK) return checked;
+    check(to);
     const PencilSpectrum found = poles(descriptor->system, descriptor->rank_tol);
     demand_values_of_solution(*descriptor, found);
     write(found, descriptor->system.unknowns(), to);
-    return {};
   });
 }
 
 int sfdae_get_zeros(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                     double* errors) {
-  return guarded_on(descriptor, [&]() -> CallResult {
+  return guarded_on(descriptor, [&] {
     const Places to{spectrum, real, imaginary, errors};
-    if (const CallResult checked = check(to); checked.status != SFDAE_OK) return checked;
+    check(to);
     const PencilSpectrum found = invariant_zeros(descriptor->system, descriptor->rank_tol);
     write(found, descriptor->system.unknowns() + descriptor->system.inputs(), to);
-    return {};
   });
 }
 
 int sfdae_get_transfer(sfdae_descriptor* descriptor, int count, const double* real, const double* imaginary,
                        double* H_real, double* H_imaginary) {
-  return guarded_on(descriptor, [&]() -> CallResult {
+  return guarded_on(descriptor, [&] {
     const double* const s[] = {real, imaginary};
     double* const H[] = {H_real, H_imaginary};
     return transfer(descriptor->system, count, s, H);

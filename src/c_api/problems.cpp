@@ -10,8 +10,6 @@
 #include "c_api/codes.h"
 #include "c_api/expressions.h"
 #include "c_api/record_multibody.h"
-#include "extension/structured_model.h"
-#include "problem/callback_equations.h"
 
 namespace sfdae::core {
 
@@ -39,38 +37,6 @@ std::vector<int> differentiations_of(const sfdae_nonlinear_problem& problem) {
   return has_all ? std::vector<int>() : counts;
 }
 
-AnyModel any(std::unique_ptr<LinearModel> model) {
-  LinearModel* linear = model.get();
-  return {.model = std::move(model), .linear = linear};
-}
-
-AnyModel any(std::unique_ptr<NonlinearModel> model) {
-  NonlinearModel* nonlinear = model.get();
-  return {.model = std::move(model), .nonlinear = nonlinear};
-}
-
-AnyModel any(std::unique_ptr<StructuredMultibody> model) {
-  StructuredMultibody* multibody = model.get();
-  return {.model = std::move(model), .multibody = multibody};
-}
-
-// Recorded equations, as many as unknowns, all of which may be differentiated and none of the unknowns of which are
-// prescribed, are solved by their structure where that is of use.
-AnyModel with_structure(AnyModel any) {
-  if (!any.model || any.model->evaluator() == nullptr || any.model->m() != any.model->n()) return any;
-  RecordedProblem* problem = any.nonlinear != nullptr ? any.nonlinear->recorded() : nullptr;
-  std::unique_ptr<RecordedProblem> owned;
-  if (any.linear != nullptr) {
-    if (!any.linear->problem().prescribed().empty()) return any;
-    owned = std::make_unique<RecordedProblem>(*any.linear->evaluator());
-    owned->set_equation_names(any.linear->problem().equation_names());
-    problem = owned.get();
-  }
-  if (problem == nullptr || problem->counts_are_given() || !problem->prescribed().empty()) return any;
-  any.model = std::make_unique<StructuredModel>(std::move(any.model), *problem, std::move(owned));
-  return any;
-}
-
 JacobianForm form_of(int matrices) {
   return matrices == SFDAE_MATRICES_DENSE        ? JacobianForm::dense
          : matrices == SFDAE_MATRICES_COMPRESSED ? JacobianForm::compressed
@@ -82,32 +48,6 @@ std::shared_ptr<const JacobianPatterns> patterns_of(const GivenPattern& F_x, con
   if (F_x.start == nullptr) return nullptr;
   return std::make_shared<const JacobianPatterns>(
       JacobianPatterns{column_pattern(F_x, n), column_pattern(F_xdot, n)});
-}
-
-// Functions with patterns, the same way; they evaluate what the model of them does.
-AnyModel with_opaque_structure(AnyModel any, std::shared_ptr<PatternedEquations> equations,
-                               const JacobianPatterns& patterns) {
-  const int m = any.model->m();
-  const EquationNames names = any.model->problem().equation_names();
-  std::unique_ptr<RecordedProblem> opaque = opaque_problem(std::move(equations), m, patterns, names);
-  RecordedProblem& problem = *opaque;
-  if (any.nonlinear != nullptr) any.nonlinear->callback()->follow(&problem);
-  any.model = std::make_unique<StructuredModel>(std::move(any.model), problem, std::move(opaque));
-  return any;
-}
-
-AnyModel with_patterns(AnyModel any) {
-  if (any.model->m() != any.model->n()) return any;
-  if (any.linear != nullptr) {
-    LinearProblem& problem = any.linear->problem();
-    if (!problem.patterns() || !problem.prescribed().empty()) return any;
-    const auto patterns = problem.patterns();
-    return with_opaque_structure(std::move(any), std::make_shared<LinearEquations>(problem), *patterns);
-  }
-  CallbackProblem& problem = *any.nonlinear->callback();
-  if (!problem.patterns() || problem.counts_are_given() || !problem.prescribed().empty()) return any;
-  const auto patterns = problem.patterns();
-  return with_opaque_structure(std::move(any), std::make_shared<NonlinearEquations>(problem), *patterns);
 }
 
 }  // namespace
@@ -127,12 +67,6 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
       .patterns = patterns_of({problem.A_entries, problem.A_col_start, problem.A_row_index},
                               {problem.E_entries, problem.E_col_start, problem.E_row_index}, problem.num_unknowns),
       .compressed = problem.matrices == SFDAE_MATRICES_COMPRESSED};
-}
-
-AnyModel clone_of(const AnyModel& model) {
-  if (model.linear != nullptr) return with_structure(any(model.linear->clone()));
-  if (model.nonlinear != nullptr) return with_structure(any(model.nonlinear->clone()));
-  return any(model.multibody->clone());
 }
 
 AnyModel make_model(const sfdae_linear_problem& problem) {
@@ -164,16 +98,6 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
     return with_structure(any(std::make_unique<LinearModel>(
         std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem)))));
   return with_structure(model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem))));
-}
-
-AnyModel make_model(std::shared_ptr<const Record> record) {
-  const EquationNames names = record->equation_names();
-  if (record->is_linear())
-    return with_structure(any(std::make_unique<LinearModel>(
-        std::make_unique<RecordedLinearCoefficients>(std::move(record), PrescribedInputs{}))));
-  auto problem = std::make_unique<RecordedProblem>(std::move(record), PrescribedInputs{});
-  problem->set_equation_names(names);
-  return with_structure(any(std::make_unique<NonlinearModel>(std::move(problem))));
 }
 
 AnyModel make_model(const sfdae_multibody_problem& problem) {

@@ -1,4 +1,4 @@
-// The solution over a whole run: the C API over the core.
+// The solution over a whole run: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <memory>
@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "c_api/creation.h"
+#include "c_api/hybrid.h"
 #include "c_api/solver.h"
 #include "integrate/solution_pieces.h"
 #include "linalg/archive.h"
@@ -66,10 +67,9 @@ extern "C" {
 
 int sfdae_create_solution(sfdae_solution** solution) {
   if (solution != nullptr) *solution = nullptr;
-  return creating([&]() -> CallResult {
-    if (solution == nullptr) return illegal_argument("solution, where the new one goes, is NULL.");
+  return creating([&] {
+    if (solution == nullptr) refuse_argument("solution, where the new one goes, is NULL.");
     *solution = new sfdae_solution;
-    return {};
   });
 }
 
@@ -81,10 +81,13 @@ int sfdae_destroy_solution(sfdae_solution** solution) {
 }
 
 int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution) {
-  return guarded(solver, [&]() -> CallResult {
-    solver->solution = solution != nullptr ? solution->pieces : nullptr;
-    if (solver->integration) solver->integration->record(solver->solution);
-    return {};
+  return guarded(solver, [&] { solver->record(solution != nullptr ? solution->pieces : nullptr); });
+}
+
+int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
+  return guarded(hybrid, [&] {
+    if (hybrid->modes.empty()) refuse_argument("there are no modes: call sfdae_add_mode.");
+    hybrid->record(solution != nullptr ? solution->pieces : nullptr);
   });
 }
 

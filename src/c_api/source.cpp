@@ -1,81 +1,11 @@
 // Source text of models: C API.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cstdio>
 #include <string>
-#include <vector>
 
-#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
-#include "extension/extension_model.h"
-#include "extension/model_source.h"
-#include "linalg/format.h"
-#include "linalg/index.h"
 #include "sfdae/expression.h"
-
-namespace sfdae::core {
-
-namespace {
-
-[[noreturn]] void refuse_export(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
-
-void demand_exportable(const sfdae_solver& solver) {
-  if (solver.kind.multibody != nullptr)
-    refuse_export(
-        "multibody systems have no source: record q' = S v, M v' = f - G^T lambda, 0 = g as equations F(t, x, x') = "
-        "0 "
-        "and export these.");
-  if (solver.model.evaluator() == nullptr || !solver.model.has_structure())
-    refuse_export("only recorded equations, as many as unknowns and without callbacks, have a source.");
-  if (solver.system() == nullptr)
-    throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
-}
-
-// Where the solver is; x: zero for linear equations before a start. xdot: where known, as F = 0 may allow several.
-PointOfInterest present_point(sfdae_solver& solver, std::vector<double>& x, std::vector<double>& xdot) {
-  double t = solver.system()->t();
-  x.assign(index(solver.model.n()), 0.0);
-  if (const Jet* const jet = solver.system()->point_of_equations(); jet != nullptr) {
-    t = jet->t;
-    std::copy_n(jet->column(0), x.size(), x.begin());
-    if (jet->order > 0) xdot.assign(jet->column(1), jet->column(1) + jet->n);
-  } else if (solver.integration) {
-    x = solution_at(solver, t);
-  }
-  return {t, time_beside(t, solver.direction), x.data(), xdot.empty() ? nullptr : xdot.data()};
-}
-
-std::string source_of(sfdae_solver& solver, Language language, const char* name) {
-  demand_exportable(solver);
-  RecordedProblem problem(*solver.model.evaluator());
-  problem.set_equation_names(solver.problem().equation_names());
-  problem.stop_with(solver.problem());
-  if (problem.structure() == nullptr)
-    refuse_export(
-        "some equations contain too few unknowns for a structure, as sfdae_get_structure tells: there is no source.");
-  std::vector<double> x, xdot;
-  const PointOfInterest point = present_point(solver, x, xdot);
-  ExtensionModel model(problem, solver.problem());
-  std::vector<RankDecision> decisions;
-  try {
-    model.analyze(point, solver.options.model, decisions);
-  } catch (const Failure& failure) {
-    throw Failure(failure.status(),
-                  std::string("the minimal extension, which is what can be exported, fails here: ") + failure.what());
-  }
-  ExtensionSystem& system = *model.system();
-  const CharacteristicValues &values = solver.system()->analysis().values, &of_structure = system.analysis().values;
-  if (of_structure.d != values.d)
-    throw Failure(SFDAE_RANK_UNCLEAR, "structure gives (" + describe(of_structure) + "), the analysis (" +
-                                          describe(values) + "): what would be exported is not that system.");
-  const ExportedSystem exported =
-      exported_system(system.extension(), system.linearization().choice(), system.accepted_jet());
-  return source_of(exported, {language, name, values, solver.problem().equation_names()});
-}
-
-}  // namespace
-
-}  // namespace sfdae::core
+#include "solver/solver_source.h"
 
 using namespace sfdae::core;
 
@@ -83,17 +13,16 @@ extern "C" {
 
 int sfdae_export_source(sfdae_solver* solver, int language, const char* name, char* text, size_t length,
                         size_t* needed) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     if (language != SFDAE_SOURCE_C && language != SFDAE_SOURCE_FORTRAN)
-      return illegal_argument(format("language is %d, none of SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN.", language));
-    if (name == nullptr) return illegal_argument("name is NULL.");
-    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
+      refuse_argument(format("language is %d, none of SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN.", language));
+    if (name == nullptr) refuse_argument("name is NULL.");
+    if (text == nullptr && length > 0) refuse_argument("text is NULL.");
     if (const std::string complaint = complaint_about_name(name); !complaint.empty())
-      return illegal_argument(complaint + ".");
+      refuse_argument(complaint + ".");
     const std::string source = source_of(*solver, language == SFDAE_SOURCE_C ? Language::C : Language::Fortran, name);
     if (length > 0) std::snprintf(text, length, "%s", source.c_str());
     if (needed != nullptr) *needed = source.size() + 1;
-    return {};
   });
 }
 

@@ -113,8 +113,8 @@ std::string judge_blocks(const Structure& structure, const Record& record, const
       is_singular ? "singular" : "nearly singular", block.t, block.rank, block.cols);
 }
 
-CallResult not_recorded() {
-  return illegal_argument(
+[[noreturn]] void refuse_unrecorded() {
+  refuse_argument(
       "structure is that of equations, recorded or functions with sparsity patterns, as many as unknowns, linear or "
       "nonlinear.");
 }
@@ -131,10 +131,10 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
                         int* assigned, int* block) {
   return guarded<Text::of_answer>(solver, [&]() -> CallResult {
     if (result == nullptr || !is_plausible_size(result->size))
-      return illegal_argument("the result is NULL or its size is not set: call its init function.");
+      refuse_argument("the result is NULL or its size is not set: call its init function.");
     TaylorEvaluator* const evaluator =
         solver->kind.multibody != nullptr ? nullptr : solver->model.structure_evaluator();
-    if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) return not_recorded();
+    if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) refuse_unrecorded();
     const Record& record = evaluator->record();
     const PublicArrays arrays{differentiations, orders, assigned, block};
     sfdae_structure found{};
@@ -160,7 +160,7 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
       Certificate certificate;
       if (!certify_structure(structure, *evaluator, {point->t, point->jet.data()},
                              solver->options.model.analysis.rank_tol, certificate))
-        return {SFDAE_NOT_FINITE, evaluator->failure().message};
+        throw Failure(SFDAE_NOT_FINITE, evaluator->failure().message);
       words.message = judge_blocks(structure, record, certificate, found);
     }
     fill_struct(result, found);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -51,7 +50,7 @@ Jet point_at(sfdae_solver& solver, double t, int level) {
     point.t = t;
     return point;
   }
-  return solver.model.jet_through(t, solution_at(solver, t).data(), level);
+  return solver.model.jet_through(t, solver.solution_at(t).data(), level);
 }
 
 Jet given_jet(const sfdae_solver& solver, double t, const double* derivatives, int level) {
@@ -73,11 +72,10 @@ struct ArrayPlaces {
   double *M, *N, *g;
 };
 
-CallResult write(const DerivativeArray& array, const ArrayPlaces& to) {
+void write(const DerivativeArray& array, const ArrayPlaces& to) {
   copy_out(array.M, to.M);
   copy_out(array.N, to.N);
   copy_out(array.g, to.g);
-  return {};
 }
 
 struct ProjectorPlaces {
@@ -86,49 +84,28 @@ struct ProjectorPlaces {
   bool of_array() const { return Z2 != nullptr || Z3 != nullptr || vhat != nullptr; }
 };
 
-CallResult write(const Projectors& found, const ProjectorPlaces& to) {
+void write(const Projectors& found, const ProjectorPlaces& to) {
   copy_out(found.Z1, to.Z1);
   copy_out(found.Z2, to.Z2);
   copy_out(found.Z3, to.Z3);
   copy_out(found.T2, to.T2);
   if (to.vhat != nullptr) *to.vhat = found.Z3.cols();
-  return {};
 }
 
 struct SystemPlaces {
   double *E1, *A1, *f1, *A2, *f2, *residual;
 };
 
-CallResult write(const StrangenessFreeEquations& found, const SystemPlaces& to) {
+void write(const StrangenessFreeEquations& found, const SystemPlaces& to) {
   copy_out(found.E1, to.E1);
   copy_out(found.A1, to.A1);
   copy_out(found.f1, to.f1);
   copy_out(found.A2, to.A2);
   copy_out(found.f2, to.f2);
   if (to.residual != nullptr) *to.residual = found.residual;
-  return {};
 }
 
 }  // namespace
-
-// The solution at t: within the last step of an integration, else at the point of the analysis.
-std::vector<double> solution_at(sfdae_solver& solver, double t) {
-  if (solver.integration) {
-    std::vector<double> x(index(solver.model.n()));
-    solver.integration->want_slopes(false);
-    const CallResult result = solver.integration->interpolate(t, false, x.data(), nullptr);
-    if (result.status < 0) raise(result.status, result.message);
-    return x;
-  }
-  demand_analysis(solver);
-  const Jet point = solver.model.accepted_point();
-  if (point.n == 0) raise(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
-  if (point.t != t)
-    raise(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
-  return {point.x.begin(), point.x.begin() + point.n};
-}
 
 }  // namespace sfdae::core
 
@@ -137,12 +114,12 @@ using namespace sfdae::core;
 extern "C" {
 
 int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, double* jet) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_level(t, level);
-    if (jet == nullptr) return illegal_argument("jet is NULL.");
+    if (jet == nullptr) refuse_argument("jet is NULL.");
     demand_analysis(*solver);
     std::vector<double> given;
-    if (x == nullptr) given = solution_at(*solver, t);
+    if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
     const Jet found = solver->model.jet_through(t, x == nullptr ? given.data() : x, level);
     double factorial = 1.0;
@@ -150,12 +127,11 @@ int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, do
       factorial *= std::max(k, 1);
       for (int j = 0; j < found.n; ++j) *jet++ = factorial * found.column(k)[j];
     }
-    return {};
   });
 }
 
 int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_level(t, level);
     if (solver->kind.linear == nullptr) demand_analysis(*solver);
     return write(solver->model.derivative_array(point_at(*solver, t, level), level), {M, N, g});
@@ -164,14 +140,14 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
 
 int sfdae_get_derivative_array_at(sfdae_solver* solver, double t, const double* jet, int level, double* M, double* N,
                                   double* g) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_level(t, level);
     return write(solver->model.derivative_array(given_jet(*solver, t, jet, level), level), {M, N, g});
   });
 }
 
 int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
@@ -182,7 +158,7 @@ int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2,
 
 int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, double* Z1, double* Z2, double* Z3,
                             double* T2, int* vhat) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
@@ -193,7 +169,7 @@ int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, d
 
 int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
                                double* f2, double* residual) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
     const Jet jet = point_at(*solver, t, solver->model.level_of_jets(false));
@@ -203,7 +179,7 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
 
 int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* jet, double* E1, double* A1,
                                   double* f1, double* A2, double* f2, double* residual) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
     const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(false));
@@ -213,12 +189,12 @@ int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* 
 
 int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, double* Qq, double* Qv, double* E,
                               double* A, double* f, double* w) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
-    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
+    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
     demand_analysis(*solver);
     std::vector<double> given;
-    if (x == nullptr) given = solution_at(*solver, t);
+    if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
     const ExtendedSystem found = solver->kind.multibody->extended_system(t, x == nullptr ? given.data() : x);
     copy_out(found.Qq, Qq);
@@ -227,7 +203,6 @@ int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, d
     copy_out(found.A, A);
     copy_out(found.f, f);
     copy_out(found.w, w);
-    return {};
   });
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "c_api/ensemble_worker.h"
+#include "ensemble/ensemble_worker.h"
 
 namespace sfdae::core {
 
@@ -16,6 +16,6 @@ struct EnsembleSummary {
 };
 
 // Solves all instances. Throws std::bad_alloc before anything has been written, if there is no memory to begin with.
-EnsembleSummary solve_ensemble(sfdae_solver& prototype, const EnsembleTask& task);
+EnsembleSummary solve_ensemble(Solver& prototype, const EnsembleTask& task);
 
 }  // namespace sfdae::core

@@ -6,12 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "integrate/integration_options.h"
-
 namespace sfdae::core {
 
 // values(s, to) writes values(s), as many numbers as there are sizes.
-using MapAlong = std::function<CallResult(double s, std::vector<double>& to)>;
+using MapAlong = std::function<void(double s, std::vector<double>& to)>;
 
 struct DerivativeAlong {
   std::vector<double> value;
@@ -32,7 +30,7 @@ struct Differencing {
 };
 
 // d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values,
-// larger where rounding errors are what is left. It fails as the last call has where there are no values for any.
-CallResult differentiate_along(const MapAlong& values, const Differencing& how, DerivativeAlong& derivative);
+// larger where rounding errors are what is left. Throws the last Failure of the map where there are no values for any.
+DerivativeAlong differentiate_along(const MapAlong& values, const Differencing& how);
 
 }  // namespace sfdae::core

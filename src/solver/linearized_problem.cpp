@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/linearized_problem.h"
+#include "solver/linearized_problem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,37 +14,36 @@ namespace sfdae::core {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
-
 void demand_list(const char* name, int count, const void* list) {
   if (count < 0 || count > most_dense_unknowns)
-    refuse(format("num_%s = %d; it must be 0 ... %d.", name, count, most_dense_unknowns));
-  if (count > 0 && list == nullptr) refuse(format("num_%s = %d, but %s is NULL.", name, count, name));
+    refuse_argument(format("num_%s = %d; it must be 0 ... %d.", name, count, most_dense_unknowns));
+  if (count > 0 && list == nullptr) refuse_argument(format("num_%s = %d, but %s is NULL.", name, count, name));
 }
 
 void demand_finite(const char* name, const double* values, std::size_t count) {
-  if (!all_finite(values, count)) refuse(format("%s contains NaN or Inf.", name));
+  if (!all_finite(values, count)) refuse_argument(format("%s contains NaN or Inf.", name));
 }
 
 void demand_unknowns(const char* name, int count, const int* unknowns, int n) {
   demand_list(name, count, unknowns);
   for (int k = 0; k < count; ++k)
     if (unknowns[k] < 0 || unknowns[k] >= n)
-      refuse(format("%s[%d] = %d; unknowns are 0 ... %d.", name, k, unknowns[k], n - 1));
+      refuse_argument(format("%s[%d] = %d; unknowns are 0 ... %d.", name, k, unknowns[k], n - 1));
 }
 
 void demand_no_repetition(const sfdae_linearization& choice) {
   std::vector<int> sorted(choice.input_unknowns, choice.input_unknowns + choice.num_input_unknowns);
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) refuse(format("input_unknowns contains %d twice.", *twice));
+  if (twice != sorted.end()) refuse_argument(format("input_unknowns contains %d twice.", *twice));
 }
 
 void check(const sfdae_linearization& choice, int m, int n) {
   if (m > most_dense_unknowns || n > most_dense_unknowns)
-    refuse(format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_dense_unknowns));
-  if (!std::isfinite(choice.t)) refuse(format("t is %g.", choice.t));
-  if (choice.xdot != nullptr && choice.x == nullptr) refuse("xdot is given, but x is NULL.");
+    refuse_argument(
+        format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_dense_unknowns));
+  if (!std::isfinite(choice.t)) refuse_argument(format("t is %g.", choice.t));
+  if (choice.xdot != nullptr && choice.x == nullptr) refuse_argument("xdot is given, but x is NULL.");
   if (choice.x != nullptr) demand_finite("x", choice.x, index(n));
   if (choice.xdot != nullptr) demand_finite("xdot", choice.xdot, index(n));
   demand_list("input_parameters", choice.num_input_parameters, choice.input_parameters);
@@ -60,7 +59,7 @@ void check(const sfdae_linearization& choice, int m, int n) {
 // Recorded equations F, whatever the kind of problem.
 class Equations {
  public:
-  explicit Equations(sfdae_solver& solver) {
+  explicit Equations(Solver& solver) {
     if (solver.kind.multibody == nullptr) {
       evaluator_ = solver.model.evaluator();
     } else if (solver.model.evaluator() != nullptr) {
@@ -79,21 +78,21 @@ class Equations {
 std::vector<int> numbers_of_parameters(const sfdae_linearization& choice, const TaylorEvaluator* evaluator) {
   std::vector<int> numbers;
   if (choice.num_input_parameters > 0 && evaluator == nullptr)
-    refuse("input_parameters are those of recorded equations; for callbacks give input_columns.");
+    refuse_argument("input_parameters are those of recorded equations; for callbacks give input_columns.");
   for (int k = 0; k < choice.num_input_parameters; ++k) {
     const char* const name = choice.input_parameters[k];
-    if (name == nullptr) refuse(format("input_parameters[%d] is NULL.", k));
+    if (name == nullptr) refuse_argument(format("input_parameters[%d] is NULL.", k));
     const auto found = evaluator->find_parameter(name);
-    if (!found) refuse(format("there is no parameter \"%.60s\" in the equations.", name));
+    if (!found) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
     if (std::find(numbers.begin(), numbers.end(), *found) != numbers.end())
-      refuse(format("the parameter \"%.60s\" is named twice.", name));
+      refuse_argument(format("the parameter \"%.60s\" is named twice.", name));
     numbers.push_back(*found);
   }
   return numbers;
 }
 
 // x and x', order 1. Linear problems whose matrices are all that counts have none, which is 0.
-Jet point_of(sfdae_solver& solver, const sfdae_linearization& choice, bool solution_counts) {
+Jet point_of(Solver& solver, const sfdae_linearization& choice, bool solution_counts) {
   const std::size_t n = index(solver.model.n());
   Jet point;
   point.t = choice.t;
@@ -112,12 +111,12 @@ Jet point_of(sfdae_solver& solver, const sfdae_linearization& choice, bool solut
     throw Failure(SFDAE_NOT_STARTED,
                   "the linearization depends on x and x': call sfdae_start or sfdae_analyze_at first, or give both.");
   const std::vector<double> x =
-      choice.x != nullptr ? std::vector<double>(choice.x, choice.x + n) : solution_at(solver, choice.t);
+      choice.x != nullptr ? std::vector<double>(choice.x, choice.x + n) : solver.solution_at(choice.t);
   return solver.model.jet_through(choice.t, x.data(), 0);
 }
 
 // Of the user's problem, not those that inputs may have become.
-const std::vector<int>& prescribed_of(const sfdae_solver& solver) {
+const std::vector<int>& prescribed_of(const Solver& solver) {
   static const std::vector<int> none;
   if (solver.kind.linear != nullptr) return solver.kind.linear->problem().prescribed();
   if (solver.kind.nonlinear != nullptr) return solver.kind.nonlinear->problem().prescribed();
@@ -125,7 +124,7 @@ const std::vector<int>& prescribed_of(const sfdae_solver& solver) {
 }
 
 // Unknowns with an equation of their own: those that are inputs, then prescribed ones that are held.
-std::vector<int> pinned_unknowns(const sfdae_solver& solver, const sfdae_linearization& choice) {
+std::vector<int> pinned_unknowns(const Solver& solver, const sfdae_linearization& choice) {
   std::vector<int> pinned(choice.input_unknowns, choice.input_unknowns + choice.num_input_unknowns);
   for (int j : prescribed_of(solver))
     if (std::find(pinned.begin(), pinned.end(), j) == pinned.end()) pinned.push_back(j);
@@ -153,7 +152,7 @@ Matrix outputs_of(const sfdae_linearization& choice, int n) {
 
 }  // namespace
 
-DescriptorSystem linearized(sfdae_solver& solver, const sfdae_linearization& choice) {
+DescriptorSystem linearized(Solver& solver, const sfdae_linearization& choice) {
   const int m = solver.model.m(), n = solver.model.n();
   check(choice, m, n);
   const Equations equations(solver);

@@ -1,6 +1,6 @@
 // The structure in the diagnostics report.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/structure_report.h"
+#include "solver/structure_report.h"
 
 #include <algorithm>
 #include <span>

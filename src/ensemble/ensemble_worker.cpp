@@ -1,6 +1,6 @@
 // Instances of an ensemble, solved one after the other.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/ensemble_worker.h"
+#include "ensemble/ensemble_worker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,14 @@
 #include <cstdio>
 
 #include "linalg/index.h"
+#include "solver/status_of.h"
 
 namespace sfdae::core {
 
 namespace {
 
 // That of an instance knows nothing of the others, and events are none.
-SolverOptions options_of_instances(const sfdae_solver& prototype) {
+SolverOptions options_of_instances(const Solver& prototype) {
   SolverOptions options = prototype.options;
   options.integration.monitor = nullptr;
   options.integration.events = nullptr;
@@ -25,14 +26,14 @@ SolverOptions options_of_instances(const sfdae_solver& prototype) {
 // What more than the ranks at the start might have to do with: structure, values, steps.
 bool may_be_about_ranks(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status != SFDAE_MAX_STEPS; }
 
-void say(InstanceOutcome& outcome, int status, const char* message) {
+void say(InstanceOutcome& outcome, int status, const char* message, const char* hint = "") {
   outcome.status = status;
-  std::snprintf(outcome.message, sizeof outcome.message, "%s", message);
+  std::snprintf(outcome.message, sizeof outcome.message, "%s%s", message, *message != '\0' ? hint : "");
 }
 
 }  // namespace
 
-EnsembleWorker::EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task)
+EnsembleWorker::EnsembleWorker(Solver& prototype, const EnsembleTask& task)
     : task_(task),
       solver_(clone_of(prototype.kind), options_of_instances(prototype)),
       x_(index(solver_.model.n())),
@@ -62,10 +63,15 @@ bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {
   return true;
 }
 
-bool EnsembleWorker::note(int status, InstanceOutcome& outcome) const {
-  const bool is_first = outcome.status == SFDAE_OK || status < 0 || status == SFDAE_STOPPED;
-  if (status != SFDAE_OK && is_first) say(outcome, status, sfdae_message(&solver_));
-  return status >= 0 && status != SFDAE_STOPPED;
+template <class Body>
+bool EnsembleWorker::goes_on_after(Body body, InstanceOutcome& outcome) {
+  const int returned = status_of(body, [&](int status, const char* message) {
+    const bool is_first = outcome.status == SFDAE_OK || status < 0 || status == SFDAE_STOPPED;
+    if (status != SFDAE_OK && is_first) say(outcome, status, message, solver_.hint(status));
+    return status;
+  });
+  if (returned == SFDAE_STOPPED) solver_.problem().take_stop_request();
+  return returned >= 0 && returned != SFDAE_STOPPED;
 }
 
 void EnsembleWorker::solve_once(int instance, InstanceOutcome& outcome) {
@@ -75,14 +81,16 @@ void EnsembleWorker::solve_once(int instance, InstanceOutcome& outcome) {
   std::copy_n(ensemble.x0 + first, n, x_.data());
   if (ensemble.xdot0 != nullptr) std::copy_n(ensemble.xdot0 + first, n, xdot_.data());
   double t = ensemble.t0;
-  const int started = sfdae_start(&solver_, t, ensemble.times[ensemble.num_times - 1], x_.data(),
-                                  ensemble.xdot0 != nullptr ? xdot_.data() : nullptr);
-  const bool is_analyzed = solver_.system() != nullptr || may_be_about_ranks(started);
+  const double last = ensemble.times[ensemble.num_times - 1];
+  double* const guess = ensemble.xdot0 != nullptr ? xdot_.data() : nullptr;
+  const bool is_started = goes_on_after([&] { return solver_.start(t, last, x_.data(), guess); }, outcome);
+  const bool is_analyzed = solver_.system() != nullptr || may_be_about_ranks(outcome.status);
   if (is_analyzed && !is_precedented()) ++outcome.analyses;
-  if (!note(started, outcome)) return;
+  if (!is_started) return;
   for (int k = 0; k < ensemble.num_times; ++k) {
     double* const xdot = slopes_.empty() ? nullptr : xdot_.data();
-    if (!note(sfdae_advance(&solver_, ensemble.times[k], &t, x_.data(), xdot), outcome)) return;
+    const auto advance = [&] { return solver_.advance(ensemble.times[k], false, t, x_.data(), xdot); };
+    if (!goes_on_after(advance, outcome)) return;
     std::copy_n(x_.data(), n, outputs_.data() + index(k) * n);
     if (xdot != nullptr) std::copy_n(xdot, n, slopes_.data() + index(k) * n);
     outcome.outputs = k + 1;
@@ -123,8 +131,8 @@ Precedent EnsembleWorker::analyze(int instance) noexcept {
     InstanceOutcome outcome;
     solver_.options.model.precedent = {};
     if (!set_parameters(instance, outcome)) return {};
-    sfdae_analyze_at(&solver_, ensemble.t0, ensemble.times[ensemble.num_times - 1],
-                     ensemble.x0 + index(instance) * x_.size(), nullptr);
+    const double* const x = ensemble.x0 + index(instance) * x_.size();
+    goes_on_after([&] { return solver_.analyze({ensemble.t0, ensemble.times[ensemble.num_times - 1], x}); }, outcome);
     return solver_.system() != nullptr ? precedent_of(solver_.system()->analysis()) : Precedent{};
   } catch (...) {
     return {};

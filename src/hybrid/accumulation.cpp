@@ -1,11 +1,10 @@
-// Where a hybrid system cannot go on: transitions that accumulate, modes that lead to each other at once; and how
-// well the functions of transitions are known.
 // SPDX-License-Identifier: BSD-3-Clause
+#include "hybrid/accumulation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "c_api/hybrid.h"
 #include "linalg/index.h"
 #include "linalg/random.h"
 
@@ -33,7 +32,7 @@ std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolera
 
 // The time in which the first component moves by its tolerance.
 double time_to_move(const HybridRun& run, const Tolerances& tolerances) {
-  double time = std::fabs(toward_from(run) - run.t);
+  double time = std::fabs(run.toward_from() - run.t);
   for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) {
     const double tolerance = tolerances.rtol[i] * std::fabs(run.x[i]) + tolerances.atol[i];
     if (std::fabs(run.xdot[i]) * time > tolerance) time = tolerance / std::fabs(run.xdot[i]);
@@ -59,29 +58,18 @@ std::optional<double> time_to_limit(const std::vector<double>& times) {
 }
 
 // Whether the function hardly moves any more until the next passage, half of the way to the limit, say.
-CallResult is_at_rest(const sfdae_hybrid& hybrid, const HybridTransition& transition, double rest, bool& at_rest) {
+bool is_at_rest(const HybridSystem& hybrid, const HybridTransition& transition, double rest) {
   const HybridRun& run = hybrid.run;
   const sfdae_transition& given = transition.given;
-  at_rest = std::fabs(rest) <= time_left * std::fabs(run.t - run.start);
-  if (at_rest || given.function == nullptr) return {};
+  if (std::fabs(rest) <= time_left * std::fabs(run.t - run.start)) return true;
+  if (given.function == nullptr) return false;
   const std::vector<double>& times = transition.passages;
   const double part = 0.25 * (times.back() - times[times.size() - 2]);
   std::vector<double> x(run.x);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += part * run.xdot[i];
-  double here = 0.0, there = 0.0, margin = 0.0;
-  int returned = given.function(run.t, run.x.data(), run.xdot.data(), &here, given.user);
-  if (returned == 0) returned = given.function(run.t + part, x.data(), run.xdot.data(), &there, given.user);
-  if (returned != 0) return of_callback(name_of_function(given), run, returned);
-  CallResult result = find_margin(hybrid, given, margin);
-  at_rest = std::fabs(there - here) <= tolerances_left * margin;
-  return result;
-}
-
-}  // namespace
-
-CallResult of_callback(const char* what, const HybridRun& run, int returned) {
-  return {returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
-          format("%s returned %d at t = %.10g.", what, returned, run.t)};
+  const double here = function_at(run, given, run.t, run.x.data(), run.xdot.data());
+  const double there = function_at(run, given, run.t + part, x.data(), run.xdot.data());
+  return std::fabs(there - here) <= tolerances_left * margin_of(hybrid, given);
 }
 
 const char* name_of_function(const sfdae_transition& given) {
@@ -90,23 +78,32 @@ const char* name_of_function(const sfdae_transition& given) {
   return "function";
 }
 
-double toward_from(const HybridRun& run) {
-  return (run.toward - run.t) * run.direction() > 0.0 ? run.toward : time_beside(run.t, run.direction());
+}  // namespace
+
+void demand_success(const char* what, const HybridRun& run, int returned) {
+  if (returned == 0) return;
+  throw Failure(returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
+                format("%s returned %d at t = %.10g.", what, returned, run.t));
 }
 
-CallResult find_margin(const sfdae_hybrid& hybrid, const sfdae_transition& given, double& margin) {
+double function_at(const HybridRun& run, const sfdae_transition& given, double t, const double* x,
+                   const double* xdot) {
+  double value = 0.0;
+  demand_success(name_of_function(given), run, given.function(t, x, xdot, &value, given.user));
+  return value;
+}
+
+double margin_of(const HybridSystem& hybrid, const sfdae_transition& given) {
   const HybridRun& run = hybrid.run;
   const Tolerances& tolerances = hybrid.modes[index(given.from)].solver->options.model.tolerances;
   const double beside = some_roundings * std::max(std::fabs(run.t), std::fabs(run.toward)) * run.direction();
   std::minstd_rand random(11);
-  double here = 0.0;
-  int returned = given.function(run.t, run.x.data(), run.xdot.data(), &here, given.user);
+  const double here = function_at(run, given, run.t, run.x.data(), run.xdot.data());
   // Not 0: the sign that a function has where it is constant has to be known, too.
-  margin = std::numeric_limits<double>::min();
+  double margin = std::numeric_limits<double>::min();
   const auto look_at = [&](double t, const std::vector<double>& x, const std::vector<double>& xdot) {
-    double there = 0.0;
-    if (returned == 0) returned = given.function(t, x.data(), xdot.data(), &there, given.user);
-    if (returned == 0 && std::isfinite(there)) margin = std::max(margin, std::fabs(there - here));
+    const double there = function_at(run, given, t, x.data(), xdot.data());
+    if (std::isfinite(there)) margin = std::max(margin, std::fabs(there - here));
   };
   look_at(run.t + beside, run.x, run.xdot);
   for (int k = 0; k < 4; ++k) {
@@ -119,7 +116,7 @@ CallResult find_margin(const sfdae_hybrid& hybrid, const sfdae_transition& given
   std::vector<double> xdot(run.xdot);
   for (double& value : xdot) value *= 1.0 + some_roundings * symmetric_random(random);
   look_at(run.t, run.x, xdot);
-  return returned != 0 ? of_callback(name_of_function(given), run, returned) : CallResult{};
+  return margin;
 }
 
 double time_of_short_visit(const HybridRun& run, const Tolerances& tolerances) {
@@ -127,10 +124,10 @@ double time_of_short_visit(const HybridRun& run, const Tolerances& tolerances) {
 }
 
 void count_short_visit(HybridRun& run) {
-  if (std::fabs(run.t - run.entered) > run.short_time) {
-    run.short_visits = 0;
-  } else if (run.short_visits++ == 0) {
-    run.first_short = run.entered;
+  if (std::fabs(run.t - run.visit.entered) > run.visit.short_time) {
+    run.short_visits.count = 0;
+  } else if (run.short_visits.count++ == 0) {
+    run.short_visits.first = run.visit.entered;
   }
 }
 
@@ -140,30 +137,26 @@ void note_passage(HybridTransition& transition, double t) {
   times.push_back(t);
 }
 
-CallResult check_accumulation(sfdae_hybrid& hybrid, const HybridTransition& last) {
+void check_accumulation(HybridSystem& hybrid, const HybridTransition& last) {
   HybridRun& run = hybrid.run;
   const std::string from = hybrid.name_of(last.given.from), to = hybrid.name_of(last.given.to);
-  if (const auto rest = time_to_limit(last.passages)) {
-    bool at_rest = false;
-    CallResult result = is_at_rest(hybrid, last, *rest, at_rest);
-    if (result.status < 0) return result;
-    if (at_rest) {
-      run.accumulation = run.t + *rest;
-      return {SFDAE_ZENO,
-              format("transitions accumulate at t = %.10g: the times between those from %s to %s shrink by a "
-                     "constant factor. Start there in the mode that holds after that.",
-                     *run.accumulation, from.c_str(), to.c_str())};
-    }
+  if (const auto rest = time_to_limit(last.passages); rest && is_at_rest(hybrid, last, *rest)) {
+    run.accumulation = run.t + *rest;
+    throw Failure(SFDAE_ZENO,
+                  format("transitions accumulate at t = %.10g: the times between those from %s to %s shrink by a "
+                         "constant factor. Start there in the mode that holds after that.",
+                         *run.accumulation, from.c_str(), to.c_str()));
   }
   const long many = 30 + 2 * static_cast<long>(hybrid.modes.size());
-  if (run.short_visits < many) return {};
-  run.accumulation = run.first_short;
-  return {
+  const ShortVisits& visits = run.short_visits;
+  if (visits.count < many) return;
+  run.accumulation = visits.first;
+  throw Failure(
       SFDAE_ZENO,
       format(
           "%ld transitions from t = %.10g to %.10g, the last one from %s to %s: each leads back at once. Where modes "
           "lead toward a surface from both sides, sfdae_add_switch adds the mode of the motion along it.",
-          run.short_visits, run.first_short, run.t, from.c_str(), to.c_str())};
+          visits.count, visits.first, run.t, from.c_str(), to.c_str()));
 }
 
 }  // namespace sfdae::core

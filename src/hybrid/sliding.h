@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "c_api/solver.h"
 #include "problem/parameter_derivatives.h"
 #include "sfdae/hybrid.h"
+#include "solver/solver.h"
 
 namespace sfdae::core {
 
@@ -19,12 +19,12 @@ class Switch {
     int below, above, sliding;
   };
   // Throws Failure for modes that cannot be combined.
-  Switch(const Modes& its_modes, sfdae_solver& below, sfdae_solver& above, std::shared_ptr<const Record> surface);
+  Switch(const Modes& its_modes, Solver& below, Solver& above, std::shared_ptr<const Record> surface);
 
   const Modes& modes() const { return modes_; }
-  sfdae_solver* solver() const { return solver_.get(); }  // of the sliding mode
+  Solver* solver() const { return solver_.get(); }  // of the sliding mode
   // For those that need it although it may be replaced.
-  const std::shared_ptr<sfdae_solver>& shared_solver() const { return solver_; }
+  const std::shared_ptr<Solver>& shared_solver() const { return solver_; }
   // Names of parameters by which derivatives are wanted; "" and names that there are not count for nothing.
   using Names = std::vector<std::string>;
   // The modes have other values of parameters than its equations, or these have not the parameters that are wanted.
@@ -53,13 +53,13 @@ class Switch {
   std::vector<double> values_of_parameters() const;
 
   Modes modes_;
-  sfdae_solver &below_, &above_;
+  Solver &below_, &above_;
   std::shared_ptr<const Record> given_;  // the surface, with parameters
   std::vector<double> parameters_;       // of both modes, as the solver has them
   Names names_;                          // that were wanted
   std::unique_ptr<TaylorEvaluator> surface_;
   std::unique_ptr<ParameterDerivatives> surface_by_parameters_;
-  std::shared_ptr<sfdae_solver> solver_;
+  std::shared_ptr<Solver> solver_;
   std::vector<double> jet_;
 };
 

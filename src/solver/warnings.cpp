@@ -1,6 +1,6 @@
 // Warnings of the calls that analyze and start.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/warnings.h"
+#include "solver/warnings.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // The instances of an ensemble, divided among threads.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/ensemble_run.h"
+#include "ensemble/ensemble_run.h"
 
 #include <algorithm>
 #include <atomic>
@@ -24,7 +24,7 @@ constexpr InstanceOutcome not_begun{SFDAE_STOPPED, 0, 0, "stopped on request bef
 
 class EnsembleRun {
  public:
-  EnsembleRun(sfdae_solver& prototype, const EnsembleTask& task) : prototype_(prototype), task_(task) {}
+  EnsembleRun(Solver& prototype, const EnsembleTask& task) : prototype_(prototype), task_(task) {}
 
   EnsembleSummary run() {
     EnsembleWorker worker(prototype_, task_);
@@ -127,7 +127,7 @@ class EnsembleRun {
     prototype_.problem().request_stop();
   }
 
-  sfdae_solver& prototype_;
+  Solver& prototype_;
   const EnsembleTask& task_;
   Precedent precedent_;
   std::atomic<int> next_{0};
@@ -139,7 +139,7 @@ class EnsembleRun {
 
 }  // namespace
 
-EnsembleSummary solve_ensemble(sfdae_solver& prototype, const EnsembleTask& task) {
+EnsembleSummary solve_ensemble(Solver& prototype, const EnsembleTask& task) {
   return EnsembleRun(prototype, task).run();
 }
 

@@ -5,11 +5,12 @@
 
 #include <vector>
 
-#include "c_api/solver.h"
+#include "sfdae/ensemble.h"
+#include "solver/solver.h"
 
 namespace sfdae::core {
 
-// An ensemble after all checks.
+// An ensemble after all checks: the public structs as they are now.
 struct EnsembleTask {
   const sfdae_ensemble& ensemble;
   const sfdae_ensemble_results& results;
@@ -20,13 +21,13 @@ struct InstanceOutcome {
   int status = SFDAE_OK;
   int outputs = 0;
   int analyses = 0;  // made from the beginning
-  char message[sizeof(sfdae_solver::message)] = "";
+  char message[1536] = "";
 };
 
 class EnsembleWorker {
  public:
   // The prototype only lends its equations, options and parameters, and its requests to stop. Throws std::bad_alloc.
-  EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task);
+  EnsembleWorker(Solver& prototype, const EnsembleTask& task);
 
   // Writes the outputs of the instance. What it did before does not matter.
   InstanceOutcome solve(int instance, const Precedent& precedent) noexcept;
@@ -40,11 +41,12 @@ class EnsembleWorker {
   // Whether the analysis in use is one by precedent.
   bool is_precedented() const { return solver_.system() != nullptr && solver_.system()->analysis().by_precedent; }
   void write_outputs(int instance, int count) const;
-  // Goes into the outcome; true if the instance goes on.
-  bool note(int status, InstanceOutcome& outcome) const;
+  // Runs a call of the solver. What it says goes into the outcome; true if the instance goes on.
+  template <class Body>
+  bool goes_on_after(Body body, InstanceOutcome& outcome);
 
   const EnsembleTask& task_;
-  sfdae_solver solver_;
+  Solver solver_;
   std::vector<double> x_, xdot_;
   std::vector<double> outputs_, slopes_;  // n x K: of an instance, until it is known that they stay
 };

@@ -1,21 +1,26 @@
-// The diagnostics report as text; names of statuses; version.
+// The diagnostics report as text.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <string>
+#include "solver/report.h"
 
-#include "c_api/codes.h"
-#include "c_api/hybrid_report.h"
-#include "c_api/solver.h"
-#include "c_api/structs.h"
-#include "c_api/structure_report.h"
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "linalg/format.h"
+#include "solver/structure_report.h"
 
 namespace sfdae::core {
 
 namespace {
 
+constexpr std::size_t most_breakpoints = 5;
+
 const char* name_of(Verdict verdict) {
   constexpr const char* names[] = {"clear", "confirmed", "UNCLEAR", "rank_tol"};
-  return names[code_of(verdict)];
+  return names[static_cast<int>(verdict)];
 }
 
 std::string matrix_name(const RankDecision& decision) {
@@ -46,7 +51,7 @@ std::string decision_table(std::vector<RankDecision> decisions) {
   return text;
 }
 
-std::string analysis_report(const sfdae_solver& solver) {
+std::string analysis_report(const Solver& solver) {
   const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
   std::string text = format("strangeness index %d", values.mu);
@@ -63,22 +68,22 @@ std::string analysis_report(const sfdae_solver& solver) {
     text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
-                 leading[code_of(solver.system()->leading_term())]);
+                 leading[static_cast<int>(solver.system()->leading_term())]);
   if (analysis.distance > 0.0)
     text += format("the smallest relative change of the data that gives another answer is about %.0e\n",
                    analysis.distance);
   return text;
 }
 
-std::string initial_report(const sfdae_initial_report& report) {
+std::string initial_report(const InitialReport& report) {
   std::string text = format("Initial values at t = %.10g: constraint residual was %.1e, now %.1e; ", report.t,
                             report.residual_before, report.residual_after);
   text += report.component < 0 ? std::string("nothing changed")
                                : format("largest change %.4g in x[%d]", report.largest_change, report.component);
-  return text + (report.derivative_exact != 0 ? "\n" : "; algebraic part of x' by differences\n");
+  return text + (report.is_derivative_exact ? "\n" : "; algebraic part of x' by differences\n");
 }
 
-std::string constraints_report(const sfdae_solver& solver) {
+std::string constraints_report(const Solver& solver) {
   const ConstraintsReport report = solver.kind.multibody->constraints();
   std::string text =
       format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic, report.nonholonomic);
@@ -95,7 +100,7 @@ std::string constraints_report(const sfdae_solver& solver) {
 }
 
 // The stages of a Radau step of odd order 2s - 1.
-std::string method_name(const sfdae_solver& solver, int order) {
+std::string method_name(const Solver& solver, int order) {
   const bool automatic = solver.options.integration.method == Method::automatic;
   std::string name = "BDF";
   if (solver.integration->method() == Method::radau)
@@ -104,36 +109,62 @@ std::string method_name(const sfdae_solver& solver, int order) {
   return automatic ? name + " (chosen automatically)" : name;
 }
 
-std::string integration_report(const sfdae_solver& solver) {
-  const sfdae_statistics s = statistics_of(solver);
-  std::string text =
-      format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", s.t_internal,
-             method_name(solver, s.last_order).c_str(), s.steps, s.error_failures, s.other_failures);
-  text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
+std::string integration_report(const Solver& solver) {
+  const IntegrationCounts counts = solver.integration->counts();
+  const EvaluationCounts calls = solver.model.evaluations();
+  const StepState state = solver.integration->stepper().state();
+  std::string text = format(
+      "Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", state.t,
+      method_name(solver, state.last.order).c_str(), counts.steps, counts.error_failures, counts.other_failures);
+  text += format("  %ld reductions, %ld factorizations, ", counts.reductions, counts.factorizations);
   text += solver.kind.linear != nullptr && !solver.options.model.for_sensitivities
-              ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
+              ? format("%ld / %ld / %ld calls of E / A / f\n", calls.E, calls.A, calls.f)
           : solver.kind.multibody != nullptr
-              ? format("%ld evaluations, %ld linearizations\n", s.evaluations_F, s.linearizations)
-              : format("%ld evaluations of F along jets, %ld linearizations\n", s.evaluations_F, s.linearizations);
-  text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
-                 s.next_step, s.smallest_kept);
-  if (s.rounding > 1.0)
+              ? format("%ld evaluations, %ld linearizations\n", calls.F, calls.linearizations)
+              : format("%ld evaluations of F along jets, %ld linearizations\n", calls.F, calls.linearizations);
+  text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", state.last.h,
+                 state.last.order, state.next_step, counts.smallest_kept);
+  if (counts.rounding > 1.0)
     text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n",
-                   s.rounding);
+                   counts.rounding);
   if (solver.system()->analysis().values.v > 0)
-    text += format("  largest relative residual of redundant equations %.1e\n", s.consistency);
+    text += format("  largest relative residual of redundant equations %.1e\n", counts.inconsistency);
   return text;
 }
 
-std::string sensitivities_report(const sfdae_solver& solver) {
-  sfdae_sensitivity_statistics s{};
-  s.size = sizeof s;
-  sfdae_get_sensitivity_statistics(&solver, &s);
-  if (solver.integration->adjoint() == nullptr)
-    return format(
-        "  %d sensitivities: %ld linearizations, %ld factorizations, %ld error test failures, %ld outputs\n", s.count,
-        s.linearizations, s.factorizations, s.error_test_failures, s.outputs);
-  return report_of(s.count, solver.integration->adjoint()->work());
+std::string sensitivities_report(const Solver& solver) {
+  if (const DiscreteAdjoint* adjoint = solver.integration->adjoint())
+    return report_of(adjoint->count() - solver.sensitivities->num_of_values, adjoint->work());
+  const Sensitivities& sensitivities = *solver.integration->sensitivities();
+  const SensitivityWork work = sensitivities.work();
+  return format("  %d sensitivities: %ld linearizations, %ld factorizations, %ld error test failures, %ld outputs\n",
+                sensitivities.count(), work.linearizations, work.factorizations, work.error_failures, work.outputs);
+}
+
+struct Upcoming {
+  double t;
+  const char* kind;
+};
+
+// One more than are shown, if there are so many. By value, as searches leave their traces.
+std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double direction) {
+  std::vector<Upcoming> list;
+  if (const auto gap = breakpoints.gap_at(t)) t = gap->far_end(direction);
+  while (list.size() <= most_breakpoints) {
+    const std::optional<double> next = breakpoints.next(t, direction);
+    if (!next) break;
+    const auto gap = breakpoints.gap_at(*next);
+    if (gap) list.push_back({0.5 * (gap->start + gap->end), gap->is_jump ? "jump" : "kink"});
+    else list.push_back({*next, "smooth"});
+    t = gap ? gap->far_end(direction) : *next;
+  }
+  return list;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
+  return largest;
 }
 
 }  // namespace
@@ -146,9 +177,25 @@ std::string report_of(int count, const AdjointWork& work) {
   return text + "\n";
 }
 
-std::string report_of(const sfdae_solver& solver) {
+std::string breakpoints_report(const Solver& solver) {
+  const std::size_t set = solver.breakpoints->num_times();
+  if (!solver.integration) return set > 0 ? format("Breakpoints: %zu are set\n", set) : "";
+  const double t = solver.integration->stepper().state().t;
+  const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, solver.integration->direction());
+  std::string text;
+  for (std::size_t k = 0; k < std::min(next.size(), most_breakpoints); ++k)
+    text += format("%s t = %.10g (%s)", k == 0 ? "Breakpoints: next" : ",", next[k].t, next[k].kind);
+  if (next.size() > most_breakpoints) text += ", ...";
+  if (next.empty() && set > 0) text = format("Breakpoints: none after t = %.10g", t);
+  if (!text.empty()) text += '\n';
+  if (const auto& last = solver.jumps.last())
+    text += format("  the last jump was at t = %.10g: largest change %.3g\n", last->t,
+                   largest_difference(last->before, last->after));
+  return text;
+}
+
+std::string report_of(const Solver& solver, const std::string& about_modes) {
   const int m = solver.model.m(), n = solver.model.n();
-  const std::string about_modes = solver.hybrid != nullptr ? mode_report(solver) : std::string();
   if (solver.system() == nullptr && solver.decisions.empty())
     return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n) + about_modes +
            breakpoints_report(solver);
@@ -164,63 +211,7 @@ std::string report_of(const sfdae_solver& solver) {
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.integration && solver.integration->has_companion()) text += sensitivities_report(solver);
-  text += breakpoints_report(solver) + about_modes;
-  if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";
-  return text;
+  return text + breakpoints_report(solver) + about_modes;
 }
 
 }  // namespace sfdae::core
-
-extern "C" {
-
-const char* sfdae_status_name(int status) {
-#define SFDAE_NAME(name) \
-  case name: return #name;
-  switch (status) {
-    SFDAE_NAME(SFDAE_OK)
-    SFDAE_NAME(SFDAE_STEP_TAKEN)
-    SFDAE_NAME(SFDAE_STOPPED)
-    SFDAE_NAME(SFDAE_NOT_UNIQUE)
-    SFDAE_NAME(SFDAE_INCONSISTENCY_IGNORED)
-    SFDAE_NAME(SFDAE_EVENT)
-    SFDAE_NAME(SFDAE_VALUES_CHANGED)
-    SFDAE_NAME(SFDAE_INSTANCES_FAILED)
-    SFDAE_NAME(SFDAE_ILLEGAL_ARGUMENT)
-    SFDAE_NAME(SFDAE_OUT_OF_MEMORY)
-    SFDAE_NAME(SFDAE_BUSY)
-    SFDAE_NAME(SFDAE_EMPTY_PROBLEM)
-    SFDAE_NAME(SFDAE_NOT_STARTED)
-    SFDAE_NAME(SFDAE_CALLBACK_STOPPED)
-    SFDAE_NAME(SFDAE_CALLBACK_FAILED)
-    SFDAE_NAME(SFDAE_NOT_FINITE)
-    SFDAE_NAME(SFDAE_ORDER_MISSING)
-    SFDAE_NAME(SFDAE_WRONG_DERIVATIVES)
-    SFDAE_NAME(SFDAE_WRONG_PATTERN)
-    SFDAE_NAME(SFDAE_INDEX_TOO_HIGH)
-    SFDAE_NAME(SFDAE_RANK_UNCLEAR)
-    SFDAE_NAME(SFDAE_CHARACTERISTICS_CHANGED)
-    SFDAE_NAME(SFDAE_PRESCRIPTION_SINGULAR)
-    SFDAE_NAME(SFDAE_INCONSISTENT_VALUES)
-    SFDAE_NAME(SFDAE_INCONSISTENT_EQUATIONS)
-    SFDAE_NAME(SFDAE_FIXED_VALUES)
-    SFDAE_NAME(SFDAE_NO_CONSISTENT_VALUES)
-    SFDAE_NAME(SFDAE_MAX_STEPS)
-    SFDAE_NAME(SFDAE_STEP_TOO_SMALL)
-    SFDAE_NAME(SFDAE_SINGULAR)
-    SFDAE_NAME(SFDAE_TOLERANCE_TOO_SMALL)
-    SFDAE_NAME(SFDAE_ZENO)
-    SFDAE_NAME(SFDAE_INTERNAL)
-    default: return "unknown status";
-  }
-#undef SFDAE_NAME
-}
-
-const char* sfdae_version(void) {
-#define SFDAE_TEXT(x) #x
-#define SFDAE_JOIN(a, b, c) SFDAE_TEXT(a) "." SFDAE_TEXT(b) "." SFDAE_TEXT(c)
-  return SFDAE_JOIN(SFDAE_VERSION_MAJOR, SFDAE_VERSION_MINOR, SFDAE_VERSION_PATCH);
-#undef SFDAE_JOIN
-#undef SFDAE_TEXT
-}
-
-}  // extern "C"

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "c_api/hybrid.h"
+#include "hybrid/hybrid_sensitivities.h"
+#include "hybrid/hybrid_system.h"
+#include "hybrid/switches.h"
+#include "integrate/checkpoint_identity.h"
 #include "linalg/archive.h"
 #include "linalg/index.h"
 
-using namespace sfdae::core;
+namespace sfdae::core {
 
 namespace {
 
@@ -22,10 +25,7 @@ struct HybridState {
   std::size_t num_sensitivities = 0;
 };
 
-// The checkpoint has some, and the system was asked for none, or the other way round.
-struct OtherSensitivities {};
-
-HybridState state_of(const sfdae_hybrid& hybrid) {
+HybridState state_of(const HybridSystem& hybrid) {
   HybridState state{hybrid.run, {}, {}, {}, 0};
   if (hybrid.sensitivities) state.num_sensitivities = hybrid.sensitivities->names.size();
   for (const HybridMode& mode : hybrid.modes) state.left.push_back(mode.left);
@@ -59,20 +59,24 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
   // -1, as what is not written, where there are no sensitivities.
   const int wanted = state.num_sensitivities > 0 ? 0 : -1;
   int has_sensitivities = wanted;
-  archive.small(run.mode, run.is_fresh, has_sensitivities);
-  if (has_sensitivities != wanted) throw OtherSensitivities();
+  archive.small(run.mode, run.visit.is_fresh, has_sensitivities);
+  if (has_sensitivities != wanted)
+    refuse_argument(
+        wanted == 0
+            ? "the checkpoint has no sensitivities: call sfdae_set_hybrid_sensitivities with count = 0 first."
+            : "the checkpoint has sensitivities: call sfdae_set_hybrid_sensitivities with their parameters first.");
   if (wanted == 0) {
     archive_size(archive, state.num_sensitivities);
-    archive.reals(run.shifts, state.num_sensitivities);
+    archive.reals(run.moving.shifts, state.num_sensitivities);
   }
-  for (double* value : {&run.start, &run.toward, &run.entered, &run.t, &run.first_short, &run.short_time})
+  for (double* value :
+       {&run.start, &run.toward, &run.visit.entered, &run.t, &run.short_visits.first, &run.visit.short_time})
     archive.real(*value);
   archive.reals(run.x, n);
   archive.reals(run.xdot, n);
-  run.forgotten += static_cast<long>(run.passages.size());
-  run.passages.clear();
-  archive_count(archive, run.forgotten);
-  archive_count(archive, run.short_visits);
+  run.passages = {run.passages.count(), {}};
+  archive_count(archive, run.passages.forgotten);
+  archive_count(archive, run.short_visits.count);
   archive.reals(state.margins, state.margins.size());
   for (VisitCounts& counts : state.left) {
     for (long* count : {&counts.visits, &counts.steps, &counts.error_failures, &counts.other_failures,
@@ -89,7 +93,7 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
   }
 }
 
-double hash_of_transitions(const sfdae_hybrid& hybrid) {
+double hash_of_transitions(const HybridSystem& hybrid) {
   WordHash hash;
   for (const HybridTransition& transition : hybrid.transitions) {
     const sfdae_transition& given = transition.given;
@@ -103,7 +107,7 @@ double hash_of_transitions(const sfdae_hybrid& hybrid) {
 // The equations and options of all modes but two kinds: sliding modes follow from others, and the checkpoint of the
 // solver that is running has its own identity, with the method that the mode was entered with.
 template <class Use>
-void for_each_identity(const sfdae_hybrid& hybrid, int running, Use use) {
+void for_each_identity(const HybridSystem& hybrid, int running, Use use) {
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
     const HybridMode& mode = hybrid.modes[index(k)];
     if (k == running || mode.surface != nullptr) continue;
@@ -112,7 +116,7 @@ void for_each_identity(const sfdae_hybrid& hybrid, int running, Use use) {
   }
 }
 
-void write_identity(const sfdae_hybrid& hybrid, Archive& archive) {
+void write_identity(const HybridSystem& hybrid, Archive& archive) {
   double transitions = hash_of_transitions(hybrid);
   archive.real(transitions);
   for_each_identity(hybrid, hybrid.run.mode,
@@ -120,12 +124,12 @@ void write_identity(const sfdae_hybrid& hybrid, Archive& archive) {
 }
 
 // Throws Failure if modes or transitions are others. running: the mode that the checkpoint was made in.
-void demand_same(const sfdae_hybrid& hybrid, int running, Archive& archive) {
+void demand_same(const HybridSystem& hybrid, int running, Archive& archive) {
   double transitions = 0.0;
   archive.real(transitions);
   if (transitions != hash_of_transitions(hybrid))
-    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
-                  "the checkpoint was made with other transitions: add those that it was made with, in their order.");
+    refuse_argument(
+        "the checkpoint was made with other transitions: add those that it was made with, in their order.");
   for_each_identity(hybrid, running, [&](int mode, const CheckpointIdentity& identity) {
     try {
       identity.demand_same(archive);
@@ -135,7 +139,7 @@ void demand_same(const sfdae_hybrid& hybrid, int running, Archive& archive) {
   });
 }
 
-std::size_t own_size(const sfdae_hybrid& hybrid) {
+std::size_t own_size(const HybridSystem& hybrid) {
   HybridState state = state_of(hybrid);
   Archive counter = Archive::counter();
   archive_state(counter, state, index(hybrid.width()));
@@ -144,7 +148,7 @@ std::size_t own_size(const sfdae_hybrid& hybrid) {
 }
 
 // What the checkpoint says, and where that of the solver begins.
-HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length, std::size_t& own) {
+HybridState read_state(const HybridSystem& hybrid, const double* checkpoint, std::size_t length, std::size_t& own) {
   HybridState state = state_of(hybrid);
   state.run = {};
   Archive archive = Archive::reader(checkpoint, length);
@@ -155,81 +159,54 @@ HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std
   return state;
 }
 
-CallResult restore(sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length) {
+void restore(HybridSystem& hybrid, const SavedCheckpoint& saved) {
   std::size_t own = 0;
-  HybridState state = read_state(hybrid, checkpoint, length, own);
+  HybridState state = read_state(hybrid, saved.values, saved.length, own);
   const int mode = state.run.mode;
-  CallResult set = update_switches(hybrid);
-  if (set.status >= 0) set = ask_for_sensitivities(hybrid);
+  update_switches(hybrid);
+  ask_for_sensitivities(hybrid);
   take_options_of_modes(hybrid, mode);
-  if (set.status >= 0) set = set_transition_events(hybrid);
-  if (set.status < 0) return set;
-  sfdae_solver* solver = hybrid.modes[index(mode)].solver;
-  const int status = sfdae_restore_checkpoint(solver, checkpoint + own, length - own);
-  if (status < 0) return of_mode(hybrid, mode, status);
+  set_transition_events(hybrid);
+  hybrid.call(mode, [&saved, own](Solver& solver) {
+    solver.restore_checkpoint({saved.values + own, saved.length - own});
+  });
   // Nothing fails from here on.
-  state.run.integration = solver->integration.get();
+  state.run.visit.integration = hybrid.modes[index(mode)].solver->integration.get();
   hybrid.run = std::move(state.run);
   for (std::size_t k = 0; k < hybrid.modes.size(); ++k) hybrid.modes[k].left = state.left[k];
   for (std::size_t k = 0; k < hybrid.transitions.size(); ++k) {
     hybrid.transitions[k].passages.swap(state.passages[k]);
     hybrid.transitions[k].margin = state.margins[k];
   }
-  return {};
 }
 
 }  // namespace
 
-extern "C" {
-
-int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (length == nullptr) return illegal_argument("length is NULL.");
-    if (!hybrid->is_running()) return no_run();
-    std::size_t of_solver = 0;
-    const int status = sfdae_get_checkpoint_length(hybrid->mode().solver, &of_solver);
-    if (status < 0) return of_mode(*hybrid, hybrid->run.mode, status);
-    *length = own_size(*hybrid) + of_solver;
-    return {};
-  });
+std::size_t HybridSystem::checkpoint_length() {
+  std::size_t of_solver = 0;
+  call(run.mode, [&of_solver](Solver& solver) { of_solver = solver.checkpoint_length(); });
+  return own_size(*this) + of_solver;
 }
 
-int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    if (!hybrid->is_running()) return no_run();
-    const std::size_t own = own_size(*hybrid);
-    if (length <= own)
-      return illegal_argument(format("length = %zu, but the checkpoint has more than %zu doubles.", length, own));
-    const int status = sfdae_save_checkpoint(hybrid->mode().solver, checkpoint + own, length - own);
-    if (status < 0) return of_mode(*hybrid, hybrid->run.mode, status);
-    HybridState state = state_of(*hybrid);
-    Archive archive = Archive::writer(checkpoint, own);
-    archive_state(archive, state, index(hybrid->width()));
-    write_identity(*hybrid, archive);
-    return {};
-  });
+void HybridSystem::save_checkpoint(double* to, std::size_t length) {
+  const std::size_t own = own_size(*this);
+  if (length <= own)
+    refuse_argument(format("length = %zu, but the checkpoint has more than %zu doubles.", length, own));
+  call(run.mode, [=](Solver& solver) { solver.save_checkpoint(to + own, length - own); });
+  HybridState state = state_of(*this);
+  Archive archive = Archive::writer(to, own);
+  archive_state(archive, state, index(width()));
+  write_identity(*this, archive);
 }
 
-int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length) {
-  return guarded(hybrid, [&]() -> CallResult {
-    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
-    if (hybrid->sensitivities && hybrid->sensitivities->by_adjoint)
-      return illegal_argument("checkpoints cannot hold the steps that are kept for the adjoint.");
-    try {
-      return restore(*hybrid, checkpoint, length);
-    } catch (const OtherSensitivities&) {
-      return illegal_argument(
-          hybrid->sensitivities
-              ? "the checkpoint has no sensitivities: call sfdae_set_hybrid_sensitivities with count = 0 first."
-              : "the checkpoint has sensitivities: call sfdae_set_hybrid_sensitivities with their parameters first.");
-    } catch (const Failure& failure) {
-      return {failure.status(), failure.what()};
-    } catch (const DamagedArchive&) {
-      return illegal_argument("the checkpoint is damaged, or one of another hybrid system.");
-    }
-  });
+void HybridSystem::restore_checkpoint(const SavedCheckpoint& saved) {
+  if (sensitivities && sensitivities->by_adjoint)
+    refuse_argument("checkpoints cannot hold the steps that are kept for the adjoint.");
+  try {
+    restore(*this, saved);
+  } catch (const DamagedArchive&) {
+    refuse_argument("the checkpoint is damaged, or one of another hybrid system.");
+  }
 }
 
-}  // extern "C"
+}  // namespace sfdae::core

@@ -1,12 +1,14 @@
 // Differences of maps along a direction.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/map_differences.h"
+#include "hybrid/map_differences.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "linalg/matrix.h"
+#include "problem/failure.h"
 
 namespace sfdae::core {
 
@@ -24,36 +26,35 @@ constexpr double noise = 3e-15;
 constexpr double rounding = 1e-11;
 
 // As values, where they are numbers: others are no derivatives.
-CallResult finite_values(const MapAlong& values, double s, Vector& to) {
-  CallResult result = values(s, to);
-  if (result.status >= 0 && !all_finite(to.data(), to.size()))
-    return {SFDAE_NOT_FINITE,
-            "near a transition, where it is differentiated, values after it, or its function, are not finite."};
-  return result;
+void find_finite_values(const MapAlong& values, double s, Vector& to) {
+  values(s, to);
+  if (!all_finite(to.data(), to.size()))
+    throw Failure(SFDAE_NOT_FINITE,
+                  "near a transition, where it is differentiated, values after it, or its function, are not finite.");
 }
 
 // Differences are those of both sides, and do not see a kink between them: what these differ by does not become
 // smaller with the step there. The derivative is none then. Such differences as rounding errors are none.
 // above, below: values at the step of the derivative. here: values at 0, empty where they are not known yet.
-CallResult find_kink(const MapAlong& values, const Differencing& how, Vector above, Vector below,
-                     DerivativeAlong& derivative) {
+void find_kink(const MapAlong& values, const Differencing& how, Vector above, Vector below,
+               DerivativeAlong& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
   const Vector& sizes = how.sizes;
   const std::size_t n = sizes.size();
-  Vector own_here(n);
+  Vector own_here;
   Vector& here = how.here != nullptr ? *how.here : own_here;
-  CallResult result;
   if (how.here == nullptr || here.empty()) {
-    here.resize(n);
-    result = finite_values(values, 0.0, here);
-    if (result.status < 0) here.clear();
+    Vector found(n);
+    find_finite_values(values, 0.0, found);
+    here = std::move(found);
   }
   double before = 0.0;
   for (double step : {derivative.step, much_smaller * derivative.step}) {
     const bool is_known = step == derivative.step;
-    if (result.status >= 0 && !is_known) result = finite_values(values, step, above);
-    if (result.status >= 0 && !is_known) result = finite_values(values, -step, below);
-    if (result.status < 0) return result;
+    if (!is_known) {
+      find_finite_values(values, step, above);
+      find_finite_values(values, -step, below);
+    }
     double difference = 0.0;
     for (std::size_t i = 0; i < n; ++i)
       difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
@@ -63,7 +64,6 @@ CallResult find_kink(const MapAlong& values, const Differencing& how, Vector abo
     if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
     before = difference / step;
   }
-  return {};
 }
 
 class Differences {
@@ -73,37 +73,32 @@ class Differences {
   // Whether steps on this side of the first one may be better than the best so far.
   bool may_improve() const { return best.error > good; }
   bool is_rounded() const { return is_rounded_; }
-  bool has_failed() const { return best.value.empty() && failure.status < 0; }
-  // One more step: whether it is better than those before, or has no values. Callbacks that stop are failures of the
-  // call.
-  CallResult try_step(double step, bool& goes_on) {
-    goes_on = true;
+  // One more step: whether it is better than those before, or has no values. Callbacks that stop end all.
+  bool try_step(double step) {
     const double places[] = {1.0, -1.0, 2.0, -2.0};
-    CallResult result;
-    for (int k = 0; k < 4 && result.status >= 0; ++k) {
-      at_[k].resize(how_.sizes.size());
-      result = finite_values(values_, places[k] * step, at_[k]);
-    }
-    if (result.status < 0) {
-      const bool may_be_nearer = result.status == SFDAE_NOT_FINITE || result.status == SFDAE_NO_CONSISTENT_VALUES;
-      if (!may_be_nearer) return result;
-      failure = std::move(result);
+    try {
+      for (int k = 0; k < 4; ++k) {
+        at_[k].resize(how_.sizes.size());
+        find_finite_values(values_, places[k] * step, at_[k]);
+      }
+    } catch (const Failure& reason) {
+      const bool may_be_nearer = reason.status() == SFDAE_NOT_FINITE || reason.status() == SFDAE_NO_CONSISTENT_VALUES;
+      if (!may_be_nearer) throw;
+      failure = reason;
       is_rounded_ = false;
-      return {};
+      return true;
     }
     DerivativeAlong found = difference(step);
-    goes_on = found.error < best.error;
-    if (goes_on) {
-      best = std::move(found);
-      above = at_[0];
-      below = at_[1];
-    }
-    return {};
+    if (!(found.error < best.error)) return false;
+    best = std::move(found);
+    above = at_[0];
+    below = at_[1];
+    return true;
   }
 
   DerivativeAlong best;
-  Vector above, below;  // of it
-  CallResult failure;
+  Vector above, below;             // of it
+  std::optional<Failure> failure;  // the last one
 
  private:
   // Its error is that of second order, which is larger, and what rounding errors may be.
@@ -133,28 +128,28 @@ class Differences {
 
 bool DerivativeAlong::is_there() const { return error <= useless; }
 
-CallResult differentiate_along(const MapAlong& values, const Differencing& how, DerivativeAlong& derivative) {
+DerivativeAlong differentiate_along(const MapAlong& values, const Differencing& how) {
   Differences differences(values, how);
-  bool goes_on = true;
-  CallResult result = differences.try_step(how.step, goes_on);
+  differences.try_step(how.step);
   const bool larger_first = differences.is_rounded();
   for (bool larger : {larger_first, !larger_first}) {
     // Not the steps that have no values on the other side.
-    if (larger && differences.failure.status < 0) break;
-    goes_on = true;
+    if (larger && differences.failure) break;
+    bool goes_on = true;
     double step = how.step;
     for (int k = 1; k < (larger ? most_larger : most_smaller); ++k) {
-      if (result.status < 0 || !goes_on || !differences.may_improve()) break;
+      if (!goes_on || !differences.may_improve()) break;
       step = larger ? step / factor : step * factor;
-      result = differences.try_step(step, goes_on);
-      if (larger && differences.failure.status < 0) break;
+      goes_on = differences.try_step(step);
+      if (larger && differences.failure) break;
     }
   }
-  if (result.status < 0) return result;
-  if (differences.has_failed()) return std::move(differences.failure);
-  derivative = std::move(differences.best);
-  if (derivative.value.empty()) return {};  // it overflows: there is none
-  return find_kink(values, how, std::move(differences.above), std::move(differences.below), derivative);
+  DerivativeAlong derivative = std::move(differences.best);
+  if (derivative.value.empty() && differences.failure) throw std::move(*differences.failure);
+  // Where it overflows there is none.
+  if (!derivative.value.empty())
+    find_kink(values, how, std::move(differences.above), std::move(differences.below), derivative);
+  return derivative;
 }
 
 }  // namespace sfdae::core

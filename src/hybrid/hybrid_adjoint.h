@@ -14,15 +14,15 @@
 #include "linalg/matrix.h"
 #include "system/adjoint_system.h"
 
-struct sfdae_hybrid;
-struct sfdae_solver;
-
 namespace sfdae::core {
+
+struct HybridSystem;
+struct Solver;
 
 struct KeptVisit {
   int mode;
   // That of a switch lives on while the visit is kept, whatever becomes of the sliding mode; others are the user's.
-  std::shared_ptr<sfdae_solver> solver;
+  std::shared_ptr<Solver> solver;
   double start, end;
   // As they are while steps are made; the solver may have others later.
   std::shared_ptr<const DaeSystem> system;
@@ -40,8 +40,9 @@ struct KeptVisits {
 
 // S before a transition, as columns that it is a combination of: first those of the parameters; with the unknowns of
 // the mode, the part of the mode above included. at_once: where the mode begins; then those that it has begun with.
-CallResult find_columns(sfdae_hybrid& hybrid, bool at_once, std::vector<double>& columns);
+// Throws Failure.
+std::vector<double> find_columns(HybridSystem& hybrid, bool at_once);
 // After that: the integration of the present mode, which is left. One that is left at once has no part in gradients.
-void keep_visit(sfdae_hybrid& hybrid, bool at_once);
+void keep_visit(HybridSystem& hybrid, bool at_once);
 
 }  // namespace sfdae::core

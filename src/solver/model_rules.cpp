@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/model_rules.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "linalg/index.h"
+#include "solver/solver.h"
+
+namespace sfdae::core {
+
+ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
+  Model& model = solver_.model;
+  const ModelOptions& options = solver_.options.model;
+  Jump jump = model.jump(before, options);
+  ConsistentPoint after = model.consistent_point({before.t, before.toward, jump.x.data()}, options);
+  const std::size_t n = index(model.n());
+  Crossed crossed{before.t, {before.x, before.x + n}, after.x, std::vector<double>(n, 0.0)};
+  if (jump.impulses.cols() > 0) std::copy_n(jump.impulses.data(), n, crossed.impulse.begin());
+  last_ = std::move(crossed);
+  return after;
+}
+
+// Start values may be found otherwise.
+ModelOptions ContinuationOfModel::options() const {
+  ModelOptions options = solver_.options.model;
+  options.consistency = ConsistencyRequest();
+  return options;
+}
+
+ConsistentPoint ContinuationOfModel::look_at(const PointOfInterest& point) {
+  return solver_.model.consistent_point_beside(point, options());
+}
+
+ConsistentPoint ContinuationOfModel::move_to(const PointOfInterest& point) {
+  return solver_.model.consistent_point(point, options());
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,45 @@
+// What a solver's model does where a solution cannot go on smoothly: at jumps of data, and at singular points.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "integrate/jump_rule.h"
+
+namespace sfdae::core {
+
+struct Solver;
+
+// The jumps of data at breakpoints: by impulses of the equations.
+class JumpsOfModel final : public JumpRule {
+ public:
+  explicit JumpsOfModel(Solver& solver) : solver_(solver) {}
+  ConsistentPoint values_after(const PointOfInterest& before) override;
+  void forget() { last_.reset(); }
+
+  struct Crossed {
+    double t;
+    std::vector<double> before, after, impulse;
+  };
+  const std::optional<Crossed>& last() const { return last_; }
+
+ private:
+  Solver& solver_;
+  std::optional<Crossed> last_;
+};
+
+// What carries a solution across a singular point: the consistent values nearest to its smooth continuation.
+class ContinuationOfModel final : public ContinuationRule {
+ public:
+  explicit ContinuationOfModel(Solver& solver) : solver_(solver) {}
+  ConsistentPoint look_at(const PointOfInterest& point) override;
+  ConsistentPoint move_to(const PointOfInterest& point) override;
+
+ private:
+  ModelOptions options() const;
+
+  Solver& solver_;
+};
+
+}  // namespace sfdae::core

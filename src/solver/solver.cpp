@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "integrate/checkpoint_identity.h"
+#include "integrate/difference_check.h"
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "solver/warnings.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Failures of an analysis that wrong derivatives may cause.
+bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
+
+void demand_times(double t, double toward) {
+  if (!std::isfinite(t) || !std::isfinite(toward) || t == toward)
+    refuse_argument(format("t = %g, toward = %g: must be finite and different.", t, toward));
+}
+
+// x and xdot may be null where they are not asked for.
+void demand_point(const PointOfInterest& point, int n) {
+  demand_times(point.t, point.toward);
+  if (point.x != nullptr && !all_finite(point.x, index(n))) refuse_argument("x contains NaN or Inf.");
+  if (point.xdot != nullptr && !all_finite(point.xdot, index(n)))
+    refuse_argument("xdot, which is a guess, contains NaN or Inf.");
+}
+
+void demand_jump(const Solver& solver, const PointOfInterest& before) {
+  const double t = before.t;
+  demand_times(t, before.toward);
+  if (!all_finite(before.x, index(solver.model.n()))) refuse_argument("before contains NaN or Inf.");
+  const auto& stop = solver.options.integration.stop_time;
+  if (stop && (*stop - t) * (before.toward - t) <= 0.0)
+    refuse_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
+}
+
+InitialReport report_of(const ConsistentPoint& point) {
+  return {point.t,
+          point.change.residual_before,
+          point.change.residual_after,
+          point.change.largest_change,
+          point.change.component,
+          point.derivative_exact};
+}
+
+void write(const ConsistentPoint& found, double* x, double* xdot) {
+  std::copy(found.x.begin(), found.x.end(), x);
+  if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
+}
+
+void analyze_model(Solver& solver, const PointOfInterest& point) {
+  solver.decisions = {};
+  std::vector<RankDecision> decisions;
+  try {
+    solver.model.analyze(point, solver.options.model, decisions);
+  } catch (...) {
+    solver.decisions = KeptDecisions(decisions);
+    throw;
+  }
+  solver.decisions = KeptDecisions(decisions);
+}
+
+// An analysis that is not to be trusted is forgotten.
+void demand_derivatives(Solver& solver, const PointOfInterest& point) {
+  try {
+    solver.model.demand_derivatives(point, solver.options.model);
+  } catch (...) {
+    solver.forget_analysis();
+    throw;
+  }
+}
+
+CheckpointIdentity identity_of_integration(const Solver& solver) {
+  return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
+}
+
+// The number of doubles that the identity of the checkpoint takes; it has to be that of this solver.
+std::size_t end_of_identity(const Solver& solver, const SavedCheckpoint& saved) {
+  Archive archive = Archive::reader(saved.values, saved.length);
+  try {
+    identity_of(solver.model, solver.options.model, solver.options.integration.method).demand_same(archive);
+  } catch (const DamagedArchive&) {
+    refuse_argument("this is not a checkpoint of this version, or it is damaged.");
+  }
+  return archive.size();
+}
+
+constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
+
+}  // namespace
+
+Solver::Solver(AnyModel its_kind, SolverOptions its_options)
+    : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
+  using Evaluators = std::vector<const TaylorEvaluator*>;
+  const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
+  breakpoints.emplace(evaluators);
+  inputs.emplace(evaluators);
+  steep_arguments.emplace(kind.nonlinear != nullptr ? evaluators : Evaluators());
+  use_breakpoints(options.integration);
+}
+
+bool Solver::follows_structure() const {
+  return (system() != nullptr && system()->form() == SystemForm::extension) ||
+         (kind.nonlinear != nullptr && kind.nonlinear->follows_structure());
+}
+
+void Solver::forget_analysis() {
+  integration.reset();
+  model.forget_system();
+  initial_report.reset();
+}
+
+// Where a multibody system with callbacks fails, a look at its derivatives helps; where rows of the array are left out,
+// the whole array.
+const char* Solver::hint(int status) const {
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && follows_structure() && kind.multibody != nullptr)
+    return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && follows_structure())
+    return system() != nullptr && system()->form() == SystemForm::extension
+               ? " If structure alone misleads there, structure = SFDAE_STRUCTURE_OFF goes on beyond that point."
+               : " Or set structure = SFDAE_STRUCTURE_OFF: rows of the derivative array were left out that may be "
+                 "needed there.";
+  const bool has_callbacks = kind.multibody != nullptr && kind.multibody->callbacks() != nullptr;
+  switch (status) {
+    case SFDAE_CHARACTERISTICS_CHANGED:
+    case SFDAE_RANK_UNCLEAR:
+    case SFDAE_NO_CONSISTENT_VALUES:
+    case SFDAE_STEP_TOO_SMALL:
+    case SFDAE_SINGULAR:
+      return has_callbacks
+                 ? " If that is a surprise: sfdae_check_multibody_derivatives compares the derivatives that "
+                   "the callbacks supply with differences."
+                 : "";
+    default: return "";
+  }
+}
+
+void Solver::set_options(SolverOptions fresh) {
+  demand_structure(model, fresh.model.structure);
+  fresh.model.for_sensitivities = options.model.for_sensitivities;
+  fresh.model.for_adjoint = options.model.for_adjoint;
+  fresh.integration.events = events.get();
+  use_breakpoints(fresh.integration);
+  use_continuation(fresh.integration);
+  const ModelOptions &old = options.model, &now = fresh.model;
+  const bool same_analysis =
+      now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
+      now.analysis.rank_tol == old.analysis.rank_tol && now.analysis.time_scale == old.analysis.time_scale &&
+      now.differences.allowed == old.differences.allowed && now.differences.step == old.differences.step &&
+      now.leading == old.leading && now.structure == old.structure;
+  const bool goes_on = integration && same_analysis;
+  if (goes_on) integration->set_options(fresh.integration);
+  // Nothing fails from here on.
+  options = std::move(fresh);
+  if (!same_analysis) forget_analysis();
+  if (goes_on) set_limits(integration->start(), integration->direction());
+}
+
+void Solver::set_parameter(const char* name, double value) {
+  TaylorEvaluator* evaluator = model.evaluator();
+  const auto number = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
+  if (!number) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
+  if (!std::isfinite(value)) refuse_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
+  evaluator->set_parameter(*number, value);
+  model.parameters_changed();
+  forget_analysis();
+}
+
+void Solver::set_events(std::unique_ptr<Events> wanted) {
+  if (integration) integration->set_events(wanted.get());
+  options.integration.events = wanted.get();
+  events = std::move(wanted);
+}
+
+void Solver::set_breakpoints(std::vector<double> times, std::vector<char> jump_flags) {
+  breakpoints->set_times(std::move(times), std::move(jump_flags));
+  use_breakpoints(options.integration);
+  if (!integration) return;
+  integration->set_breakpoints(options.integration);
+  set_limits(integration->start(), direction);
+}
+
+void Solver::use_breakpoints(IntegrationOptions& integration_options) {
+  const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
+  integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
+  integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
+  integration_options.steep_arguments = steep_arguments->empty() ? nullptr : &*steep_arguments;
+  integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
+}
+
+void Solver::pass_singular_points(long most) {
+  max_passed = most;
+  use_continuation(options.integration);
+  if (integration) integration->set_continuation(options.integration);
+}
+
+void Solver::use_continuation(IntegrationOptions& integration_options) {
+  integration_options.continuation = max_passed > 0 ? &continuation : nullptr;
+  integration_options.max_passed = max_passed;
+}
+
+void Solver::record(std::weak_ptr<SolutionPieces> pieces) {
+  solution = std::move(pieces);
+  if (integration) integration->record(solution);
+}
+
+// Nothing is evaluated beyond the stop time or the first breakpoint, and differences stay on this side of the start.
+void Solver::set_limits(double t, double toward_direction) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double stop = options.integration.stop_time.value_or(toward_direction * infinity);
+  const double piece = breakpoints->end_of_piece(t, toward_direction);
+  if (toward_direction > 0.0) problem().set_limits(t, std::max(std::min(stop, piece), t));
+  else problem().set_limits(std::min(std::max(stop, piece), t), t);
+}
+
+void Solver::prepare_start(const PointOfInterest& point) {
+  const double wanted = point.direction();
+  breakpoints->set_size(std::max(std::fabs(point.t), std::fabs(point.toward)));
+  if (!system() || (wanted != direction && !model.is_constant())) make_analysis(point);
+  direction = wanted;
+  integration.reset();
+  jumps.forget();
+  set_limits(point.t, wanted);
+}
+
+void Solver::make_analysis(PointOfInterest point) {
+  const double t = point.t, wanted = point.toward < t ? -1.0 : 1.0;
+  const auto& stop = options.integration.stop_time;
+  if (stop && (*stop - point.toward) * wanted < 0.0) point.toward = *stop;
+  const double piece = breakpoints->end_of_piece(t, wanted);
+  if ((piece - point.toward) * wanted < 0.0) point.toward = piece;
+  if (point.toward == t) refuse_argument(format("t = %.15g lies at or beyond stop_time.", t));
+  set_limits(t, wanted);
+  const UserTime user_time(problem(), t);
+  forget_analysis();
+  const bool checks = options.checks_derivatives;
+  try {
+    analyze_model(*this, point);
+  } catch (const Failure& failure) {
+    if (checks && may_be_of_derivatives(failure.status())) model.demand_derivatives(point, options.model);
+    throw;
+  }
+  if (checks) demand_derivatives(*this, point);
+  direction = wanted;
+}
+
+CallResult Solver::analyze(const PointOfInterest& point) {
+  demand_point(point, model.n());
+  const KeptValues kept(problem(), point.t);
+  make_analysis(point);
+  return warning_of(*system());
+}
+
+PointOfInterest Solver::initial_point(double t, double toward, const double* x, const double* xdot) const {
+  const PointOfInterest point{t, toward, x, options.xdot_is_guess ? xdot : nullptr};
+  demand_point(point, model.n());
+  return point;
+}
+
+CallResult Solver::make_consistent(double t, double* x, double* xdot) {
+  const PointOfInterest point = initial_point(t, time_beside(t, direction), x, xdot);
+  const KeptValues kept(problem(), t);
+  if (!system()) make_analysis(point);
+  const UserTime user_time(problem(), t);
+  const ConsistentPoint found = model.consistent_point_beside(point, options.model);
+  CallResult warning = warning_of(*system(), found);
+  write(found, x, xdot);
+  initial_report = report_of(found);
+  if (auto excess = excess_of_differences(found, options.model.tolerances)) return std::move(*excess);
+  return warning;
+}
+
+CallResult Solver::start(double t, double toward, double* x, double* xdot) {
+  const PointOfInterest point = initial_point(t, toward, x, xdot);
+  const auto& stop = options.integration.stop_time;
+  if (stop && (*stop - t) * point.direction() <= 0.0)
+    refuse_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
+  const KeptValues kept(problem(), t);
+  prepare_start(point);
+  const UserTime user_time(problem(), t);
+  const ConsistentPoint found = model.consistent_point(point, options.model);
+  CallResult warning = warning_of(*system(), found);
+  integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
+                                              InitialPoint{t, toward, found.x, found.xdot});
+  breakpoints->set_differentiations(system()->analysis().values.mu);
+  carry_sensitivities(found);
+  integration->record(solution);
+  write(found, x, xdot);
+  initial_report = report_of(found);
+  return warning;
+}
+
+CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
+  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  integration->want_slopes(xdot != nullptr);
+  return integration->advance(tout, one_step, t, x, xdot);
+}
+
+Jump Solver::jump(const PointOfInterest& before) {
+  demand_jump(*this, before);
+  prepare_start(before);
+  const UserTime user_time(problem(), before.t);
+  return model.jump(before, options.model);
+}
+
+Jump Solver::impact(const PointOfInterest& before, const std::vector<double>& restitution) {
+  demand_jump(*this, before);
+  prepare_start(before);
+  const UserTime user_time(problem(), before.t);
+  return kind.multibody->impact(before, options.model, restitution);
+}
+
+std::vector<double> Solver::solution_at(double t) {
+  if (integration) {
+    std::vector<double> x(index(model.n()));
+    integration->want_slopes(false);
+    const CallResult result = integration->interpolate(t, false, x.data(), nullptr);
+    if (result.status < 0) throw Failure(result.status, result.message);
+    return x;
+  }
+  if (!system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
+  const Jet point = model.accepted_point();
+  if (point.n == 0) throw Failure(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
+  if (point.t != t)
+    refuse_argument(
+        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
+  return {point.x.begin(), point.x.begin() + point.n};
+}
+
+void Solver::demand_checkpoints() const {
+  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  if (integration->adjoint() != nullptr) refuse_argument(no_checkpoints);
+}
+
+std::size_t Solver::checkpoint_length() {
+  demand_checkpoints();
+  return identity_of_integration(*this).size() + checkpoint_size(*model.system(), *integration);
+}
+
+void Solver::save_checkpoint(double* to, std::size_t length) {
+  demand_checkpoints();
+  const CheckpointIdentity identity = identity_of_integration(*this);
+  const std::size_t needed = identity.size() + checkpoint_size(*model.system(), *integration);
+  if (length < needed) refuse_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
+  core::save_checkpoint(*model.system(), *integration, to + identity.size());
+  Archive archive = Archive::writer(to, identity.size());
+  identity.write(archive);
+}
+
+void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
+  if (sensitivities && sensitivities->by_adjoint) refuse_argument(no_checkpoints);
+  std::optional<WantedSensitivities> wanted;
+  if (sensitivities) wanted.emplace(WantedSensitivities{sensitivities->parameters, sensitivities->options});
+  const std::size_t begin = end_of_identity(*this, saved);
+  integration = core::restore_checkpoint(model, options.model, options.integration,
+                                         {saved.values + begin, saved.length - begin}, wanted ? &*wanted : nullptr);
+  breakpoints->set_differentiations(system()->analysis().values.mu);
+  jumps.forget();
+  integration->record(solution);
+  decisions = {};
+  initial_report.reset();
+  direction = integration->direction();
+  breakpoints->set_size(integration->size_of_times());
+  set_limits(integration->start(), direction);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,129 @@
+// A solver of one problem: its model and options, the integration under way, breakpoints, events and recording.
+//
+// Folder solver: what stands behind the handle sfdae_solver, and everything else that uses solvers.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "expression/steep_arguments.h"
+#include "expression/time_breakpoints.h"
+#include "expression/time_inputs.h"
+#include "integrate/checkpoint.h"
+#include "integrate/integration.h"
+#include "linalg/kept_decisions.h"
+#include "problem/failure.h"
+#include "solver/any_model.h"
+#include "solver/model_rules.h"
+#include "solver/sensitivity_request.h"
+#include "solver/status_of.h"
+#include "watch/events.h"
+
+namespace sfdae::core {
+
+struct SolverOptions {
+  ModelOptions model;
+  IntegrationOptions integration;
+  bool xdot_is_guess = false;
+  bool checks_derivatives = false;
+};
+
+// What became of initial values.
+struct InitialReport {
+  double t, residual_before, residual_after, largest_change;
+  int component;
+  bool is_derivative_exact;
+};
+
+// Functions throw Failure, and return warnings.
+struct Solver {
+  Solver(AnyModel its_kind, SolverOptions its_options);
+
+  Problem& problem() { return model.problem(); }
+  // Null before an analysis.
+  const DaeSystem* system() const { return model.system(); }
+  // Rows of the derivative array that structure does not ask for are left out.
+  bool follows_structure() const;
+  void forget_analysis();
+  // What helps where a call fails; empty where nothing is known to.
+  const char* hint(int status) const;
+
+  // An integration under way goes on, if the analysis stays.
+  void set_options(SolverOptions fresh);
+  void set_parameter(const char* name, double value);
+  // None: null. They are searched from the point returned last.
+  void set_events(std::unique_ptr<Events> wanted);
+  // In order; with a flag for each, whether x may jump there.
+  void set_breakpoints(std::vector<double> times, std::vector<char> jump_flags);
+  // Those of tables and those that are set, if there can be any, go into the options.
+  void use_breakpoints(IntegrationOptions& integration_options);
+  // Singular points in an integration; 0: they end it.
+  void pass_singular_points(long most);
+  void use_continuation(IntegrationOptions& integration_options);
+  // Where steps go from now on; none: expired.
+  void record(std::weak_ptr<SolutionPieces> pieces);
+  // From the next start on; none: no more. An integration under way ends, and the analysis stays where it serves.
+  void ask_for_sensitivities(std::optional<SensitivityRequest> request);
+
+  // Index analysis; replaces the system and forgets the integration.
+  CallResult analyze(const PointOfInterest& point);
+  // x, and xdot unless it is null, become consistent.
+  CallResult make_consistent(double t, double* x, double* xdot);
+  CallResult start(double t, double toward, double* x, double* xdot);
+  CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
+  // The values after a change of the equations from those before it; an integration ends.
+  Jump jump(const PointOfInterest& before);
+  // restitution: of each constraint, or empty.
+  Jump impact(const PointOfInterest& before, const std::vector<double>& restitution);
+  // At t, within the last step of an integration, or at the point of the analysis.
+  std::vector<double> solution_at(double t);
+  // dt/dp of the time at which a function g(t, x, p) with these derivatives is 0; g_p may be null.
+  struct EventSlopes {
+    double t, g_t;
+    const double *g_x, *g_p;
+  };
+  CallResult differentiate_event(const EventSlopes& slopes, double* dt);
+
+  std::size_t checkpoint_length();
+  void save_checkpoint(double* to, std::size_t length);
+  void restore_checkpoint(const SavedCheckpoint& saved);
+
+  // The side of the start that nothing is evaluated on, and the end of the first piece.
+  void set_limits(double t, double toward_direction);
+
+  AnyModel kind;
+  Model& model;
+  SolverOptions options;
+  KeptDecisions decisions;  // of the last analysis, failed or not
+  // After an analysis:
+  double direction = 1.0;          // of the nearby point of the analysis
+  std::unique_ptr<Events> events;  // options.integration points to them
+  std::optional<TimeBreakpoints> breakpoints;
+  std::optional<TimeInputs> inputs;
+  std::optional<SteepArguments> steep_arguments;
+  JumpsOfModel jumps{*this};
+  ContinuationOfModel continuation{*this};
+  long max_passed = 0;                     // singular points in an integration
+  std::weak_ptr<SolutionPieces> solution;  // where steps are recorded
+  std::optional<SensitivityRequest> sensitivities;
+  // After a start:
+  std::unique_ptr<Integration> integration;
+  std::optional<InitialReport> initial_report;
+  std::atomic<bool> busy{false};  // with a call
+
+ private:
+  // The analysis and limits that consistent values at the point need; an integration ends.
+  void prepare_start(const PointOfInterest& point);
+  void make_analysis(PointOfInterest point);
+  // Those that were asked for go with the integration from its start, at the values found, where the system stands.
+  void carry_sensitivities(const ConsistentPoint& found);
+  void demand_checkpoints() const;
+  PointOfInterest initial_point(double t, double toward, const double* x, const double* xdot) const;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,15 @@
+// Source text of the equations of a solver, where it is.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "extension/model_source.h"
+#include "solver/solver.h"
+
+namespace sfdae::core {
+
+// Throws Failure.
+std::string source_of(Solver& solver, Language language, const char* name);
+
+}  // namespace sfdae::core

@@ -1,0 +1,42 @@
+// Failures of arguments, and what exceptions mean: the public status and the words of a call.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "integrate/integration_options.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+[[noreturn]] inline void refuse_argument(std::string message) {
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT, std::move(message));
+}
+
+inline constexpr const char* out_of_memory = "out of memory.";
+
+// What a body returns, SFDAE_OK if it returns nothing, or what an exception out of it means, goes to
+// say(status, text), which returns the status.
+template <class Body, class Say>
+int status_of(Body body, Say say) noexcept {
+  try {
+    CallResult result;
+    if constexpr (std::is_void_v<decltype(body())>) body();
+    else result = body();
+    return say(result.status, result.message.c_str());
+  } catch (const Failure& failure) {
+    return say(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
+  } catch (const std::exception& unexpected) {
+    return say(SFDAE_INTERNAL, unexpected.what());
+  } catch (...) {
+    return say(SFDAE_INTERNAL, "an exception came out of a callback.");
+  }
+}
+
+}  // namespace sfdae::core
