@@ -2,29 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/time_inputs.h"
 
-#include <cstddef>
 #include <utility>
 
+#include "expression/instruction_operands.h"
 #include "expression/tape.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-// Of one recording. (Chosen.)
-constexpr std::size_t most_inputs = 64;
-
-// Slots of operands, those of functions follow each other.
-template <class Take>
-void for_operands(const Instruction& instruction, Take take) {
-  if (instruction.code == Code::function) {
-    for (int slot = instruction.a; slot < instruction.b; ++slot) take(slot);
-    return;
-  }
-  for (const int slot : {instruction.a, instruction.b, instruction.c})
-    if (slot >= 0) take(slot);
-}
 
 std::vector<int> input_slots(const Tape& tape) {
   std::vector<char> is_of_time(index(tape.num_slots), 0), is_input(is_of_time);
@@ -40,10 +26,7 @@ std::vector<int> input_slots(const Tape& tape) {
   std::vector<int> all;
   for (int slot = 0; slot < tape.num_slots; ++slot)
     if (is_input[index(slot)] != 0) all.push_back(slot);
-  if (all.size() <= most_inputs) return all;
-  std::vector<int> some;
-  for (std::size_t k = 0; k < most_inputs; ++k) some.push_back(all[k * all.size() / most_inputs]);
-  return some;
+  return all;
 }
 
 // Of those that are no sums or products.
@@ -61,7 +44,8 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     if (inputs.empty()) continue;
     count_ += static_cast<int>(inputs.size());
     are_with_steep_functions_ = are_with_steep_functions_ || tape.of_state.has_other(is_steep);
-    parts_.push_back({ValuesOfTime(*evaluator), std::move(inputs)});
+    TimeEnclosures enclosures(tape, inputs);
+    parts_.push_back({ValuesOfTime(*evaluator), std::move(enclosures), std::move(inputs)});
   }
 }
 
@@ -69,6 +53,20 @@ void TimeInputs::evaluate(double t, double* values) {
   for (Part& part : parts_) {
     const double* const slots = part.values.at(t);
     for (const int slot : part.inputs) *values++ = slots[slot];
+  }
+}
+
+bool TimeInputs::are_enclosed() const {
+  for (const Part& part : parts_)
+    for (std::size_t k = 0; k < part.inputs.size(); ++k)
+      if (!part.enclosures.is_enclosed(k)) return false;
+  return true;
+}
+
+void TimeInputs::enclose(Interval t, TimeSeries* all) {
+  for (Part& part : parts_) {
+    part.enclosures.enclose(part.values.numbers(), t);
+    for (std::size_t k = 0; k < part.inputs.size(); ++k) *all++ = part.enclosures[k];
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
+#include "expression/time_enclosures.h"
 #include "expression/values_of_time.h"
 
 namespace sfdae::core {
@@ -14,7 +15,7 @@ class TimeInputs {
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
   explicit TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators);
 
-  // Of many inputs some stand for all; t itself is none.
+  // t itself is none.
   int count() const { return count_; }
   // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is
   // at its largest, as the current of a diode.
@@ -22,10 +23,14 @@ class TimeInputs {
   // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is
   // allocated.
   void evaluate(double t, double* values);
+  // Of each over an interval of t, after `evaluate`; anything where functions of the user's contribute.
+  void enclose(Interval t, TimeSeries* all);
+  bool are_enclosed() const;
 
  private:
   struct Part {
     ValuesOfTime values;
+    TimeEnclosures enclosures;
     std::vector<int> inputs;  // slots
   };
   std::vector<Part> parts_;

@@ -18,6 +18,8 @@ class ValuesOfTime {
   // Slots of all values: of constants, parameters and what depends on t alone there; others stay as they are. Not
   // finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
   double* at(double t);
+  // Of the last time.
+  const double* numbers() const { return slots_.data(); }
 
  private:
   const TaylorEvaluator* evaluator_;

@@ -78,7 +78,7 @@ PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized l
   if (is_local) {
     const PointStatus status = local_.linearize(equations, jets_, linearization, iteration.callback_error());
     if (status != PointStatus::ok) return status;
-    if (linearized == Linearized::at_each_stage) ill_served_ = local_.ill_served(linearization);
+    ill_served_ = local_.ill_served(linearization);
     if (ill_served_ >= 0) return PointStatus::not_converged;
   } else if (!linearization.factor_stages(equations.method, h)) {
     return PointStatus::singular;

@@ -29,8 +29,8 @@ class ExtensionStages {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
   // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states
-  // do not serve at all of them, or whatever they do there.
-  enum class Linearized { once, at_each_stage, at_each_stage_as_is };
+  // do not serve at all of them.
+  enum class Linearized { once, at_each_stage };
   PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
   // Where the states did not serve, by what was predicted; else null.

@@ -339,7 +339,7 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
 
 // Newton's method at each stage also converges beyond points where the states do not determine the other unknowns, to
 // something that is no solution: states have to serve at all stages, those that are chosen where the old ones serve
-// worst or, if there is no better choice, these.
+// worst if the old ones do not. Without a better choice the step is refused.
 PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations) {
   using Linearized = ExtensionStages::Linearized;
   PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
@@ -348,9 +348,9 @@ PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations)
   const std::vector<int> states = linearization_.choice().states();
   status = note_renewal(linearization_.renew(*there, callback_error_, ExtensionLinearization::States::chosen_there));
   if (status != PointStatus::ok) return status;
-  const bool is_better = linearization_.choice().states() != states;
-  status = stages_.solve(equations, is_better ? Linearized::at_each_stage : Linearized::at_each_stage_as_is,
-                         linearization_, iteration_);
+  status = linearization_.choice().states() == states
+               ? PointStatus::not_converged
+               : stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
   // What was predicted was no good: nothing that follows is to be judged by its rounding errors.
   if (status != PointStatus::ok && !is_hopeless(status)) renew_at_accepted();
   return status;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "integrate/radau_method.h"
 #include "linalg/index.h"
@@ -17,18 +16,17 @@ namespace {
 // In tolerances: what a change of slopes amounts to over the step is of no importance; of the change that the ends of
 // a step show, what may be hidden between them. (Chosen.)
 constexpr double unimportant = 10.0, shown_part = 0.5;
+// After as many the step is tried as it is, a billionth of the one that was wanted.
 constexpr int most_input_halvings = 30;
-// Where slopes cannot be found the step fails of itself, or does not.
-constexpr int most_blind_halvings = 3, most_blind_halvings_of_crests = 12;
 
 }  // namespace
 
 void InputWatch::resize(const DaeSystem& system, int inputs) {
-  samples_.resize(inputs);
+  search_.resize(inputs);
   slopes_.resize(system);
   const std::size_t size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);
-  changes_.assign(size_w * InputSamples::most_nodes, 0.0);
+  changes_.assign(size_w * InputSearch::most_nodes, 0.0);
 }
 
 // Of BDF the last point counts, too.
@@ -51,41 +49,43 @@ double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, dou
   double size = h, seen = 0.0;
   for (int halvings = 0; halvings < most_input_halvings; ++halvings) {
     const std::span<const double> nodes(nodes_.data(), set_nodes(integrator, size));
-    samples_.take(inputs, nodes, size, fastest_);
-    const bool is_unseen = do_matter(integrator, size, samples_.unseen()).value_or(halvings < most_blind_halvings);
-    if (!is_unseen && !do_crests_matter(integrator, size, nodes).value_or(halvings < most_blind_halvings_of_crests))
-      break;
+    search_.search(inputs, nodes, size, fastest_);
+    const Importance of_all = of_unseen(integrator, size, search_.unseen());
+    if (of_all == Importance::none && of_crests(integrator, size, nodes) == Importance::none) break;
     size *= 0.5;
-    if (is_unseen) seen = std::fabs(size);
+    if (of_all == Importance::matters) seen = std::fabs(size);
   }
   if (seen > 0.0) fastest_ = fastest_ > 0.0 ? std::fmin(fastest_, seen) : seen;
   return size;
 }
 
-// Whether the slope of w at one of the places is far from what the ends of the step show; none: slopes cannot be found.
-std::optional<bool> InputWatch::do_matter(Integrator& integrator, double h, std::span<const double> places) {
-  if (places.empty()) return false;
+// Whether the slope of w at one of the places is far from what the ends of the step show. Elsewhere inputs may be
+// `doubt()` times as far from what the step sees of them, and so may slopes.
+InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, std::span<const double> places) {
+  const double doubt = std::fmax(search_.doubt(), 1.0);
+  if (places.empty()) return doubt > 1.0 ? Importance::unknown : Importance::none;
   const QuietArithmetic quiet;
   const double start = integrator.stepper->state().t;
-  if (!has_slope_at_start(integrator)) return false;
-  if (!slopes_.find(integrator, start + h, change_)) return std::nullopt;
+  if (!has_slope_at_start(integrator) || !slopes_.find(integrator, start + h, change_)) return Importance::unknown;
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= at_start_[i];
-  const double shown = slopes_.size_of_change(integrator, h, change_);
+  const double enough = unimportant + shown_part * slopes_.size_of_change(integrator, h, change_);
+  double largest = 0.0;
   for (const double t : places) {
-    if (!slopes_.find(integrator, t, here_)) return std::nullopt;
+    if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
     const double part = (t - start) / h;
     for (std::size_t i = 0; i < here_.size(); ++i) here_[i] -= at_start_[i] + part * change_[i];
-    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
+    largest = std::fmax(largest, slopes_.size_of_change(integrator, h, here_));
+    if (!(largest <= enough)) return Importance::matters;
   }
-  return false;
+  return doubt * largest <= enough ? Importance::none : Importance::unknown;
 }
 
 // The same of crests, and of the polynomial through the slopes at all nodes, the first of which is the start: what
 // depends on inputs in a linear way is as near to it as they are to theirs.
-std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double h, std::span<const double> nodes) {
-  if (samples_.crests().empty()) return false;
+InputWatch::Importance InputWatch::of_crests(Integrator& integrator, double h, std::span<const double> nodes) {
+  if (search_.crests().empty()) return Importance::none;
   const QuietArithmetic quiet;
-  if (!has_slope_at_start(integrator)) return false;
+  if (!has_slope_at_start(integrator)) return Importance::unknown;
   const std::size_t size_w = at_start_.size();
   double shown = 0.0;
   for (std::size_t k = 1; k < nodes.size(); ++k) {
@@ -95,22 +95,23 @@ std::optional<bool> InputWatch::do_crests_matter(Integrator& integrator, double 
         nodes = nodes.first(k);
         break;
       }
-      return std::nullopt;
+      return Importance::unknown;
     }
     for (std::size_t i = 0; i < size_w; ++i) change_[i] -= at_start_[i];
     std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
     shown = std::fmax(shown, slopes_.size_of_change(integrator, h, change_));
   }
-  for (const double t : samples_.crests()) {
-    if (!slopes_.find(integrator, t, here_)) return std::nullopt;
-    std::array<double, InputSamples::most_nodes> weights{};
+  for (const double t : search_.crests()) {
+    if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
+    std::array<double, InputSearch::most_nodes> weights{};
     set_lagrange_weights(nodes, t, weights.data());
     for (std::size_t i = 0; i < size_w; ++i) here_[i] -= at_start_[i];
     for (std::size_t k = 1; k < nodes.size(); ++k)
       for (std::size_t i = 0; i < size_w; ++i) here_[i] -= weights[k] * changes_[k * size_w + i];
-    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown)) return true;
+    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown))
+      return Importance::matters;
   }
-  return false;
+  return Importance::none;
 }
 
 bool InputWatch::has_slope_at_start(Integrator& integrator) {

@@ -5,19 +5,21 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "integrate/held_slopes.h"
 #include "integrate/integrator.h"
 #include "linalg/archive.h"
-#include "watch/input_samples.h"
+#include "watch/input_search.h"
 
 namespace sfdae::core {
 
 class InputWatch {
  public:
+  // Of what inputs do between the points of a step.
+  enum class Importance { none, matters, unknown };
+
   void resize(const DaeSystem& system, int inputs);
   // The next step, of size h at first, as short as it has to be to notice what inputs do, where that matters. Throws
   // Failure.
@@ -26,14 +28,14 @@ class InputWatch {
 
  private:
   std::size_t set_nodes(const Integrator& integrator, double h);
-  std::optional<bool> do_matter(Integrator& integrator, double h, std::span<const double> places);
-  std::optional<bool> do_crests_matter(Integrator& integrator, double h, std::span<const double> nodes);
+  Importance of_unseen(Integrator& integrator, double h, std::span<const double> places);
+  Importance of_crests(Integrator& integrator, double h, std::span<const double> nodes);
   bool has_slope_at_start(Integrator& integrator);
 
-  InputSamples samples_;
+  InputSearch search_;
   HeldSlopes slopes_;
   double fastest_ = 0.0;  // in which time inputs have been found to change unnoticed; 0: none have
-  std::array<double, InputSamples::most_nodes> nodes_{};
+  std::array<double, InputSearch::most_nodes> nodes_{};
   bool has_slope_ = false;                        // at the start of the step
   std::vector<double> at_start_, change_, here_;  // (W x)' there, w held; its change up to the end; and elsewhere
   std::vector<double> changes_;                   // up to each node

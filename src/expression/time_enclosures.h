@@ -1,0 +1,49 @@
+// Enclosures of the values and derivatives that what depends on t alone has over an interval of t, by interval
+// arithmetic on Taylor coefficients.
+//
+// [Moo66] R. E. Moore: Interval Analysis. Prentice-Hall, 1966. Chapters 3, 11.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "expression/interval.h"
+#include "expression/tape.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+// Of u over an interval: its values, u' and u'' / 2.
+struct TimeSeries {
+  Interval value, slope, bend;
+};
+
+class TimeEnclosures {
+ public:
+  // slots: those of the tape that are asked for.
+  TimeEnclosures(const Tape& tape, const std::vector<int>& slots);
+
+  // False: functions of the user's contribute to the k-th one, of which nothing is known between points.
+  bool is_enclosed(std::size_t k) const { return is_enclosed_[index(wanted_[k])] != 0; }
+  // numbers: the slots of the tape, of which those that do not depend on t are read. Nothing is allocated.
+  void enclose(const double* numbers, Interval t);
+  const TimeSeries& operator[](std::size_t k) const { return series_[index(wanted_[k])]; }
+
+ private:
+  struct Number {
+    int place, slot;
+  };
+  TimeSeries value_of(const Instruction& instruction) const;
+  TimeSeries value_of_function(const Instruction& instruction) const;
+  TimeSeries value_of_power(const Instruction& instruction) const;
+
+  std::vector<Instruction> instructions_;  // with places in series_ in place of slots
+  std::vector<Number> numbers_;
+  int time_ = 0;
+  std::vector<int> wanted_;
+  std::vector<TimeSeries> series_;
+  std::vector<char> is_enclosed_;
+};
+
+}  // namespace sfdae::core
