@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/time_inputs.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "expression/instruction_operands.h"
@@ -45,6 +47,7 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     count_ += static_cast<int>(inputs.size());
     are_with_steep_functions_ = are_with_steep_functions_ || tape.of_state.has_other(is_steep);
     TimeEnclosures enclosures(tape, inputs);
+    for (std::size_t k = 0; k < inputs.size(); ++k) is_enclosed_.push_back(enclosures.is_enclosed(k) ? 1 : 0);
     parts_.push_back({ValuesOfTime(*evaluator), std::move(enclosures), std::move(inputs)});
   }
 }
@@ -57,10 +60,7 @@ void TimeInputs::evaluate(double t, double* values) {
 }
 
 bool TimeInputs::are_enclosed() const {
-  for (const Part& part : parts_)
-    for (std::size_t k = 0; k < part.inputs.size(); ++k)
-      if (!part.enclosures.is_enclosed(k)) return false;
-  return true;
+  return std::all_of(is_enclosed_.begin(), is_enclosed_.end(), [](char is) { return is != 0; });
 }
 
 void TimeInputs::enclose(Interval t, TimeSeries* all) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -23,8 +24,10 @@ class TimeInputs {
   // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is
   // allocated.
   void evaluate(double t, double* values);
-  // Of each over an interval of t, after `evaluate`; anything where functions of the user's contribute.
+  // Of each over an interval of t, after `evaluate`; anything where user-supplied functions contribute.
   void enclose(Interval t, TimeSeries* all);
+  // Whether no user-supplied function contributes to an input, to any of them.
+  bool is_enclosed(std::size_t input) const { return is_enclosed_[input] != 0; }
   bool are_enclosed() const;
 
  private:
@@ -34,6 +37,7 @@ class TimeInputs {
     std::vector<int> inputs;  // slots
   };
   std::vector<Part> parts_;
+  std::vector<char> is_enclosed_;
   int count_ = 0;
   bool are_with_steep_functions_ = false;
 };

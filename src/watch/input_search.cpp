@@ -187,8 +187,10 @@ void InputSearch::take(TimeInputs& inputs, double y, double reach, Sample& sampl
 void InputSearch::add_piece(TimeInputs& inputs, Piece piece, const Sample& start, const Sample& end) {
   const double t = polynomials_.time(piece.low), stop = polynomials_.time(piece.high);
   inputs.enclose(between(t, stop), enclosed_.data());
+  // Of the others only the samples are known.
   for (std::size_t i = 0; i < seen_.size(); ++i)
-    if (polynomials_.is_defined(i)) piece.score = std::fmax(piece.score, score(i, piece, start, end));
+    if (polynomials_.is_defined(i) && inputs.is_enclosed(i))
+      piece.score = std::fmax(piece.score, score(i, piece, start, end));
   pieces_.push_back(piece);
   std::push_heap(pieces_.begin(), pieces_.end());
 }
