@@ -42,6 +42,29 @@ TEST(ExternalFunctions, AreWhatTheFormulasAre) {
   }
 }
 
+// An input that is a user-supplied function of t is judged by samples: it takes as many steps as the formula.
+TEST(ExternalFunctions, OfTimeTakeAsManySteps) {
+  const ExternalFunction f("exp_sin", 2, exp_sin);
+  const auto count_steps = [&](bool is_external, int method) {
+    NonlinearProblem problem(1, 1);
+    problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      const Expression a = -0.1 * t, b = 3.0 * t;
+      F[0] = xdot[0] + x[0] - (is_external ? f(a, b) : exp(a) * sin(b));
+    };
+    Options options;
+    options.method = method;
+    options.rtol = options.atol = 1e-6;
+    options.max_steps = 20000;
+    Solver solver(problem, options);
+    Point point{0.0, {0.0}, {}};
+    solver.start(point, 10.0);
+    solver.advance(10.0, point);
+    return solver.statistics().steps;
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    EXPECT_LE(count_steps(true, method), 1.5 * static_cast<double>(count_steps(false, method))) << method;
+}
+
 TEST(ExternalFunctions, SayWhatTheyCannotDo) {
   struct Case {
     int order, code, status;
