@@ -58,7 +58,7 @@ inline Interval reciprocal(Interval a) {
 }
 inline Interval operator/(Interval a, Interval b) { return a * reciprocal(b); }
 
-// Of a monotone function.
+// The values of a monotone function.
 template <class Function>
 Interval monotone(Function function, Interval a) {
   return between(function(a.low), function(a.high));
@@ -67,7 +67,7 @@ Interval monotone(Function function, Interval a) {
 inline Interval exp(Interval a) {
   return monotone([](double x) { return std::exp(x); }, a);
 }
-// Of what is positive in it, as sqrt and power for broken exponents.
+// Negative numbers count as 0, as for sqrt and for powers that are not whole.
 inline Interval log(Interval a) {
   return monotone([](double x) { return std::log(std::max(x, 0.0)); }, a);
 }
@@ -85,7 +85,7 @@ inline Interval power(Interval a, double exponent) {
   return is_even && a.contains(0.0) ? Interval{0.0, std::max(p, q)} : between(p, q);
 }
 
-// Whether first + k period is in it for some integer k.
+// True if first + k period is in it for some integer k.
 inline bool contains_any(Interval a, double first, double period) {
   return first + std::ceil((a.low - first) / period) * period <= a.high;
 }

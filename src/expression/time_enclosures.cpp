@@ -114,7 +114,7 @@ Interval values_of_piece(const PointFunction& table, int order, double middle, d
   return sum;
 }
 
-// Of the derivative of order `order` of a table, of its slope and its bend.
+// Enclosures of the derivative of order `order` of a table, of its slope and of half its second derivative.
 TimeSeries values_of_table(const PointFunction& table, int order, Interval x) {
   const std::vector<double>& all = table.breakpoints();
   TimeSeries result;

@@ -14,7 +14,7 @@
 
 namespace sfdae::core {
 
-// Of u over an interval: its values, u' and u'' / 2.
+// Enclosures of u, u' and u'' / 2 over an interval.
 struct TimeSeries {
   Interval value, slope, bend;
 };
@@ -24,7 +24,7 @@ class TimeEnclosures {
   // slots: those of the tape that are asked for.
   TimeEnclosures(const Tape& tape, const std::vector<int>& slots);
 
-  // False: functions of the user's contribute to the k-th one, of which nothing is known between points.
+  // False: user-supplied functions contribute to the k-th one; nothing is known of them between points.
   bool is_enclosed(std::size_t k) const { return is_enclosed_[index(wanted_[k])] != 0; }
   // numbers: the slots of the tape, of which those that do not depend on t are read. Nothing is allocated.
   void enclose(const double* numbers, Interval t);

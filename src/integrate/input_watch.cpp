@@ -51,7 +51,7 @@ double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, dou
     const std::span<const double> nodes(nodes_.data(), set_nodes(integrator, size));
     search_.search(inputs, nodes, size, fastest_);
     const Importance of_all = of_unseen(integrator, size, search_.unseen());
-    if (of_all == Importance::none && of_crests(integrator, size, nodes) == Importance::none) break;
+    if (of_all == Importance::none && of_peaks(integrator, size, nodes) == Importance::none) break;
     size *= 0.5;
     if (of_all == Importance::matters) seen = std::fabs(size);
   }
@@ -80,10 +80,10 @@ InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, s
   return doubt * largest <= enough ? Importance::none : Importance::unknown;
 }
 
-// The same of crests, and of the polynomial through the slopes at all nodes, the first of which is the start: what
+// The same of peaks, and of the polynomial through the slopes at all nodes, the first of which is the start: what
 // depends on inputs in a linear way is as near to it as they are to theirs.
-InputWatch::Importance InputWatch::of_crests(Integrator& integrator, double h, std::span<const double> nodes) {
-  if (search_.crests().empty()) return Importance::none;
+InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, std::span<const double> nodes) {
+  if (search_.peaks().empty()) return Importance::none;
   const QuietArithmetic quiet;
   if (!has_slope_at_start(integrator)) return Importance::unknown;
   const std::size_t size_w = at_start_.size();
@@ -101,7 +101,7 @@ InputWatch::Importance InputWatch::of_crests(Integrator& integrator, double h, s
     std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
     shown = std::fmax(shown, slopes_.size_of_change(integrator, h, change_));
   }
-  for (const double t : search_.crests()) {
+  for (const double t : search_.peaks()) {
     if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
     std::array<double, InputSearch::most_nodes> weights{};
     set_lagrange_weights(nodes, t, weights.data());

@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 class InputWatch {
  public:
-  // Of what inputs do between the points of a step.
+  // The importance of what inputs do between the points of a step.
   enum class Importance { none, matters, unknown };
 
   void resize(const DaeSystem& system, int inputs);
@@ -29,7 +29,7 @@ class InputWatch {
  private:
   std::size_t set_nodes(const Integrator& integrator, double h);
   Importance of_unseen(Integrator& integrator, double h, std::span<const double> places);
-  Importance of_crests(Integrator& integrator, double h, std::span<const double> nodes);
+  Importance of_peaks(Integrator& integrator, double h, std::span<const double> nodes);
   bool has_slope_at_start(Integrator& integrator);
 
   InputSearch search_;

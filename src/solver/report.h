@@ -1,4 +1,4 @@
-// What a solver has found and done, as text.
+// The diagnostics report of a solver as text.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@ std::string report_of(const Solver& solver, const std::string& about_modes);
 // The breakpoints that an integration under way is going to meet, and the jump crossed last; empty where there are
 // none.
 std::string breakpoints_report(const Solver& solver);
-// Of the adjoint of so many parameters.
+// The work of the adjoint for `count` parameters.
 std::string report_of(int count, const AdjointWork& work);
 
 }  // namespace sfdae::core

@@ -33,7 +33,7 @@ struct SolverOptions {
   bool checks_derivatives = false;
 };
 
-// What became of initial values.
+// The adjustment of initial values.
 struct InitialReport {
   double t, residual_before, residual_after, largest_change;
   int component;
@@ -50,24 +50,25 @@ struct Solver {
   // Rows of the derivative array that structure does not ask for are left out.
   bool follows_structure() const;
   void forget_analysis();
-  // What helps where a call fails; empty where nothing is known to.
+  // Advice for a call that has failed with this status; empty if there is none.
   const char* hint(int status) const;
 
   // An integration under way goes on, if the analysis stays.
   void set_options(SolverOptions fresh);
   void set_parameter(const char* name, double value);
-  // None: null. They are searched from the point returned last.
+  // Null: no events. They are searched from the point returned last.
   void set_events(std::unique_ptr<Events> wanted);
   // In order; with a flag for each, whether x may jump there.
   void set_breakpoints(std::vector<double> times, std::vector<char> jump_flags);
-  // Those of tables and those that are set, if there can be any, go into the options.
+  // Puts breakpoints of tables and those that are set, if there can be any, into the options.
   void use_breakpoints(IntegrationOptions& integration_options);
   // Singular points in an integration; 0: they end it.
   void pass_singular_points(long most);
   void use_continuation(IntegrationOptions& integration_options);
-  // Where steps go from now on; none: expired.
+  // The solution that receives the steps from now on; expired: none.
   void record(std::weak_ptr<SolutionPieces> pieces);
-  // From the next start on; none: no more. An integration under way ends, and the analysis stays where it serves.
+  // Sensitivities from the next start on; none: no more. An integration under way ends, and the analysis stays if it is
+  // still usable.
   void ask_for_sensitivities(std::optional<SensitivityRequest> request);
 
   // Index analysis; replaces the system and forgets the integration.

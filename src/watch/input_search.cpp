@@ -1,4 +1,4 @@
-// Whether the points that a step looks at show what inputs do between them.
+// A search for places within a step where inputs differ from the polynomials through their values at its nodes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/input_search.h"
 
@@ -15,31 +15,31 @@ namespace sfdae::core {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of the range of an input: what it may be away from the polynomial. (Chosen.)
+// An input may be this part of its range away from the polynomial. (Chosen.)
 constexpr double visible_part = 0.3;
-// Of its range: by how much it may be above or below its values at the nodes without being expected there. (Chosen.)
+// It may be this part of its range above or below its values at the nodes without being expected there. (Chosen.)
 constexpr double visible_excess = 0.05;
-// Of its range: crests are looked at, whether they are expected or not, where it is that much beyond its values at
-// the nodes. (Chosen.)
-constexpr double crest_part = 1e-4;
+// Peaks this part of the range beyond the values at the nodes are looked at, whether they are expected or not.
+// (Chosen.)
+constexpr double peak_part = 1e-4;
 // How well places are found: their distances up to this factor. (Measured: 1 to 11 pieces for most inputs.)
 constexpr double place_factor = 1.25;
-// From the largest sample to the crest: each parabola through points at a quarter of the last one's distances, until
-// one of the range leads no higher than that part of it, a thousandth of what an exponential notices. (Chosen.)
+// Parabolas lead from the largest sample to the peak, each through points at a quarter of the last one's distances,
+// until one of the range leads no higher than that part of it, a thousandth of what an exponential notices. (Chosen.)
 constexpr int parabolas = 12;
-constexpr double crest_gain = 1e-8;
+constexpr double peak_gain = 1e-8;
 constexpr double reach_in_next = 0.25;
-// Of its size: changes are rounding errors.
+// Changes below this part of the size of an input are rounding errors.
 constexpr double least_range = 1e-10;
-// Of its size: smaller changes are not sought, as those that enclosures of constant sums of squares leave. (Chosen.)
+// Changes below this part of its size are not sought: enclosures of constant sums of squares leave such. (Chosen.)
 constexpr double least_sought = 1e-6;
 // Pieces of a step; if more are needed what inputs do is not known. (Measured: 75 were enough for all but sums of many
 // sines with unrelated periods.)
 constexpr std::size_t most_pieces = 256;
-// Pieces of a step where functions of the user's contribute, of which nothing is known between samples, and in the time
-// in which inputs are known to change. (Chosen.)
+// Pieces of a step, and of the time in which inputs are known to change, where user-supplied functions contribute:
+// nothing is known of them between samples. (Chosen.)
 constexpr double fewest_samples = 32.0, per_change = 4.0;
-// Of a step: places that are nearer to each other are one. (Chosen: far below the width of a crest that matters.)
+// Places nearer to each other than this part of a step are one. (Chosen: far below the width of a peak that matters.)
 constexpr double same_place = 1e-6;
 
 }  // namespace
@@ -127,14 +127,14 @@ void InputSearch::resize(int inputs) {
     for (std::vector<double>* v : {&sample.values, &sample.distances}) v->assign(n, 0.0);
   pieces_.reserve(most_pieces + 1);
   unseen_.resize(3 * n);
-  crests_.resize(2 * n);
+  peaks_.resize(2 * n);
 }
 
 // Best first: the piece in which an input may do most is halved.
 void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
   const QuietArithmetic quiet;
   polynomials_.set(inputs, nodes, h);
-  with_crests_ = inputs.are_with_steep_functions();
+  with_peaks_ = inputs.are_with_steep_functions();
   constexpr Extreme none{0.0, 0.0, 0.0};
   std::fill(seen_.begin(), seen_.end(), Seen{{-infinity, 0.0, 0.0}, {infinity, 0.0, 0.0}, none, none, none});
   pieces_.clear();
@@ -187,7 +187,7 @@ void InputSearch::take(TimeInputs& inputs, double y, double reach, Sample& sampl
 void InputSearch::add_piece(TimeInputs& inputs, Piece piece, const Sample& start, const Sample& end) {
   const double t = polynomials_.time(piece.low), stop = polynomials_.time(piece.high);
   inputs.enclose(between(t, stop), enclosed_.data());
-  // Of the others only the samples are known.
+  // Only the samples of other inputs are known.
   for (std::size_t i = 0; i < seen_.size(); ++i)
     if (polynomials_.is_defined(i) && inputs.is_enclosed(i))
       piece.score = std::fmax(piece.score, score(i, piece, start, end));
@@ -211,7 +211,7 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
   const double clearly_seen = visible_excess * sought;
   if (!(far <= clearly_seen)) far = std::fmin(far, (u.value - polynomials_.values(i, y)).magnitude());
   double result = ratio(far, std::fmax(visible_part * sought, place_factor * seen.far.value));
-  if (!with_crests_ && far <= clearly_seen) return result;
+  if (!with_peaks_ && far <= clearly_seen) return result;
   const bool is_monotone = u.slope.low >= 0.0 || u.slope.high <= 0.0;
   const auto bound = [&](double sign) {
     const Interval value = sign > 0.0 ? u.value : -u.value, bend = sign > 0.0 ? u.bend : -u.bend;
@@ -223,9 +223,9 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
       result, ratio(std::fmin(high - nodes.high, far), std::fmax(clearly_seen, place_factor * seen.above.value)));
   result = std::fmax(
       result, ratio(std::fmin(low + nodes.low, far), std::fmax(clearly_seen, place_factor * seen.below.value)));
-  if (!with_crests_) return result;
+  if (!with_peaks_) return result;
   const Interval within = polynomials_.range_within(i);
-  const double least = crest_part * sought;
+  const double least = peak_part * sought;
   result = std::fmax(result, ratio(high - std::fmax(seen.high.value, within.high), least));
   return std::fmax(result, ratio(low - std::fmax(-seen.low.value, -within.low), least));
 }
@@ -240,7 +240,7 @@ double InputSearch::range_of(std::size_t i) const {
 
 void InputSearch::find_places(TimeInputs& inputs) {
   unseen_.clear();
-  crests_.clear();
+  peaks_.clear();
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     const double range = range_of(i);
     if (range == 0.0 || !polynomials_.is_defined(i)) continue;
@@ -248,22 +248,22 @@ void InputSearch::find_places(TimeInputs& inputs) {
     unseen_.add(seen.above.value / (visible_excess * range), seen.above.t);
     unseen_.add(seen.below.value / (visible_excess * range), seen.below.t);
     unseen_.add(seen.far.value / (visible_part * range), seen.far.t);
-    if (!with_crests_) continue;
+    if (!with_peaks_) continue;
     const Interval within = polynomials_.range_within(i);
     const double least =
-        crest_part * (std::fmax(seen.high.value, within.high) - std::fmin(seen.low.value, within.low));
+        peak_part * (std::fmax(seen.high.value, within.high) - std::fmin(seen.low.value, within.low));
     if (seen.high.value - within.high > least)
-      crests_.add((seen.high.value - within.high) / least, crest(inputs, i, 1.0, seen.high));
+      peaks_.add((seen.high.value - within.high) / least, peak(inputs, i, 1.0, seen.high));
     if (within.low - seen.low.value > least)
-      crests_.add((within.low - seen.low.value) / least, crest(inputs, i, -1.0, seen.low));
+      peaks_.add((within.low - seen.low.value) / least, peak(inputs, i, -1.0, seen.low));
   }
   const double same = 2.0 * same_place * std::fabs(polynomials_.half());
   unseen_.finish(same);
-  crests_.finish(same);
+  peaks_.finish(same);
 }
 
 // Near the sample that is the largest one, of those times sign, by parabolas within the step.
-double InputSearch::crest(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from) {
+double InputSearch::peak(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from) {
   const double start = polynomials_.time(-1.0), end = polynomials_.time(1.0);
   const auto room = [&](double time) { return std::fmin(std::fabs(time - start), std::fabs(end - time)); };
   std::vector<double>& now = samples_[0].values;
@@ -281,7 +281,7 @@ double InputSearch::crest(TimeInputs& inputs, std::size_t i, double sign, const 
     at += is_inside ? shift * reach : after > before ? reach : -reach;
     reach = std::fmin(is_inside ? reach_in_next * reach : reach, room(at));
     const double last = std::exchange(middle, value(at));
-    if (is_inside && std::fabs(middle - last) <= crest_gain * range_of(i)) break;
+    if (is_inside && std::fabs(middle - last) <= peak_gain * range_of(i)) break;
   }
   return at;
 }

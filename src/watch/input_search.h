@@ -1,4 +1,5 @@
-// Whether the points that a step looks at show what inputs do between them: places where they do not, by enclosures.
+// A search for places within a step where inputs differ from the polynomials through their values at its nodes, by
+// enclosures.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +12,7 @@
 
 namespace sfdae::core {
 
-// Of the values at the nodes, for the value at t of the polynomial through them.
+// Weights of the values at the nodes in the value at t of the polynomial through them.
 void set_lagrange_weights(std::span<const double> nodes, double t, double* weights);
 
 // Polynomials through the values of inputs at the nodes of a step, in y from -1 at its start to 1 at its end.
@@ -25,14 +26,14 @@ class NodePolynomials {
   double time(double y) const { return middle_ + y * half_; }
   double half() const { return half_; }
 
-  // Whether all values at nodes are finite.
+  // True if all values at nodes are finite.
   bool is_defined(std::size_t i) const { return at_nodes_[i].is_defined; }
   // Values at all nodes, and at those of them that are not before the step.
   Interval range(std::size_t i) const { return at_nodes_[i].all; }
   Interval range_within(std::size_t i) const { return at_nodes_[i].within; }
   double value(std::size_t i, double y) const;
   Interval values(std::size_t i, Interval y) const;
-  // Of half the second derivative by t.
+  // Enclosure of half the second derivative by t.
   Interval bends(std::size_t i, Interval y) const;
 
  private:
@@ -63,7 +64,7 @@ class InputSearch {
   std::span<const double> unseen() const { return unseen_.all(); }
   // Times at which inputs of steep functions are largest or smallest, beyond their values at the nodes, expected or
   // not.
-  std::span<const double> crests() const { return crests_.all(); }
+  std::span<const double> peaks() const { return peaks_.all(); }
   // How many times farther than at these places inputs may be from their polynomials elsewhere; at most 1: no more
   // than is of no importance.
   double doubt() const { return doubt_; }
@@ -80,7 +81,7 @@ class InputSearch {
   struct Extreme {
     double value, t, reach;  // to the samples beside it
   };
-  // Of an input: the largest and smallest samples, the farthest one, and those that are most above and below the
+  // Samples of an input: the largest and smallest ones, the farthest one, and those that are most above and below the
   // values at all nodes without being expected there.
   struct Seen {
     Extreme high, low, far, above, below;
@@ -108,16 +109,16 @@ class InputSearch {
   double score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) const;
   double range_of(std::size_t i) const;
   void find_places(TimeInputs& inputs);
-  double crest(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from);
+  double peak(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from);
 
   NodePolynomials polynomials_;
   std::vector<Seen> seen_;
   std::vector<TimeSeries> enclosed_;
   std::array<Sample, 3> samples_;
   std::vector<Piece> pieces_;  // a heap
-  Places unseen_, crests_;
+  Places unseen_, peaks_;
   double doubt_ = 0.0;
-  bool with_crests_ = false;
+  bool with_peaks_ = false;
 };
 
 }  // namespace sfdae::core

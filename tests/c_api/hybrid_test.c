@@ -474,6 +474,37 @@ static void guards_and_failures(void) {
   }
 }
 
+static int stops_once(double t, int from, int to, const double* before, double* after, void* user) {
+  int i;
+  (void)t, (void)from, (void)to;
+  for (i = 0; i < 3; ++i) after[i] = before[i];
+  return sfdae_request_stop_hybrid((sfdae_hybrid*)user);
+}
+
+/* Two capacitors at the same voltage are joined: a stop that is requested while values jump ends the call, which can be
+ * repeated. */
+static void stops_at_a_transition(void) {
+  double C[] = {1, 3, 0};
+  sfdae_solver* solvers[2];
+  sfdae_hybrid* hybrid = create_pair(joined, 3, C, "closed", SFDAE_METHOD_BDF, solvers);
+  sfdae_transition close = transition_of(0, 1, SFDAE_TRANSITION_TIME, NULL);
+  double t = 0, x[3] = {2, 2, 0};
+  int mode = -1;
+  close.time = 1;
+  close.jump = stops_once;
+  close.user = hybrid;
+  CHECK_STATUS(sfdae_add_transition(hybrid, &close, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 2, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 2, &t, x, NULL), SFDAE_STOPPED);
+  CHECK(t == 1);
+  NEAR(x[0], 2, 1e-12);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 2, &t, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_current_mode(hybrid, &mode), SFDAE_OK);
+  CHECK(t == 2 && mode == 1);
+  NEAR(x[1], 2, 1e-12);
+  destroy(&hybrid, solvers, 2);
+}
+
 static void failures_name_the_mode(void) {
   double C[] = {1, 3, 0};
   sfdae_solver *wide = create(joined, 3, C, SFDAE_METHOD_BDF), *same = create(joined, 3, C, SFDAE_METHOD_BDF),
@@ -626,6 +657,7 @@ int main(void) {
   slides_in_a_mode_of_its_own(0.5, 1);
   slides_by_a_switch();
   guards_and_failures();
+  stops_at_a_transition();
   failures_name_the_mode();
   return failures > 0;
 }
