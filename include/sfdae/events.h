@@ -26,7 +26,8 @@ typedef int (*sfdae_event_function)(double t, const double* x, const double* xdo
  * num_events: 1 ... 10000, or 0 to have no events any more. directions: NULL or num_events numbers, +1 if only
  * rising zeros count (from - to + in the direction of integration), -1 if only falling ones, 0 both. `user` is
  * handed to `function`. Events are searched from the point returned last or the next start on. They survive
- * sfdae_start, sfdae_analyze and sfdae_set_options. SFDAE_ILLEGAL_ARGUMENT leaves the events as they were.
+ * sfdae_start, sfdae_analyze and sfdae_set_options. SFDAE_ILLEGAL_ARGUMENT, also for the solver of a mode of a hybrid
+ * system, leaves the events as they were.
  *
  *  - Events are returned in their order; those that are one but for rounding errors together. Only events up to
  *    tout count, tout included.

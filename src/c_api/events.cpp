@@ -28,6 +28,8 @@ extern "C" {
 int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function function, const int* directions,
                      void* user) {
   return guarded(solver, [&] {
+    if (solver->hybrid != nullptr)
+      refuse_argument("the solver is a mode of a hybrid system, whose transitions are its events.");
     check_events(num_events, function, directions);
     std::unique_ptr<Events> events;
     if (num_events > 0) {

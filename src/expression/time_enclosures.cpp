@@ -191,6 +191,7 @@ void TimeEnclosures::enclose(const double* numbers, Interval t) {
 }
 
 TimeSeries TimeEnclosures::value_of(const Instruction& instruction) const {
+  if (instruction.code == Code::function) return value_of_function(instruction);  // b is no place
   const TimeSeries& a = series_[index(instruction.a)];
   const TimeSeries& b = series_[index(std::max(instruction.b, 0))];
   switch (instruction.code) {
@@ -220,8 +221,8 @@ TimeSeries TimeEnclosures::value_of(const Instruction& instruction) const {
     case Code::floor: return rounded_down(a);
     case Code::modulo: return remainder(a, b);
     case Code::copy: return a;
-    case Code::function: return value_of_function(instruction);
     case Code::choose: return choice(a, b, series_[index(instruction.c)]);
+    case Code::function: break;
   }
   return unknown_series;
 }

@@ -495,6 +495,8 @@ static void stops_at_a_transition(void) {
   close.user = hybrid;
   CHECK_STATUS(sfdae_add_transition(hybrid, &close, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 2, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_set_events(solvers[0], 1, voltage, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strstr(sfdae_message(solvers[0]), "transitions are its events") != NULL);
   CHECK_STATUS(sfdae_advance_hybrid(hybrid, 2, &t, x, NULL), SFDAE_STOPPED);
   CHECK(t == 1);
   NEAR(x[0], 2, 1e-12);
