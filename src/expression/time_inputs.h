@@ -24,7 +24,8 @@ class TimeInputs {
   // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is
   // allocated.
   void evaluate(double t, double* values);
-  // Of each over an interval of t, after `evaluate`; anything where user-supplied functions contribute.
+  // Enclosures of each over an interval of t, after `evaluate` and within a QuietArithmetic of the caller's; anything
+  // where user-supplied functions contribute.
   void enclose(Interval t, TimeSeries* all);
   // Whether no user-supplied function contributes to an input, to any of them.
   bool is_enclosed(std::size_t input) const { return is_enclosed_[input] != 0; }
