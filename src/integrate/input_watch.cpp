@@ -74,8 +74,9 @@ InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, s
     if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
     const double part = (t - start) / h;
     for (std::size_t i = 0; i < here_.size(); ++i) here_[i] -= at_start_[i] + part * change_[i];
-    largest = std::fmax(largest, slopes_.size_of_change(integrator, h, here_));
-    if (!(largest <= enough)) return Importance::matters;
+    const double size = slopes_.size_of_change(integrator, h, here_);
+    if (!(size <= enough)) return Importance::matters;
+    largest = std::fmax(largest, size);
   }
   return doubt * largest <= enough ? Importance::none : Importance::unknown;
 }
