@@ -17,7 +17,6 @@ from ._expression import Expression, Recording
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
 from ._status import CannotEvaluate
-from ._unknowns import Watch, require_confirmed, require_same_names
 
 
 class CountMismatch(ValueError):
@@ -205,28 +204,13 @@ callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 # ---- Nonlinear problems --------------------------------------------------------------------------
 
 
-def _written(problem: Any, arguments: tuple[Any, ...], values: dict[str, Any]) -> Any:
-    """Calls the equations with expressions t, x, xdot, and checks that they unpack x under the
-    names that the unknowns have.
-    """
-    equations, (t, x, xdot) = problem.equations, arguments
-    count = problem.num_equations
-    if not problem._has_names:
-        return equations(t, x, xdot, values=values, count=count)
-    watch = Watch(equations.function, x)
-    result = equations(t, watch.over(x), xdot, values=values, count=count)
-    require = require_confirmed if problem._must_confirm_names else require_same_names
-    require(equations.function, problem.names, watch.names())
-    return result
-
-
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
     with Recording(record, state) as recording:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
-        entries = flatten(_written(problem, arguments, state.values), "equations")
+        entries = flatten(problem._written(arguments, state.values), "equations")
         if len(entries) != problem.num_equations:
             raise CountMismatch(len(entries), problem.num_equations)
         write_formulas(
@@ -291,12 +275,8 @@ def _multibody_equations(
         for name, place in FORMULA_PLACES.items():
             part = problem.functions.get(name)
             if isinstance(part, Formula):
-                watch = Watch(part.function, [*positions, *velocities])
-                arguments = [time, watch.over(positions)]
-                if name == "forces":
-                    arguments.append(watch.over(velocities))
-                function, part = part.function, part(*arguments, values=state.values)
-                require_same_names(function, problem.names, watch.names())
+                parts = [positions, velocities] if name == "forces" else [positions]
+                part = problem._written(name, time, parts, state.values)
                 if name != "mass" and name != "kinematics" and name != "nonholonomic_matrix":
                     part = np.array([*flatten(part, name), None], dtype=object)[:-1]
             elif part is None and name == "mass":
@@ -311,10 +291,10 @@ def _define_multibody(name: str, has_velocities: bool) -> None:
         problem = state.problem
         part = problem.functions[name]
         if not isinstance(part, np.ndarray):
-            arguments = [t, _numbers(q, (problem.num_positions,))]
+            parts = [_numbers(q, (problem.num_positions,))]
             if has_velocities:
-                arguments.append(_numbers(v, (problem.num_velocities,)))
-            part = part(*arguments, values=state.values)
+                parts.append(_numbers(v, (problem.num_velocities,)))
+            part = problem._written(name, t, parts, state.values)
         _write(result, part, problem.shape(name), name)
 
     def evaluate_at_positions(state: CallbackState, t: float, q: Any, result: Any) -> None:

@@ -8,9 +8,11 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 from ._binding import lib
+from ._expression import Expression
 from ._formula import Formula, flatten, parameter_values, probe
 from ._options import constant
 from ._problem import Problem, as_names, c_names
+from ._unknowns import Watch, require_same_names
 
 # Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written
 # to.
@@ -117,6 +119,7 @@ class MultibodyProblem(Problem):
             "nonholonomic_curvature": nonholonomic_curvature,
         }
         self.records = bool(record)
+        self._has_checked_names: set[str] = set()  # of functions
         self.coordinates = constant("coordinates", coordinates)
         self.num_positions = int(num_positions)
         self.num_velocities = self.num_positions if num_velocities is None else int(num_velocities)
@@ -177,6 +180,24 @@ class MultibodyProblem(Problem):
         )
         value = function(t, q, values=self.parameters)
         return len(flatten(value, name)) if name == "constraints" else len(value)
+
+    def _written(
+        self, name: str, t: Any, parts: Sequence[np.ndarray], values: Mapping[str, Any]
+    ) -> Any:
+        """Calls a function, with expressions or numbers, and checks that it unpacks q and v under
+        the names that the unknowns have: in each recording, and in the first call with numbers.
+        parts: q, and v for functions of it.
+        """
+        function = self.functions[name]
+        if name in self._has_checked_names and not isinstance(t, Expression):
+            return function(t, *parts, values=values)
+        watch = Watch(function.function)
+        firsts = (0, self.num_positions)
+        watched = [watch.over(part, first) for part, first in zip(parts, firsts)]
+        result = function(t, *watched, values=values)
+        require_same_names(function.function, self.names, watch.names())
+        self._has_checked_names.add(name)
+        return result
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Shape of what a function returns."""

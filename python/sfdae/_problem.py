@@ -10,10 +10,12 @@ import numpy as np
 
 from ._binding import ffi, lib
 from ._equations import Equations
+from ._expression import Expression
 from ._finite_differences import jacobian
 from ._formula import flatten, parameter_values
 from ._matrices import Matrices
 from ._types import Values
+from ._unknowns import Watch, require_confirmed, require_same_names
 
 _MOST_UNKNOWNS = 50_000  # of the library, which says it when a solver is created
 
@@ -260,6 +262,7 @@ class NonlinearProblem(Matrices, Problem):
         self.total_derivative = total_derivative
         self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
         self._must_confirm_names = False  # they were read from the equations
+        self._has_checked_names = False
         self._set_prescribed(prescribed)
         self.differentiations = (
             None if differentiations is None else [int(count) for count in differentiations]
@@ -285,13 +288,28 @@ class NonlinearProblem(Matrices, Problem):
         return self._evaluated(float(t), self.values(x, "x"), self.values(xdot, "xdot"), values)
 
     def _evaluated(self, t: float, x: Any, xdot: Any, values: Mapping[str, Any]) -> np.ndarray:
-        result = self.equations(t, x, xdot, values=values, count=self.num_equations)
+        result = self._written((t, x, xdot), values)
         if isinstance(result, np.ndarray) and result.dtype == float:
             return result.ravel()
         entries = np.array(flatten(result, "equations"))
         if np.iscomplexobj(entries):
             raise TypeError("equations returned complex values; sfdae is real")
         return entries.astype(float)
+
+    def _written(self, arguments: tuple[Any, ...], values: Mapping[str, Any]) -> Any:
+        """Calls the equations, with expressions or numbers, and checks that they unpack x under the
+        names that the unknowns have: in each recording, and in the first call with numbers.
+        """
+        equations, (t, x, xdot) = self.equations, arguments
+        count = self.num_equations
+        if not self._has_names or self._has_checked_names and not isinstance(t, Expression):
+            return equations(t, x, xdot, values=values, count=count)
+        watch = Watch(equations.function)
+        result = equations(t, watch.over(x), xdot, values=values, count=count)
+        require = require_confirmed if self._must_confirm_names else require_same_names
+        require(equations.function, self.names, watch.names())
+        self._has_checked_names = True
+        return result
 
     def with_names(self, text: str) -> str:
         """A message of the library; what it says of missing derivatives fits record=False."""

@@ -306,7 +306,7 @@ def as_problem(
     count = np.size(x0)
     is_read = names is None and isinstance(x0, Mapping)
     if is_read:
-        found = names_for(problem, x0, more.get("record", True))
+        found = names_for(problem, x0)
         names, count = (None, found) if isinstance(found, int) else (found, len(found))
     elif names is not None:
         count = len(names)

@@ -2,9 +2,9 @@
 """Names of unknowns as a user-supplied function writes them: ``p, q, u = x``.
 
 They are read from the bytecode, which every Python function has, also one without source text.
-They count only if they are confirmed when the function runs: a Watch sees which unknowns it
-unpacks under which names, so that wrappers that rearrange x and branches that are not taken do not
-mislead.
+They count only if they are confirmed when the function runs, with expressions or first with
+numbers: a Watch sees which unknowns it unpacks under which names, so that wrappers that rearrange x
+and branches that are not taken do not mislead.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from __future__ import annotations
 import dis
 import functools
 import re
+import sys
 import types
-from typing import Any, Callable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -95,26 +96,18 @@ def _code_of(function: Any) -> tuple[types.CodeType, int] | None:
     return None
 
 
-def _is_wrapper(function: Any) -> bool:
-    plain = getattr(function, "__func__", function)  # of a method
-    return not isinstance(plain, types.FunctionType) or hasattr(plain, "__wrapped__")
-
-
-def read_names(function: Callable[..., Any], is_confirmed: bool = True) -> tuple[str, ...] | None:
+def read_names(function: Callable[..., Any]) -> tuple[str, ...] | None:
     """The names under which a function of (t, x, ...) unpacks the whole of x; None if it does not
-    do so, or several times under different names. is_confirmed: a Watch confirms the names; else
-    they are read only where the function is no wrapper and does not assign to x.
+    do so, or several times under different names. A Watch has to confirm them.
     """
     found = _code_of(function)
-    if found is None or not is_confirmed and _is_wrapper(function):
+    if found is None:
         return None
     code, place = found
     if place >= code.co_argcount:
         return None
     x = code.co_varnames[place]
     operations = _operations(code)
-    if not is_confirmed and any(op.kind == "STORE" and op.argument == x for op in operations):
-        return None
     readings = set()
     for k, operation in enumerate(operations[:-1]):
         if (operation.kind, operation.argument) != ("LOAD", x):
@@ -129,26 +122,57 @@ def read_names(function: Callable[..., Any], is_confirmed: bool = True) -> tuple
 # ---- What a function does with x -----------------------------------------------------------------
 
 
+class WatchedNumbers(np.ndarray):
+    """Values of unknowns, as an array that tells a Watch when a function begins to iterate over it
+    or over a part of it. What numpy computes from it is a plain array or a number.
+    """
+
+    _watch: Watch | None = None
+
+    def __array_finalize__(self, source: Any) -> None:
+        self._watch = getattr(source, "_watch", None)
+
+    def __array_wrap__(self, result: np.ndarray, *context: Any) -> Any:
+        return result.view(np.ndarray)[()]
+
+    def __iter__(self) -> Iterator[Any]:
+        if self._watch is not None:
+            self._watch.note(self, sys._getframe(1))
+        return super().__iter__()
+
+
+def _keys(vector: np.ndarray) -> list[Any]:
+    """What tells the entries of a vector apart as long as they are alive: expressions by their ids,
+    numbers by their places in memory and by their values, which a function might change.
+    """
+    if vector.dtype == object:
+        return [id(unknown) for unknown in vector.view(np.ndarray)]
+    first, stride = vector.__array_interface__["data"][0], vector.strides[0]
+    return [(first + i * stride, value) for i, value in enumerate(vector.tolist())]
+
+
 class Watch:
     """Sees which unknowns a function unpacks under which names while it runs.
 
     Parameters
     ----------
     function : callable
-    unknowns : sequence of Expression
-        All of them.
     """
 
-    def __init__(self, function: Callable[..., Any], unknowns: Sequence[Any]) -> None:
+    def __init__(self, function: Callable[..., Any]) -> None:
         found = _code_of(function)
         self._code = None if found is None else found[0]
-        self._unknowns = list(unknowns)  # alive as long as their ids are used
-        self._index = {id(unknown): i for i, unknown in enumerate(self._unknowns)}
+        self._parts: list[np.ndarray] = []  # alive as long as their keys are used
+        self._index: dict[Any, int] = {}
         self._seen: dict[str, set[int | None]] = {}
 
-    def over(self, part: Any) -> Any:
-        """A part of the unknowns, an ExpressionArray, to be handed to the function."""
-        result = part.view()
+    def over(self, part: np.ndarray, first: int = 0) -> Any:
+        """A part of the unknowns, an ExpressionArray or numbers, to be handed to the function.
+        first: the index of its first unknown.
+        """
+        self._parts.append(part)
+        self._index.update((key, first + i) for i, key in enumerate(_keys(part)))
+        result: Any = part.view() if part.dtype == object else part.view(WatchedNumbers)
         result._watch = self
         return result
 
@@ -160,10 +184,10 @@ class Watch:
         k = sum(operation.offset <= frame.f_lasti for operation in operations) - 1
         if operations[k].kind not in ("UNPACK_SEQUENCE", "UNPACK_EX"):  # a loop, say
             return
-        elements = list(vector.view(np.ndarray))
+        keys = _keys(vector)
         for place, name in _stored(operations, k):
-            if -len(elements) <= place < len(elements):  # else Python reports an error
-                index = self._index.get(id(elements[place]))
+            if -len(keys) <= place < len(keys):  # else Python reports an error
+                index = self._index.get(keys[place])
                 self._seen.setdefault(name, set()).add(index)
 
     def names(self) -> dict[str, int]:
@@ -179,9 +203,7 @@ def called(function: Callable[..., Any]) -> str:
     return getattr(function, "__qualname__", None) or type(function).__name__
 
 
-def names_for(
-    function: Callable[..., Any], x0: Mapping[Any, Any], is_recorded: bool = True
-) -> tuple[str, ...] | int:
+def names_for(function: Callable[..., Any], x0: Mapping[Any, Any]) -> tuple[str, ...] | int:
     """The names of the unknowns of a function for which values are given by name, or the number of
     unknowns if the values are given by index.
 
@@ -192,7 +214,7 @@ def names_for(
     KeyError
         For a key that is no name of an unknown.
     """
-    names = read_names(function, is_confirmed=is_recorded)
+    names = read_names(function)
     keys = list(x0)
     if names is None:
         if keys and all(isinstance(key, (int, np.integer)) for key in keys):

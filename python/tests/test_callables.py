@@ -222,7 +222,7 @@ def test_index_1_without_a_recording_and_names_of_unknowns():
         s, v, u, q, p = x
         return index_1(t, [p, q, u, v, s], xdot[::-1])
 
-    with pytest.raises(TypeError, match="cannot be read"):
+    with pytest.raises(TypeError, match="not confirmed"):
         sfdae.solve(turned, (0, 1), start, record=False)
 
 

@@ -369,6 +369,84 @@ def test_functions_are_called_as_often_as_without_names():
     assert len(calls) == 1
 
 
+def turned_in_place(t, x, xdot):
+    x[:] = x[::-1].copy()
+    speed, place = x
+    return [xdot[0] - speed, xdot[1] + place]
+
+
+def turned_where_nobody_goes(t, x, xdot):
+    if t < 0:
+        speed, place = x
+    return [xdot[0] - x[1], xdot[1] + x[0]]
+
+
+def turned(function):
+    @functools.wraps(function)
+    def wrapper(t, x, xdot):
+        return function(t, x[::-1], xdot[::-1])
+
+    return wrapper
+
+
+@turned
+def turned_by_a_wrapper(t, x, xdot):
+    speed, place = x
+    return [xdot[1] - speed, xdot[0] + place]
+
+
+@pytest.mark.parametrize(
+    "function", [turned_in_place, turned_where_nobody_goes, turned_by_a_wrapper]
+)
+def test_names_that_numbers_do_not_confirm(function):
+    start = {"speed": 0, "place": 1}
+    with pytest.raises(TypeError, match="not confirmed"):
+        sfdae.solve(function, (0, 1), start, record=False)
+    with pytest.raises(TypeError, match="not confirmed"):
+        sfdae.make_consistent(function, 0, start, record=False)
+
+
+def place_and_speed(t, x, xdot):
+    place, speed = x
+    return [xdot[0] - speed, xdot[1] + place]
+
+
+def test_names_that_contradict_functions_of_numbers():
+    names = ["speed", "place"]
+    with pytest.raises(ValueError, match="names contradict place_and_speed"):
+        sfdae.solve(place_and_speed, (0, 1), [1, 0], names=names, record=False)
+    problem = sfdae.NonlinearProblem(place_and_speed, names=names, record=False)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="names contradict place_and_speed"):
+            problem.residual(0, {"place": 1}, {})
+
+    def low(t, q):
+        y, x = q
+        return [x**2 + y**2 - 1]
+
+    arguments = dict(constraints=low, constraint_jacobian=lambda t, q: [2 * q], record=False)
+    with pytest.raises(ValueError, match="names contradict .*low"):
+        problem = sfdae.MultibodyProblem(2, names=["x", "y", "u", "v", "s"], **arguments)
+        sfdae.solve(problem, (0, 1), {"y": -0.8, "x": 0.6})
+    problem = sfdae.MultibodyProblem(2, names=["y", "x", "v", "u", "s"], **arguments)
+    assert sfdae.solve(problem, (0, 1), {"x": 0.6, "y": -0.8}).success
+
+
+def test_functions_of_numbers_get_numbers():
+    """Also in the first call, in which x tells how it is unpacked."""
+    kinds = []
+
+    def equations(t, x, xdot):
+        place, speed = x
+        parts = [place, x[0], x.sum(), np.sqrt(x[1] ** 2), x @ x, 2 * x, np.linalg.norm(x), x > 0]
+        kinds.append([type(part) for part in parts])
+        return [xdot[0] - speed, xdot[1] + place]
+
+    by_name = sfdae.solve(equations, (0, 1), {"speed": 0, "place": 1}, record=False)
+    by_order = sfdae.solve(equations, (0, 1), [1, 0], record=False)
+    assert np.array_equal(by_name.x, by_order.x) and kinds.count(kinds[0]) == len(kinds)
+
+
 def unpacked_otherwise(t, x, xdot):
     """Neither of these unpacks x itself."""
     q, p, u, v, s = list(x)
