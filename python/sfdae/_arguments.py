@@ -70,6 +70,16 @@ class Arguments:
         self.required = tuple(p.name for p in named if p.default is p.empty)
         self.defaults = {p.name: None if p.default is p.empty else p.default for p in named}
 
+    def require_others(self, equations: Mapping[str, Any]) -> None:
+        """TypeError for a parameter without a default, or one that belongs to equations, too."""
+        for name in self.required:
+            raise TypeError(f"{self.name} is a function of t alone: give {name} a default")
+        for name in self.defaults.keys() & equations.keys():
+            raise TypeError(
+                f"{self.name} is a function of t alone, but its argument {name} is a parameter of "
+                "the equations, too, whose value it does not get: choose another name"
+            )
+
     def require_same_defaults(self, equations: Mapping[str, Any], now: Mapping[str, Any]) -> None:
         """TypeError for a parameter that belongs to equations, too, and has another default here.
         equations: values that the parameters had at first; now: those that they have.
@@ -77,7 +87,7 @@ class Arguments:
         for name, default in self.defaults.items():
             if name in self.required or name not in equations:
                 continue
-            if not _is_same(default, equations[name]) and not _is_same(default, now[name]):
+            if not is_same(default, equations[name]) and not is_same(default, now[name]):
                 raise TypeError(
                     f"{self.name} has the default {name}={default!r}, but {name} is a parameter of "
                     f"the equations with the value {now[name]!r}: choose another name, or leave "
@@ -85,7 +95,7 @@ class Arguments:
                 )
 
 
-def _is_same(a: Any, b: Any) -> bool:
+def is_same(a: Any, b: Any) -> bool:
     try:
         return np.array_equal(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
     except (TypeError, ValueError):

@@ -25,8 +25,8 @@ class Equations(Formula):
 
     Attributes
     ----------
-    mass : array, matrix of scipy.sparse or callable, optional
-        M of M x' = f(t, x), or a function ``M(t)`` or ``M(t, x)``.
+    mass : array, matrix of scipy.sparse or Formula, optional
+        M of M x' = f(t, x), or a function ``M(t)`` or ``M(t, x)`` and named parameters.
     residuals : str or None
         The argument to which the function writes its residuals.
     """
@@ -41,12 +41,17 @@ class Equations(Formula):
                     f"{error}. For x' = f(t, x) add mass=1, for M x' = f(t, x) add mass=M"
                 ) from None
             raise
-        self.mass = mass
+        self.mass = _mass_formula(mass, self.defaults) if callable(mass) else mass
         first = next(iter(self.defaults), None)
         is_written = mass is None and first in self.arguments.required and first in RESIDUALS
         self.residuals = first if is_written else None
         if is_written:
             del self.defaults[first]
+
+    @property
+    def formulas(self) -> list[Formula]:
+        """All that have named parameters."""
+        return [self, self.mass] if isinstance(self.mass, Formula) else [self]
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any], count: int = 0) -> Any:
         """The formulas, nested as the function returns them. count: m, for an array to fill."""
@@ -56,7 +61,7 @@ class Equations(Formula):
             return super().__call__(*arguments, values=values)
         t, x, xdot = arguments
         right = super().__call__(t, x, values=values)
-        return self._times_mass(t, x, xdot) - _vector(right, self.name)
+        return self._times_mass(t, x, xdot, values) - _vector(right, self.name)
 
     def _filled(self, arguments: tuple[Any, ...], values: Mapping[str, Any], count: int) -> Any:
         is_recorded = isinstance(arguments[0], Expression)
@@ -75,10 +80,10 @@ class Equations(Formula):
                 raise TypeError(f"{self.name} did not write entry {i} of {self.residuals}")
         return array
 
-    def _times_mass(self, t: Any, x: Any, xdot: Any) -> Any:
+    def _times_mass(self, t: Any, x: Any, xdot: Any, values: Mapping[str, Any]) -> Any:
         M = self.mass
-        if callable(M):
-            M = M(t) if _count_arguments(M) == 1 else M(t, x)
+        if isinstance(M, Formula):
+            M = M(*(t, x)[: len(M.positional)], values=values)
         if not hasattr(M, "tocsr"):  # scipy.sparse
             M = np.asarray(M)
         if M.ndim < 2:
@@ -86,6 +91,22 @@ class Equations(Formula):
         if M.shape[1] != len(xdot):
             raise ValueError(f"mass has shape {M.shape}, not (m, {len(xdot)})")
         return matmul(M, xdot) if isinstance(t, Expression) else M @ xdot
+
+
+def _mass_formula(function: Callable[..., Any], parameters: Mapping[str, Any]) -> Formula:
+    """M(t) or M(t, x). A second argument is x if it has this name, or has no default and is not one
+    of the parameters that f has.
+    """
+    try:
+        places = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):  # functions of C have no signature
+        return Formula(function, ("t", "x"), "mass")
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    second = [p for p in places if p.kind in kinds][1:2]
+    takes_x = any(p.name == "x" or p.kind == p.VAR_POSITIONAL for p in places) or any(
+        p.default is p.empty and p.name not in parameters for p in second
+    )
+    return Formula(function, ("t", "x") if takes_x else ("t",), "mass")
 
 
 def _count_arguments(function: Callable[..., Any]) -> int:

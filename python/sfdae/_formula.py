@@ -7,7 +7,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
-from ._arguments import Arguments
+from ._arguments import Arguments, is_same
 from ._binding import ffi, lib
 from ._expression import Expression, Recording, as_expression, parameter
 
@@ -18,11 +18,14 @@ class Formula:
 
     Attributes
     ----------
+    positional : tuple of str
+        The arguments that are given by the library.
     defaults : dict
         Default values of the named parameters, None where there is none.
     """
 
     def __init__(self, function: Callable[..., Any], positional: Sequence[str], name: str) -> None:
+        self.positional = tuple(positional)
         self.arguments = Arguments(function, positional, name)
         self.function = function
         self.name = name
@@ -57,15 +60,23 @@ def parameter_values(
     Raises
     ------
     TypeError
-        For a name that no function has, and for a parameter without a value.
+        For a name that no function has, for a parameter without a value, and for one with several
+        defaults that is not given.
     ValueError
         For a value that is not finite.
     """
     values: dict[str, Any] = {}
+    source: dict[str, str] = {}  # the function that a default belongs to
     for formula in formulas:
         for name, default in formula.defaults.items():
             if values.get(name) is None:
-                values[name] = default
+                values[name], source[name] = default, formula.name
+            elif default is not None and name not in (given or {}) and not is_same(default, values[name]):
+                raise TypeError(
+                    f"parameter {name!r} has two defaults, {values[name]!r} of {source[name]} and "
+                    f"{default!r} of {formula.name}: functions of a problem share their "
+                    f"parameters. Give parameters={{{name!r}: ...}}, or choose another name"
+                )
     for name, value in (given or {}).items():
         if name not in values:
             known = ", ".join(values) or "none"

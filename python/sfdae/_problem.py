@@ -8,6 +8,7 @@ from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 
 import numpy as np
 
+from ._arguments import Arguments
 from ._binding import ffi, lib
 from ._equations import Equations
 from ._expression import Expression
@@ -148,6 +149,8 @@ class Problem:
                 raise TypeError(
                     f"{self.names[unknown]} is prescribed by {function!r}, which is no function"
                 )
+            name = f"the prescribed value of {self.names[unknown]}"
+            Arguments(function, ("t",), name).require_others(self.parameters)
 
     def _fill_prescribed(self, c: Any, keep: list[Any]) -> None:
         indices = ffi.new("int[]", list(self.prescribed))
@@ -201,13 +204,14 @@ class NonlinearProblem(Matrices, Problem):
         is then n if it is not given.
     mass : float, array_like, matrix of scipy.sparse, or callable, optional
         M of M x' = f(t, x), m x n, a diagonal, a number, or a function ``M(t)`` or ``M(t, x)``; the
-        equations are then ``f(t, x, ...)``.
+        equations are then ``f(t, x, ...)``. Further arguments of M are named parameters, too.
     record : bool
         False: the equations are called with numbers at every point, and Jacobians are central
         differences, so that branches, interpolators and other programs work. Each Jacobian costs
         4 n calls, and no equation can be differentiated: for differentiation index 0 and 1 only.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
+        They have no parameters of the equations.
     differentiations : sequence of int, optional
         How often each equation is differentiated at most; see sfdae_nonlinear_problem.
     F_x_pattern, F_xdot_pattern : pair of array_like, optional
@@ -260,7 +264,8 @@ class NonlinearProblem(Matrices, Problem):
         if equations is not None and self.equations is None:
             self.equations = Equations(equations, mass)
         self.total_derivative = total_derivative
-        self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
+        formulas = self.equations.formulas if self.equations else []
+        self.parameters = parameter_values(formulas, parameters)
         self._must_confirm_names = False  # they were read from the equations
         self._has_checked_names = False
         self._set_prescribed(prescribed)
@@ -284,7 +289,7 @@ class NonlinearProblem(Matrices, Problem):
             raise TypeError(
                 "there are no equations to evaluate: the problem is given by total_derivative"
             )
-        values = parameter_values([self.equations], {**self.parameters, **parameters})
+        values = parameter_values(self.equations.formulas, {**self.parameters, **parameters})
         return self._evaluated(float(t), self.values(x, "x"), self.values(xdot, "xdot"), values)
 
     def _evaluated(self, t: float, x: Any, xdot: Any, values: Mapping[str, Any]) -> np.ndarray:

@@ -312,7 +312,8 @@ def as_problem(
         count = len(names)
     equations = Equations(problem, more.pop("mass", None))
     given = more.pop("parameters", None) or {}
-    needed = {name: given[name] for name in equations.arguments.required if name in given}
+    required = [name for formula in equations.formulas for name in formula.arguments.required]
+    needed = {name: given[name] for name in required if name in given}
     result = NonlinearProblem(equations, count, names=names, parameters=needed, **more)
     result._must_confirm_names = is_read and names is not None
     return result

@@ -247,3 +247,69 @@ def test_the_order_is_passed_by_its_name():
     )
     sol = sfdae.solve(problem, (0, 1), [0.0], **EXACT)
     assert sol.x[0, -1] == pytest.approx(2 * (1 - np.exp(-1)), abs=1e-7)
+
+
+# ---- Functions beside the equations --------------------------------------------------------------
+
+
+def decay(t, x, m=1.0):
+    return [-x[0]]
+
+
+@pytest.mark.parametrize("record", [True, False])
+@pytest.mark.parametrize(
+    "mass",
+    [
+        lambda t, m=1.0: m,
+        lambda t, m: m,
+        lambda t, x, m=1.0: m,
+        lambda t, y, m: m,
+        lambda t, *, m: m,
+        lambda time, m: [[m]],
+    ],
+)
+def test_the_mass_has_the_parameters_of_the_equations(mass, record):
+    """m x' = -x with m = 2."""
+    options = dict(record=record, t_eval=[1.0], rtol=1e-8, atol=1e-8)
+    sol = sfdae.solve(decay, (0, 1), [1.0], mass=mass, parameters={"m": 2.0}, **options)
+    assert sol.x[0] == pytest.approx(np.exp(-0.5), abs=1e-6)
+
+
+def test_a_mass_may_have_parameters_of_its_own():
+    sol = sfdae.solve(
+        lambda t, x: -x, (0, 1), [1.0], mass=lambda t, m=1.0: [m], parameters={"m": 2.0},
+        sensitivities=["m"], t_eval=[1.0], rtol=1e-8, atol=1e-8,
+    )  # fmt: skip
+    assert sol.x[0] == pytest.approx(np.exp(-0.5), abs=1e-6)
+    assert sol.S[0, 0] == pytest.approx(np.exp(-0.5) / 4, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "mass, message",
+    [
+        (lambda x, t: 2.0, "put them in this order"),
+        (lambda x: 2.0, r"has to accept \(t, x\)"),
+        (lambda t, m=3.0: m, "m' has two defaults, 1.0 of equations and 3.0 of mass"),
+    ],
+)
+def test_arguments_of_a_mass_that_mislead(mass, message):
+    with pytest.raises(TypeError, match=message):
+        sfdae.solve(decay, (0, 1), [1.0], mass=mass)
+
+
+def test_two_defaults_of_one_parameter():
+    functions = dict(mass=lambda t, q, m=1.0: [m], forces=lambda t, q, v, m=2.0: [m])
+    with pytest.raises(TypeError, match="'m' has two defaults, 1.0 of mass and 2.0 of forces"):
+        sfdae.MultibodyProblem(1, **functions)
+    problem = sfdae.MultibodyProblem(1, **functions, parameters={"m": 2.0})
+    assert sfdae.solve(problem, (0, 1), [0, 0], t_eval=[1.0]).x[1, 0] == pytest.approx(1.0)
+
+
+def test_prescribed_values_do_not_hide_parameters():
+    def equations(t, x, xdot, k=1.0):
+        return [xdot[0] - k * x[1]]
+
+    with pytest.raises(TypeError, match="value of x.1. .* argument k is a parameter"):
+        sfdae.NonlinearProblem(equations, 2, prescribed={1: lambda t, k=1.0: k * t})
+    problem = sfdae.NonlinearProblem(equations, 2, prescribed={1: lambda t, c=2.0: c * t})
+    assert sfdae.solve(problem, (0, 1), [0, 0], t_eval=[1.0]).x[0, 0] == pytest.approx(1, abs=1e-5)
