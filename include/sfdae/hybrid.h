@@ -272,7 +272,7 @@ SFDAE_API int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t
 
 /* Those of sfdae_save_checkpoint and its kind, with the mode and counts. Add the same modes and transitions, and ask
  * for the same sensitivities, before restoring: recorded equations, parameters and options of all modes are compared,
- * and modes, kinds, directions and times of transitions.
+ * and modes, kinds, directions and times of transitions, whether they have a guard and a jump, and surfaces.
  * Modes that are entered after that are analyzed anew where their solvers have no analysis. */
 
 /** Number of doubles that sfdae_save_hybrid_checkpoint writes now. SFDAE_NOT_STARTED if there is no integration. */

@@ -9,6 +9,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 from ._binding import ffi, lib
+from ._checkpoint import with_numbers, without_numbers
 from ._modes import Jump
 from ._points import Point
 from ._problem import Problem
@@ -339,17 +340,28 @@ class Hybrid:
 
     # ---- Checkpoints -----------------------------------------------------------------------------
 
+    def _numbers(self) -> dict[str, Any]:
+        return {
+            f"{name} of mode {mode!r}": value
+            for mode, solver in self.solvers.items()
+            for name, value in solver._numbers().items()
+        }
+
     def save_checkpoint(self) -> np.ndarray:
         """The state of the run as an array of numbers."""
         length = ffi.new("size_t*")
         self._call(lib.sfdae_get_hybrid_checkpoint_length, length)
         checkpoint = np.empty(length[0])
         self._call(lib.sfdae_save_hybrid_checkpoint, _address(checkpoint), length[0])
-        return checkpoint
+        return with_numbers(checkpoint, self._numbers())
 
     def restore_checkpoint(self, checkpoint: Any) -> None:
-        """Continues from a checkpoint instead of start(), with the same modes and transitions."""
-        values = np.array(checkpoint, dtype=float, ndmin=1)
+        """Continues from a checkpoint instead of start(), with the same modes and transitions.
+
+        They are compared, also the formulas, arrays and parameters of all modes; functions that are
+        called with numbers, such as conditions, cannot be compared: give the same ones.
+        """
+        values = without_numbers(checkpoint, self._numbers())
         self._call(lib.sfdae_restore_hybrid_checkpoint, _address(values), values.size)
 
 

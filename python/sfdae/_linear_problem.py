@@ -109,6 +109,11 @@ class LinearProblem(Matrices, Problem):
                 raise ValueError(f"{part} has shape {array.shape}, not {expected}")
         return int(m), int(n)
 
+    def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        if self.kind != "linear":
+            return {}
+        return {name: part for name, part in self.coefficients.items() if not callable(part)}
+
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
         self._fill_prescribed(c, keep)

@@ -220,6 +220,12 @@ class MultibodyProblem(Problem):
             "nonholonomic_curvature": (nk,),
         }[name]
 
+    def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        if self.records:
+            return {}
+        arrays = {name: part for name, part in self.functions.items() if not callable(part)}
+        return {**values, **arrays}
+
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_positions, c.num_velocities = self.num_positions, self.num_velocities
         c.num_constraints, c.num_nonholonomic = self.num_constraints, self.num_nonholonomic

@@ -170,6 +170,12 @@ class Problem:
     def _fill(self, c: Any, keep: list[Any]) -> None:
         raise NotImplementedError
 
+    def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Numbers that belong to the problem and that the library does not know, by their names:
+        what checkpoints compare. values: of the parameters.
+        """
+        return {}
+
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.num_unknowns} unknowns: {', '.join(self.names[:8])})"
 
@@ -341,6 +347,13 @@ class NonlinearProblem(Matrices, Problem):
         if not jacobians:
             return F(x, xdot)
         return F(x, xdot), jacobian(lambda z: F(z, xdot), x), jacobian(lambda z: F(x, z), xdot)
+
+    def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        if self.records or self.equations is None:
+            return {}
+        mass = self.equations.mass
+        has_mass = mass is not None and not callable(mass)
+        return {**values, **({"mass": mass} if has_mass else {})}
 
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns

@@ -348,3 +348,60 @@ def test_the_structure_names_equations_that_are_too_many():
     structure = sfdae.Solver(problem).structure()
     assert structure.summary.has_assignment == 0 and list(structure.block) == [0, 0, -1]
     assert "equation 0" in structure.words and "left only" in structure.words
+
+
+def linear(A=-1.0, E=1.0, f=0.0):
+    return sfdae.LinearProblem([[E]], [[A]], [f])
+
+
+def of_numbers(k=1.0, mass=1.0):
+    return sfdae.NonlinearProblem(lambda t, x, k=k: [-k * x[0]], 1, mass=mass, record=False)
+
+
+def spring(stiffness=1.0, mass=1.0):
+    def forces(t, q, v, stiffness=stiffness):
+        return [-stiffness * q[0]]
+
+    return sfdae.MultibodyProblem(1, mass=[mass], forces=forces, record=False)
+
+
+@pytest.mark.parametrize(
+    "problem, name, value",
+    [
+        (linear, "A", -2.0),
+        (linear, "E", 2.0),
+        (linear, "f", 1.0),
+        (of_numbers, "k", 2.0),
+        (of_numbers, "mass", 2.0),
+        (of_numbers, "mass", np.array([2.0])),
+        (spring, "stiffness", 2.0),
+        (spring, "mass", 2.0),
+    ],
+)
+def test_checkpoints_compare_arrays_and_parameters(problem, name, value):
+    solver = sfdae.Solver(problem())
+    start = np.ones(problem().num_unknowns)
+    solver.start(0, start, 2)
+    solver.advance(1)
+    checkpoint = solver.save_checkpoint()
+    other, same = sfdae.Solver(problem(**{name: value})), sfdae.Solver(problem())
+    with pytest.raises(sfdae.Error, match=f"was made with other values of {name} than"):
+        other.restore_checkpoint(checkpoint)
+    with pytest.raises(sfdae.Error, match="not a checkpoint of this version"):
+        same.restore_checkpoint(checkpoint[:-1])
+    same.restore_checkpoint(checkpoint)
+    assert np.array_equal(same.advance(2).x, solver.advance(2).x)
+
+    def two_modes(second):
+        transition = sfdae.Transition("a", "b", time=1.0)
+        return sfdae.Hybrid({"a": problem(), "b": second}, [transition])
+
+    system = two_modes(problem())
+    system.start("a", 0, start, 2)
+    system.advance(0.5)
+    checkpoint = system.save_checkpoint()
+    with pytest.raises(sfdae.Error, match=f"other values of {name} of mode 'b' than"):
+        two_modes(problem(**{name: value})).restore_checkpoint(checkpoint)
+    same = two_modes(problem())
+    same.restore_checkpoint(checkpoint)
+    assert np.array_equal(same.advance(2).x, system.advance(2).x)

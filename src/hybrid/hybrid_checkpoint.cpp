@@ -97,7 +97,12 @@ double hash_of_transitions(const HybridSystem& hybrid) {
   WordHash hash;
   for (const HybridTransition& transition : hybrid.transitions) {
     const sfdae_transition& given = transition.given;
-    const int numbers[] = {given.from, given.to, given.kind, given.direction};
+    const int numbers[] = {given.from,
+                           given.to,
+                           given.kind,
+                           given.direction,
+                           given.guard != nullptr ? 1 : 0,
+                           given.jump != nullptr ? 1 : 0};
     hash.add_all(numbers);
     hash.add(&given.time, 1);
   }
@@ -119,6 +124,10 @@ void for_each_identity(const HybridSystem& hybrid, int running, Use use) {
 void write_identity(const HybridSystem& hybrid, Archive& archive) {
   double transitions = hash_of_transitions(hybrid);
   archive.real(transitions);
+  for (const auto& each : hybrid.switches) {
+    double surface = each->hash_of_surface();
+    archive.real(surface);
+  }
   for_each_identity(hybrid, hybrid.run.mode,
                     [&](int, const CheckpointIdentity& identity) { identity.write(archive); });
 }
@@ -130,6 +139,13 @@ void demand_same(const HybridSystem& hybrid, int running, Archive& archive) {
   if (transitions != hash_of_transitions(hybrid))
     refuse_argument(
         "the checkpoint was made with other transitions: add those that it was made with, in their order.");
+  for (const auto& each : hybrid.switches) {
+    double surface = 0.0;
+    archive.real(surface);
+    if (surface != each->hash_of_surface())
+      refuse_argument("the checkpoint was made with another surface of " + hybrid.name_of(each->modes().sliding) +
+                      ", or other values of its parameters: add the switch that it was made with.");
+  }
   for_each_identity(hybrid, running, [&](int mode, const CheckpointIdentity& identity) {
     try {
       identity.demand_same(archive);

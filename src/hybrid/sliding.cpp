@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "expression/fingerprint.h"
+#include "linalg/archive.h"
 #include "linalg/index.h"
 #include "problem/sliding_equations.h"
 
@@ -92,6 +94,18 @@ void Switch::update(const Names& wanted) {
   surface_by_parameters_ = std::move(by_parameters);
   parameters_.swap(parameters);
   names_.swap(names);
+}
+
+double Switch::hash_of_surface() const {
+  WordHash hash;
+  add_equations(*given_, hash);
+  const TaylorEvaluator surface =
+      surface_in_modes(given_, formulas_of(below_, "below"), formulas_of(above_, "above"));
+  for (int i = 0; i < surface.num_parameters(); ++i) {
+    const double value = surface.parameter(i);
+    hash.add(&value, 1);
+  }
+  return hash.value_as_real();
 }
 
 bool Switch::has_parameter(const std::string& name) const {

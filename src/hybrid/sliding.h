@@ -31,6 +31,8 @@ class Switch {
   bool is_outdated(const Names& wanted) const;
   // Makes them anew, with a new solver. Throws Failure, and nothing has changed then.
   void update(const Names& wanted);
+  // Tells formulas g apart, with the values that their parameters have now.
+  double hash_of_surface() const;
   // Options and breakpoints become those that the solvers of the modes have now.
   void take_options();
 

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
 #include <sfdae/hybrid.hpp>
 #include <sfdae/sfdae.hpp>
@@ -274,6 +275,72 @@ TEST(CheckpointIdentity, HybridSystemsGoOnWithTheMethodOfTheRunningMode) {
   TwoModes other(1, SFDAE_TRANSITION_CONDITION);
   other.up.set_options(radau);
   expect_part("mode 1 (up): the checkpoint was made with method", other.refusal(first.hybrid.save_checkpoint()));
+}
+
+TEST(CheckpointIdentity, HybridSystemsCompareWhichFunctionsTransitionsHave) {
+  const auto system = [](bool has_guard, bool has_jump) {
+    auto modes = std::make_unique<TwoModes>(1, SFDAE_TRANSITION_CONDITION);
+    sfdae::Transition transition;
+    transition.kind = SFDAE_TRANSITION_TIME;
+    transition.time = 1;
+    transition.to = 1;
+    if (has_guard) transition.guard = [](double, auto, auto) { return -1.0; };
+    if (has_jump) transition.jump = [](double, auto x) { x[0] *= 2; };
+    modes->hybrid.add_transition(transition);
+    return modes;
+  };
+  for (const bool has_guard : {false, true}) {
+    for (const bool has_jump : {false, true}) {
+      const auto first = system(has_guard, has_jump);
+      sfdae::Point point{0, {1, 1}, {}};
+      first->hybrid.start(0, point, 2);
+      first->hybrid.advance(0.25, point);
+      const std::vector<double> checkpoint = first->hybrid.save_checkpoint();
+      EXPECT_EQ(system(has_guard, has_jump)->refusal(checkpoint), "accepted");
+      expect_part("other transitions", system(!has_guard, has_jump)->refusal(checkpoint));
+      expect_part("other transitions", system(has_guard, !has_jump)->refusal(checkpoint));
+    }
+  }
+}
+
+// Both modes lead toward x = level, where sliding begins.
+struct Sliding {
+  Sliding(double level, double value_of_parameter) : rising(constant(-1)), falling(constant(1)) {
+    hybrid.add_mode(rising, "rising");
+    hybrid.add_mode(falling, "falling");
+    hybrid.add_switch(
+        0, 1,
+        [=](const sfdae::Expression& t, auto x) {
+          return x[0] - level - sfdae::parameter(t, "c", value_of_parameter);
+        },
+        "along");
+  }
+  static sfdae::NonlinearProblem constant(double c) {
+    return problem_of(1, [c](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] + c; });
+  }
+  std::string refusal(const std::vector<double>& checkpoint) {
+    try {
+      hybrid.restore_checkpoint(checkpoint);
+    } catch (const sfdae::Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  sfdae::Solver rising, falling;
+  sfdae::Hybrid hybrid;
+};
+
+TEST(CheckpointIdentity, HybridSystemsCompareSurfaces) {
+  for (const double t : {0.25, 1.5}) {  // before the surface x = 1, and along it
+    Sliding first(0.5, 0.5), same(0.5, 0.5), other_level(0.75, 0.5), other_value(0.5, 0.75);
+    sfdae::Point point{0, {0}, {}};
+    first.hybrid.start(0, point, 2);
+    first.hybrid.advance(t, point);
+    const std::vector<double> checkpoint = first.hybrid.save_checkpoint();
+    EXPECT_EQ(same.refusal(checkpoint), "accepted");
+    expect_part("another surface of mode 2 (along)", other_level.refusal(checkpoint));
+    expect_part("another surface of mode 2 (along)", other_value.refusal(checkpoint));
+  }
 }
 
 }  // namespace
