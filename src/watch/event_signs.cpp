@@ -39,7 +39,8 @@ void EventSigns::forget_event() { std::fill(fired_.begin(), fired_.end(), 0); }
 void EventSigns::start(const Vector& g) {
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     signs_[i] = vain_[i] = 0;
-    threshold_[i] = fired_[i] != 0 ? threshold_after_event(i, g[i]) : 0.0;
+    const bool is_residue = fired_[i] != 0 && is_clear_at_start_[i] == 0;
+    threshold_[i] = is_residue ? threshold_after_event(i, g[i]) : 0.0;
   }
 }
 

@@ -21,7 +21,7 @@ class EventSigns {
   // Zeros of function i fire even if they belong to the start: it is clearly not zero there.
   void set_clear_at_start(std::size_t i) { is_clear_at_start_[i] = 1; }
 
-  // At a start with values g: those that fired have to leave zero before they are armed.
+  // At a start with values g: those that fired have to leave zero before they are armed, unless they are clear there.
   void start(const std::vector<double>& g);
   // At a point that is searched now. Changes that do not count are followed silently; functions that have left zero
   // are armed.

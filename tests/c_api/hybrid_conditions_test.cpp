@@ -213,4 +213,31 @@ TEST(HybridConditions, EqualZerosHaveEqualSensitivities) {
   EXPECT_NEAR(hybrid.sensitivities(2).S(1, 0), 0.5, 1e-5);
 }
 
+// At t = 1 the first mode is left, entered again with x = 0, as x = 1 is beyond the condition of the second one, and
+// left again: that its condition counted at this time before makes no difference.
+TEST(HybridConditions, ThoseThatHaveCountedCountAgainAtTheSameTime) {
+  for (const int method : methods) {
+    for (const Shape& shape : shapes) {
+      sfdae::Solver first = clock_of(0, 1, method), second = clock_of(1, 1, method);
+      sfdae::Hybrid hybrid;
+      hybrid.add_mode(first);
+      hybrid.add_mode(second);
+      sfdae::Transition forth, back;
+      forth.to = 1;
+      forth.function = [of = shape.of](double t, auto, auto) { return of(t - 1); };
+      back.from = 1;
+      back.function = [](double, auto x, auto) { return x[0] - 0.5; };
+      back.jump = [](double, auto x) { x[0] = -10; };
+      hybrid.add_transition(forth);
+      hybrid.add_transition(back);
+      sfdae::Point point{0, {0, 0}, {}};
+      hybrid.start(0, point, 2);
+      hybrid.advance(2, point);
+      EXPECT_EQ(hybrid.num_passages(), 3) << shape.name;
+      EXPECT_EQ(hybrid.current_mode(), 1) << shape.name;
+      EXPECT_NEAR(point.x[1], 1, 1e-3) << shape.name;
+    }
+  }
+}
+
 }  // namespace
