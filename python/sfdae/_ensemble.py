@@ -19,6 +19,7 @@ from ._solver import Solver
 from ._status import IntegrationWarning, Status
 from ._structs import prepared
 from ._types import Values
+from ._unknowns import by_name
 
 _MESSAGE_LENGTH = 1536  # always enough, says ensemble.h
 
@@ -146,6 +147,7 @@ def solve_ensemble(
         For mistakes in arguments, and problems that are not recorded.
     """
     parameters = parameters or {}
+    x0 = by_name(x0)
     first = x0 if isinstance(x0, Mapping) else np.atleast_2d(np.array(x0, dtype=float))[0]
     given = {name: value if np.ndim(value) == 0 else value[0] for name, value in parameters.items()}
     problem = as_problem(problem, first, names, parameters=given)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ._binding import ffi, lib
 from ._problem import Problem
+from ._unknowns import by_name
 
 _FIELDS = dict(ffi.typeof("sfdae_options").fields)
 # Set otherwise: by the solver, and by arrays given for rtol and atol.
@@ -82,6 +83,7 @@ def c_options(problem: Problem, options: Mapping[str, Any], keep: list[Any]) -> 
     for name, value in options.items():
         if value is None:
             continue
+        value = by_name(value)
         if name in ("rtol", "atol") and (isinstance(value, Mapping) or np.ndim(value) > 0):
             c_values = _doubles(problem, value, name, keep, getattr(c, name))
             setattr(c, f"{name}_vector", c_values)
@@ -116,8 +118,10 @@ def _doubles(
 
 
 def _flags(problem: Problem, value: Any, keep: list[Any]) -> Any:
-    """n flags from names or indices of unknowns, or from an array of n booleans."""
+    """n flags from names or indices of unknowns, from flags by name, or from n booleans."""
     flags = [0] * problem.num_unknowns
+    if isinstance(value, Mapping):
+        value = [name for name, flag in value.items() if flag]
     entries = [value] if isinstance(value, str) else list(value)
     if len(entries) == problem.num_unknowns and all(
         isinstance(entry, (bool, np.bool_)) for entry in entries

@@ -16,7 +16,7 @@ from ._finite_differences import jacobian
 from ._formula import flatten, parameter_values
 from ._matrices import Matrices
 from ._types import Values
-from ._unknowns import Watch, require_confirmed, require_same_names
+from ._unknowns import Watch, by_name, require_confirmed, require_same_names
 
 _MOST_UNKNOWNS = 50_000  # of the library, which says it when a solver is created
 
@@ -72,6 +72,7 @@ class Problem:
             twice = next(name for name in self.names if self.names.count(name) > 1)
             raise ValueError(f"the name {twice!r} is given twice")
         self.num_unknowns = count
+        units = by_name(units)
         if units is not None and not isinstance(units, Mapping):
             units = dict(zip(self.names, units))
         self.units = {name: str(unit) for name, unit in (units or {}).items() if unit}
@@ -106,10 +107,11 @@ class Problem:
         Parameters
         ----------
         given : array_like or mapping
-            n numbers, or values by name or index; all others have the value, or values, `missing`.
+            n numbers, or values by name or index, also a Series of pandas; all others have the value, or values, `missing`.
         name : str
             What they are, for messages.
         """
+        given = by_name(given)
         if isinstance(given, Mapping):
             result = np.zeros(self.num_unknowns) + missing
             indices = [self.index(unknown) for unknown in given]

@@ -22,7 +22,7 @@ from ._solution import Solution
 from ._points import Point, Progress
 from ._solver import Solver
 from ._types import Breakpoints, Tolerance, Units, Unknowns, Values
-from ._unknowns import names_for
+from ._unknowns import by_name, names_for
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
 EventOrFunction = Union[Event, Callable[..., Any]]
@@ -65,7 +65,7 @@ def solve(
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name: the names are those of the problem, those in ``names``, or
+        n values, or values by name, also as a Series of pandas: the names are those of the problem, those in ``names``, or
         those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
         start (forces, currents) is guessed as 0, which is what unknowns not named are: the library
         finds consistent values and keeps what is differentiated where it can.
@@ -87,8 +87,8 @@ def solve(
     breakpoints : sequence of float or dict, optional
         Times at which data have kinks, where steps end; or a dict of times and ``"kink"`` or
         ``"jump"``, the latter where x may jump. See Solver.set_breakpoints.
-    fixed : sequence of str or int or bool, optional
-        Unknowns whose initial values must not change.
+    fixed : sequence of str or int or bool, or dict, optional
+        Unknowns whose initial values must not change; a dict has flags by name.
     parameters : dict, optional
         Values of named parameters, of the equations and of events.
     max_steps : int, optional
@@ -303,6 +303,7 @@ def as_problem(
         return problem
     if not callable(problem):
         raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
+    x0 = by_name(x0)
     count = np.size(x0)
     is_read = names is None and isinstance(x0, Mapping)
     if is_read:

@@ -14,8 +14,10 @@ from ._expression import Expression
 Values = Union[ArrayLike, Mapping[str, SupportsFloat], Mapping[int, SupportsFloat]]
 #: One number for all unknowns, n of them, or some by name.
 Tolerance = Union[float, ArrayLike, Mapping[str, SupportsFloat], Mapping[int, SupportsFloat]]
-#: Unknowns by name or index, or n flags.
-Unknowns = Union[str, Sequence[Union[str, int, bool]], NDArray[Any]]
+#: Unknowns by name or index, or n flags, or flags by name or index.
+Unknowns = Union[
+    str, Sequence[Union[str, int, bool]], NDArray[Any], Mapping[str, bool], Mapping[int, bool]
+]
 #: Units of the unknowns in their order, or by name.
 Units = Union[Sequence[str], Mapping[str, str]]
 #: Times, or times with ``"kink"`` or ``"jump"``.

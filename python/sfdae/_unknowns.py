@@ -199,6 +199,24 @@ class Watch:
 # ---- Agreement of names --------------------------------------------------------------------------
 
 
+def by_name(given: Any) -> Any:
+    """A mapping, or a Series of pandas, whose index has the names, as a dict; all else as it is.
+
+    Raises
+    ------
+    ValueError
+        For a name that has two values.
+    """
+    if not (hasattr(given, "keys") and hasattr(given, "items")):
+        return given
+    pairs = list(given.items())
+    result = dict(pairs)
+    if len(result) < len(pairs):
+        twice = next(name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i]))
+        raise ValueError(f"the name {twice!r} has two values")
+    return result
+
+
 def called(function: Callable[..., Any]) -> str:
     return getattr(function, "__qualname__", None) or type(function).__name__
 

@@ -299,6 +299,35 @@ def test_names_that_contradict_the_function():
             sfdae.solve(function, (0, 1), START, names=list("qpuvs"))
 
 
+def test_series_of_pandas_are_values_by_name(reference):
+    """Their order counted."""
+    pandas = pytest.importorskip("pandas")
+    start = pandas.Series(START)
+    sol = sfdae.solve(pendulum, (0, 1), start, t_eval=[1.0], **EXACT)
+    assert np.array_equal(sol.x[:, 0], reference)
+    tight = pandas.Series(dict.fromkeys(START, 1e-8))
+    problem = sfdae.NonlinearProblem(pendulum, names=list("pquvs"))
+    solver = sfdae.Solver(problem, rtol=tight, atol=tight[::-1])
+    solver.start(0, start, 1)
+    assert solver.advance(1).x == pytest.approx(reference, abs=1e-6)
+    ensemble = sfdae.solve_ensemble(pendulum, (0, 1), start, **EXACT)
+    assert ensemble.x[0, :, 0] == pytest.approx(reference, abs=1e-6)
+    numbered = pandas.Series([-0.8, 0.6, 0, 0, 0], index=[1, 0, 2, 3, 4])
+    assert np.array_equal(problem.values(numbered), [0.6, -0.8, 0, 0, 0])
+    with pytest.raises(TypeError, match="cannot be read"):
+        sfdae.solve(lambda t, x, xdot: oscillator(t, x, xdot), (0, 1), start[:2])
+    with pytest.raises(ValueError, match="'q' has two values"):
+        problem.values(pandas.Series([1, 2], index=["q", "q"]))
+
+
+def test_flags_by_name():
+    """The names in a dictionary were fixed whatever their flags."""
+    problem = sfdae.NonlinearProblem(pendulum, names=list("pquvs"))
+    solver = sfdae.Solver(problem, fixed={"q": True, "p": False})
+    x = solver.make_consistent(0, {"p": 0.5, "q": -0.8}).x
+    assert x[:2] == pytest.approx([0.6, -0.8])
+
+
 def test_other_names_than_those_of_the_function(reference):
     names = ["px", "py", "u", "v", "lambda"]
     sol = sfdae.solve(
