@@ -71,7 +71,7 @@ def parameter_values(
         for name, default in formula.defaults.items():
             if values.get(name) is None:
                 values[name], source[name] = default, formula.name
-            elif default is not None and name not in (given or {}) and not is_same(default, values[name]):
+            elif not (default is None or name in (given or {}) or is_same(default, values[name])):
                 raise TypeError(
                     f"parameter {name!r} has two defaults, {values[name]!r} of {source[name]} and "
                     f"{default!r} of {formula.name}: functions of a problem share their "

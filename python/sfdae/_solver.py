@@ -11,7 +11,7 @@ import numpy as np
 from ._arguments import PointFunction
 from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
-from ._checkpoint import with_numbers, without_numbers
+from ._checkpoint import Checkpoints
 from ._formula import checked_value
 from ._linearization import Linearizing
 from ._branches import Branches
@@ -27,7 +27,7 @@ from ._structs import Struct
 from ._types import Values
 
 
-class Solver(Sensitivities, Linearizing, Modes, Branches):
+class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
     """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
     call.
 
@@ -331,7 +331,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         """From now on all accepted steps go to the solution; None: no more."""
         self._call(lib.sfdae_record_solution, ffi.NULL if solution is None else solution._box[0])
 
-    # ---- Events and checkpoints ------------------------------------------------------------------
+    # ---- Events ----------------------------------------------------------------------------------
 
     def set_events(
         self,
@@ -375,31 +375,3 @@ class Solver(Sensitivities, Linearizing, Modes, Branches):
         which = np.zeros(max(self._state.num_events, 1), dtype=np.intc)
         self._call(lib.sfdae_get_events, ffi.cast("int*", which.ctypes.data))
         return which[: self._state.num_events]
-
-    def _numbers(self) -> dict[str, Any]:
-        return self.problem._numbers(self._state.values)
-
-    def save_checkpoint(self) -> np.ndarray:
-        """Analysis and state of the integration as an array of numbers; problem and options are not
-        in it.
-        """
-        length = ffi.new("size_t*")
-        self._call(lib.sfdae_get_checkpoint_length, length)
-        checkpoint = np.empty(length[0])
-        self._call(lib.sfdae_save_checkpoint, self._pointer(checkpoint), length[0])
-        return with_numbers(checkpoint, self._numbers())
-
-    def restore_checkpoint(self, checkpoint: Any) -> None:
-        """Continues from a checkpoint instead of start(), with the same problem and options.
-
-        Formulas, arrays and parameters are compared with those that it was made with. Functions
-        that are called with numbers cannot be compared: give the same ones.
-
-        Raises
-        ------
-        Error
-            ``ILLEGAL_ARGUMENT`` for a checkpoint that is damaged or was made with another problem
-            or other options; see sfdae_restore_checkpoint.
-        """
-        values = without_numbers(checkpoint, self._numbers())
-        self._call(lib.sfdae_restore_checkpoint, self._pointer(values), values.size)
