@@ -71,8 +71,9 @@ static int python_evaluate_solution(const sfdae_solution* solution, const double
 
 /* Limits the steps that are attempted in several calls together. */
 typedef struct python_limit {
-  sfdae_options* options; /* of the solver, whose max_steps is set before each call; NULL: there is no common limit */
+  sfdae_options* options; /* of the solver, whose max_steps is set before calls; NULL: there is no common limit */
   long attempts;          /* since the last start, at most */
+  long each;              /* in one call, at most */
   double direction;       /* of the integration: +1 or -1 */
 } python_limit;
 
@@ -91,9 +92,13 @@ static int python_advance(sfdae_solver* solver, const python_limit* limit, int o
       status = sfdae_advance(solver, s.t_internal, t, x, xdot);
       return status == SFDAE_OK || status == SFDAE_INCONSISTENCY_IGNORED ? SFDAE_MAX_STEPS : status;
     }
-    limit->options->max_steps = rest > 0 ? rest : 1; /* else tout lies within the last step: none is attempted */
-    status = sfdae_set_options(solver, limit->options);
-    if (status < 0) return status;
+    if (rest > limit->each) rest = limit->each;
+    if (rest <= 0) rest = 1; /* tout lies within the last step: none is attempted */
+    if (rest != limit->options->max_steps) {
+      limit->options->max_steps = rest;
+      status = sfdae_set_options(solver, limit->options);
+      if (status < 0) return status;
+    }
   }
   return one_step ? sfdae_step(solver, tout, t, x, xdot) : sfdae_advance(solver, tout, t, x, xdot);
 }

@@ -32,6 +32,7 @@ void python_free_steps(python_recorder* recorder);
 typedef struct python_limit {
   sfdae_options* options;
   long attempts;
+  long each;
   double direction;
 } python_limit;
 int python_advance(sfdae_solver* solver, const python_limit* limit, int one_step, double tout,

@@ -21,6 +21,8 @@ from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
 _log = logging.getLogger("sfdae")  # level INFO: notes as they come, events, the end
 
 _GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
+# Attempts in a run with times of outputs, over those between two of them, unless a limit is given.
+_SPANS_OF_RUN = 100
 _ACCURACY_TO_WARN = 10.0  # tolerances that dense output may err by without a warning
 
 
@@ -53,7 +55,7 @@ class Run:
         self._counts = [0] * len(events)
         self._S: list[np.ndarray] | None = [] if solver._num_sensitivities > 0 else None
         self._limit = ffi.new("python_limit*")
-        self._max_steps = 0  # in the whole run; 0: the limit of each call is enough
+        self._max_steps = 0  # in the whole run
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -72,7 +74,8 @@ class Run:
 
     def integrate(self, t_eval: np.ndarray | None, max_steps: int | None) -> None:
         """To the end, or as far as it goes. max_steps: attempts in the whole run; None: the default
-        of the library, between outputs if there are times of outputs.
+        of the library, or if there are times of outputs, that between two of them and a hundred
+        times that in the whole run.
         """
         self._limit_steps(max_steps, t_eval is None)
         try:
@@ -89,14 +92,18 @@ class Run:
             self._end(error.status, error.message)
 
     def _limit_steps(self, max_steps: int | None, has_one_call: bool) -> None:
-        if max_steps is None and not has_one_call:
-            return
         c, arrays = self.solver._c_options(self.solver._options)
         self._alive = c, arrays
-        self._max_steps = c.max_steps  # given, or the default
         limit = self._limit
-        limit.options, limit.attempts = c, c.max_steps
+        limit.options, limit.each = c, c.max_steps  # given, or the default
+        is_total = max_steps is not None or has_one_call
+        self._max_steps = limit.attempts = c.max_steps * (1 if is_total else _SPANS_OF_RUN)
         limit.direction = 1.0 if self.t1 > self.last.t else -1.0
+
+    def _attempts(self) -> int:
+        """Since the last start."""
+        statistics = self.solver.statistics
+        return statistics.steps + statistics.error_failures + statistics.other_failures
 
     def _through(self, t_eval: np.ndarray) -> None:
         """Outputs at given times, as many as possible in one call."""
@@ -182,7 +189,7 @@ class Run:
         if exception is not None:
             raise exception
         message = self.solver.message if status != lib.SFDAE_OK else ""
-        if status == lib.SFDAE_MAX_STEPS and self._max_steps > 0:
+        if status == lib.SFDAE_MAX_STEPS and self._attempts() >= self._limit.attempts:
             message = (
                 f"{self._max_steps} steps attempted in the whole run, the limit max_steps, without "
                 f"reaching the end t = {self.t1:.9g}. Raise max_steps, or loosen the tolerances. "
@@ -230,10 +237,7 @@ class Run:
                     is_restarted = True
         if ends or not is_restarted or point.t == self.t1:
             return not ends
-        statistics = self.solver.statistics
-        self._limit.attempts -= (
-            statistics.steps + statistics.error_failures + statistics.other_failures
-        )
+        self._limit.attempts -= self._attempts()
         restart = self.solver.start(point.t, x, self.t1)
         if restart.status > 0:
             self._note(

@@ -93,7 +93,7 @@ def solve(
         Values of named parameters, of the equations and of events.
     max_steps : int, optional
         Steps attempted in the whole run at most, restarts after events included. By default 100,000
-        in the whole run, or with t_eval between two outputs.
+        in the whole run, or with t_eval 100,000 between two outputs and 10,000,000 in the run.
     sensitivities : sequence of str, optional
         Names of parameters, or of unknowns (by their start values), by which the solution is
         differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities. Actions of

@@ -544,6 +544,19 @@ def test_the_limit_without_max_steps(monkeypatch):
     assert sfdae.solve(oscillator, (0, 10), [1, 0], t_eval=np.linspace(0, 10, 11)).success
     with pytest.warns(sfdae.IntegrationWarning, match="50 steps attempted without reaching tout"):
         sfdae.solve(oscillator, (0, 100), [1, 0], t_eval=[100.0])
+    monkeypatch.setattr(sfdae._run, "_SPANS_OF_RUN", 3)
+    with pytest.warns(sfdae.IntegrationWarning, match="150 steps attempted in the whole run"):
+        sol = sfdae.solve(oscillator, (0, 100), [1, 0], t_eval=np.linspace(0, 100, 1001))
+    assert sol.status == Status.MAX_STEPS and attempts(sol) == 150
+    assert sol.t[-1] < sol.last.t < sol.t[-1] + 0.1
+
+
+def test_equations_that_chatter_between_many_outputs_end_at_the_limit(monkeypatch):
+    """Never 100,000 attempts between two outputs, but at each of them."""
+    monkeypatch.setattr(sfdae._run, "_SPANS_OF_RUN", 1)
+    with pytest.warns(sfdae.IntegrationWarning, match="100000 steps attempted in the whole run"):
+        sol = sfdae.solve(friction, (0, 1), [0, 1e-3], t_eval=np.arange(0, 1, 1e-5))
+    assert sol.status == Status.MAX_STEPS
 
 
 @pytest.mark.parametrize("max_steps", [0, -1, 2.5])
