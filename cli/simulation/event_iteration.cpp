@@ -176,9 +176,10 @@ void EventIteration::assertion_failed(const Reaction& reaction, double t) {
 void EventIteration::check_assertions(Values& values) {
   if (system_.reactions.empty()) return;
   discrete_.evaluate_reactions(values);
+  discrete_.check_conditions(values.t);
   for (int i = 0; i < static_cast<int>(system_.reactions.size()); ++i) {
     const Reaction& reaction = system_.reactions[at(i)];
-    if (reaction.kind == Action::Kind::assertion && discrete_.is_active(i) && discrete_.value(i) == 0.0)
+    if (reaction.kind == Action::Kind::assertion && discrete_.is_active(i) && !(discrete_.value(i) > 0.0))  // or NaN
       assertion_failed(reaction, values.t);
   }
 }
@@ -197,6 +198,11 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     } else if (reaction.kind == Action::Kind::assign) {
       result.acted.push_back(reaction.message + " (" + place(system_.model, reaction.at) + ")");
     } else if (reaction.kind == Action::Kind::reinit) {
+      if (!std::isfinite(discrete_.value(i)))
+        throw Failure(Outcome::not_finished, SFDAE_OK,
+                      place(system_.model, reaction.at) + ": reinit of " +
+                          system_.model.variables[at(reaction.variable)].name + " at t = " + to_text(values.t) +
+                          ": the new value is " + to_text(discrete_.value(i)));
       const Alias& alias = system_.aliases[at(reaction.variable)];
       const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
       const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());
