@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sfdae::cli {
 
@@ -34,6 +35,16 @@ namespace {
 
 double truth(bool value) { return value ? 1.0 : 0.0; }
 
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+// `and` is false if one operand is false, `or` is true if one is true, even if the other is NaN.
+double logic(Operation operation, double a, double b) {
+  const double deciding = truth(operation == Operation::or_);
+  const auto decides = [&](double x) { return !std::isnan(x) && truth(x != 0.0) == deciding; };
+  if (decides(a) || decides(b)) return deciding;
+  return std::isnan(a) || std::isnan(b) ? undefined : 1.0 - deciding;
+}
+
 double relation(Operation operation, double a, double b) {
   switch (operation) {
     case Operation::less: return truth(a < b);
@@ -41,13 +52,13 @@ double relation(Operation operation, double a, double b) {
     case Operation::greater: return truth(a > b);
     case Operation::greater_equal: return truth(a >= b);
     case Operation::equal: return truth(a == b);
-    case Operation::not_equal: return truth(a != b);
-    case Operation::and_: return truth(a != 0.0 && b != 0.0);
-    default: return truth(a != 0.0 || b != 0.0);
+    default: return truth(a != b);
   }
 }
 
 double of_two(Operation operation, double a, double b) {
+  if (operation == Operation::and_ || operation == Operation::or_) return logic(operation, a, b);
+  if (std::isnan(a) || std::isnan(b)) return undefined;
   switch (operation) {
     case Operation::add: return a + b;
     case Operation::subtract: return a - b;
@@ -70,7 +81,7 @@ double applied(Operation operation, double a, double b, double c) {
   switch (operation) {
     case Operation::negate: return -a;
     case Operation::abs: return std::fabs(a);
-    case Operation::sign: return truth(a > 0.0) - truth(a < 0.0);
+    case Operation::sign: return std::isnan(a) ? a : truth(a > 0.0) - truth(a < 0.0);
     case Operation::sqrt: return std::sqrt(a);
     case Operation::exp: return std::exp(a);
     case Operation::log: return std::log(a);
@@ -87,9 +98,9 @@ double applied(Operation operation, double a, double b, double c) {
     case Operation::floor:
     case Operation::integer: return std::floor(a);
     case Operation::ceil: return std::ceil(a);
-    case Operation::not_: return truth(a == 0.0);
+    case Operation::not_: return std::isnan(a) ? a : truth(a == 0.0);
     case Operation::no_event: return a;
-    case Operation::choose: return a != 0.0 ? b : c;
+    case Operation::choose: return std::isnan(a) ? a : a != 0.0 ? b : c;
     default: return of_two(operation, a, b);
   }
 }

@@ -307,7 +307,8 @@ Expression evaluate_condition(Elaboration& e, const Environment& in, const synta
 
 std::optional<double> constant_value(Elaboration& e, const Expression& expression) {
   if (expression == nullptr) return std::nullopt;
-  return e.symbols->value_of(expression, expression->at);
+  const std::optional<double> value = e.symbols->value_of(expression, expression->at);
+  return value && std::isnan(*value) ? std::nullopt : value;  // what is not defined may never be needed
 }
 
 int evaluate_integer(Elaboration& e, const Environment& in, const syntax::Expression& x, const std::string& what) {

@@ -62,6 +62,12 @@ std::string text_of_start(const System& system, int v, Formula start) {
 
 }  // namespace
 
+double norm(const std::vector<double>& x) {
+  double result = 0.0;
+  for (double entry : x) result = std::hypot(result, entry);
+  return result;
+}
+
 std::vector<Condition> given_conditions(const System& system, const std::vector<int>& unknowns) {
   const std::vector<int> number_of = numbers_of(system, unknowns);
   std::vector<Condition> result;
@@ -113,7 +119,7 @@ std::vector<Condition> possible_conditions(const System& system, const std::vect
 }
 
 bool IndependentRows::add(const std::vector<double>& row, double scale) {
-  const double size = std::sqrt(dot(row, row));
+  const double size = norm(row);
   if (!(size > zero_row * scale) || Q_.size() == row.size()) return false;
   std::vector<double> rest = row, l(Q_.size() + 1, 0.0);
   for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to rounding
@@ -122,7 +128,7 @@ bool IndependentRows::add(const std::vector<double>& row, double scale) {
       l[i] += factor;
       for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= factor * Q_[i][k];
     }
-  const double remaining = std::sqrt(dot(rest, rest));
+  const double remaining = norm(rest);
   if (remaining <= dependent * size) return false;
   for (double& value : rest) value /= remaining;
   l.back() = remaining;

@@ -25,6 +25,9 @@ std::vector<Condition> given_conditions(const System& system, const std::vector<
 // Conditions that may complete those that are too few: start values, the preferred ones first.
 std::vector<Condition> possible_conditions(const System& system, const std::vector<int>& unknowns);
 
+// The Euclidean norm, also of numbers whose squares underflow.
+double norm(const std::vector<double>& x);
+
 // Rows accepted one by one if they are independent of those before. A = L Q with orthonormal rows of Q.
 class IndependentRows {
  public:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/discrete.h"
 
+#include <cmath>
+
 #include "simulation/failure.h"
 #include "simulation/text.h"
 
@@ -64,6 +66,15 @@ bool Discrete::set_initial(Values& values) {
     has_changed = true;
   }
   return has_changed;
+}
+
+void Discrete::check_conditions(double t) const {
+  for (int i = 0; i < static_cast<int>(system_.reactions.size()); ++i)
+    if (std::isnan(reactions_[2 * i]))
+      throw Failure(Outcome::not_finished, SFDAE_OK,
+                    place(system_.model, system_.reactions[at(i)].at) +
+                        ": the condition of this when clause at t = " + to_text(t) +
+                        " is neither true nor false, since a part of it is not defined");
 }
 
 bool Discrete::differs_from_previous(const Values& values) const {

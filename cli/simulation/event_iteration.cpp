@@ -17,6 +17,7 @@ constexpr int max_iterations = 500;
 constexpr int max_at_once = 20, max_settling = 400;
 // Of the search for states that can stay, in units of nominal values.
 constexpr int reweightings = 15;
+constexpr double same_value = 1e-12;  // of discrete values, relative to the largest one met at the event
 constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
 
 }  // namespace
@@ -124,16 +125,39 @@ std::string EventIteration::changing(const Values& before, const Values& values)
   return text;
 }
 
+// What a when clause assigns may contain unknowns of equations, which have been solved since. Returns whether discrete
+// variables change by more than rounding errors; else they stay. largest: absolute values of variables met so far.
+bool EventIteration::discrete_values_follow(Values& values, std::vector<double>& largest) {
+  const std::vector<double> solved = values.variable;
+  if (!discrete_.update(values)) return false;
+  bool has_changed = false;
+  for (const DiscreteAssignment& assignment : system_.at_events.discrete) {
+    const std::size_t v = at(assignment.variable);
+    const double before = solved[v], now = values.variable[v];
+    if (are_same(before, now)) continue;
+    largest[v] = std::max({largest[v], std::fabs(before), std::fabs(now)});
+    const bool is_real = v < system_.model.variables.size() && system_.model.variables[v].type == Type::real;
+    has_changed = has_changed || !is_real || !(std::fabs(now - before) <= same_value * largest[v]);
+  }
+  if (has_changed) return true;
+  values.variable = solved;
+  return false;
+}
+
 // With pre() as it is: discrete variables, equations and switches that agree with each other.
 void EventIteration::settle(Values& values, sfdae::Point& point) {
   Values before = values;
+  std::vector<double> largest(values.variable.size(), 0.0);
   for (int round = 0; round < max_settling; ++round) {
     before.variable = values.variable;
     before.switches = values.switches;
     discrete_.update(values);
-    if (modes_.equations_key(values) != solved_key_) solve(values, point);
+    const bool is_new = modes_.equations_key(values) != solved_key_;
+    if (is_new) solve(values, point);
     const bool takes_literally = is_at_start_ && round < max_at_once;
-    if (!(takes_literally ? switches_.set_literally(values) : switches_.update(values, round >= max_at_once))) return;
+    const bool has_switched =
+        takes_literally ? switches_.set_literally(values) : switches_.update(values, round >= max_at_once);
+    if (!has_switched && !(is_new && discrete_values_follow(values, largest))) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
                 "no values agree with all relations at t = " + to_text(values.t) +
@@ -152,9 +176,10 @@ void EventIteration::assertion_failed(const Reaction& reaction, double t) {
 void EventIteration::check_assertions(Values& values) {
   if (system_.reactions.empty()) return;
   discrete_.evaluate_reactions(values);
+  discrete_.check_conditions(values.t);
   for (int i = 0; i < static_cast<int>(system_.reactions.size()); ++i) {
     const Reaction& reaction = system_.reactions[at(i)];
-    if (reaction.kind == Action::Kind::assertion && discrete_.is_active(i) && discrete_.value(i) == 0.0)
+    if (reaction.kind == Action::Kind::assertion && discrete_.is_active(i) && !(discrete_.value(i) > 0.0))  // or NaN
       assertion_failed(reaction, values.t);
   }
 }
@@ -173,6 +198,11 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     } else if (reaction.kind == Action::Kind::assign) {
       result.acted.push_back(reaction.message + " (" + place(system_.model, reaction.at) + ")");
     } else if (reaction.kind == Action::Kind::reinit) {
+      if (!std::isfinite(discrete_.value(i)))
+        throw Failure(Outcome::not_finished, SFDAE_OK,
+                      place(system_.model, reaction.at) + ": reinit of " +
+                          system_.model.variables[at(reaction.variable)].name + " at t = " + to_text(values.t) +
+                          ": the new value is " + to_text(discrete_.value(i)));
       const Alias& alias = system_.aliases[at(reaction.variable)];
       const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
       const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());

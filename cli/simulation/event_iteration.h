@@ -37,6 +37,7 @@ class EventIteration {
   void check_assertions(Values& values);
 
  private:
+  bool discrete_values_follow(Values& values, std::vector<double>& largest);
   void settle(Values& values, sfdae::Point& point);
   void solve(Values& values, sfdae::Point& point);
   void solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed);

@@ -21,6 +21,11 @@ constexpr double level_of_roundoff = 1e12 * unit_roundoff;
 // Guesses at which equations are singular are moved by these, in units of nominal values.
 constexpr double nudges[] = {0.0, 1e-3, 0.1, 0.7};
 
+// Also if the residual is not defined.
+bool contradicts(double residual, double size) {
+  return !std::isfinite(residual) || std::fabs(residual) > contradiction * size;
+}
+
 std::string joined(const std::vector<std::string>& texts) {
   std::string result;
   for (const std::string& text : texts) result += (result.empty() ? "" : ", ") + text;
@@ -56,7 +61,17 @@ bool Initialization::make_consistent(Mode& mode, sfdae::Point& point, const std:
   return true;
 }
 
-// Fixed values stay if they can. A guess where the equations are singular is moved a little.
+std::string Initialization::undefined(const Values& values, const sfdae::Point& point) {
+  const std::vector<double> all = residuals(values, point);
+  const auto place_of = std::find_if(all.begin(), all.end(), [](double it) { return !std::isfinite(it); });
+  if (place_of == all.end()) return "";
+  const Condition& condition = conditions_[static_cast<std::size_t>(place_of - all.begin())];
+  return place(system_.model, condition.at) + ": the initial condition " + condition.text +
+         " is not defined at the start values, as log(-1) is not. Give better start values, or check the initial "
+         "equations.";
+}
+
+// Fixed values stay if they can. A guess where equations are singular, or conditions not defined, is moved a little.
 void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point) {
   modes_.to_point(values, point);
   std::vector<int> fixed(point.x.size(), 0), none(point.x.size(), 0);
@@ -68,6 +83,9 @@ void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point)
   const sfdae::Point guess = point;
   std::string first_message;
   int first_status = 0;
+  const auto keep_first = [&](const std::string& message, int status) {
+    if (first_message.empty()) first_message = message, first_status = status;
+  };
   for (double nudge : nudges) {
     point = guess;
     for (int j = 0; j < static_cast<int>(point.x.size()); ++j)
@@ -75,18 +93,21 @@ void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point)
     for (const std::vector<int>& flags : {fixed, none}) {
       sfdae::Point trial = point;
       const int status = calls_.attempt(mode, [&] { return mode.make_consistent(trial, flags); });
-      if (status >= 0) {
+      const std::string unknown_condition = status >= 0 ? undefined(values, trial) : "";
+      if (status >= 0 && unknown_condition.empty()) {
         point = std::move(trial);
         return;
       }
-      if (first_message.empty()) first_message = calls_.message(), first_status = status;
+      if (status >= 0) keep_first(unknown_condition, SFDAE_NO_CONSISTENT_VALUES);
+      else keep_first(calls_.message(), status);
     }
   }
   throw Failure(outcome_of(first_status, Phase::initialization), first_status, "initial values: " + first_message);
 }
 
-// B: columns of D^-1 T2, orthonormalized.
-sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point, std::vector<double>& inverse_sizes) {
+// B: columns of D^-1 T2, orthonormalized. An error of T2 counts 1 / |D^-1 T2| times in the columns of B. Exact zeros,
+// as of unknowns that no constraint connects, have none.
+sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point, std::vector<double>& roundoff) {
   sfdae::Matrix T2;
   calls_.run(mode, Phase::initialization, "initial values", [&] {
     const int mu = mode.solver.characteristics().strangeness_index;
@@ -94,21 +115,21 @@ sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point, std::
     return SFDAE_OK;
   });
   sfdae::Matrix B(T2.rows(), T2.columns());
+  roundoff.assign(at(T2.rows()), 0.0);
   for (int k = 0; k < T2.columns(); ++k) {
     std::vector<double> column(at(T2.rows()));
     for (int j = 0; j < T2.rows(); ++j) column[at(j)] = T2(j, k) / scale(j);
-    double original = 0.0;
-    for (double value : column) original += value * value;
-    inverse_sizes.push_back(1.0 / std::sqrt(original));
+    const double size = norm(column);
+    for (int j = 0; j < T2.rows(); ++j)
+      if (T2(j, k) != 0.0) roundoff[at(j)] = std::max(roundoff[at(j)], level_of_roundoff / size);
     for (int pass = 0; pass < 2; ++pass)
       for (int l = 0; l < k; ++l) {
         double factor = 0.0;
         for (int j = 0; j < T2.rows(); ++j) factor += column[at(j)] * B(j, l);
         for (int j = 0; j < T2.rows(); ++j) column[at(j)] -= factor * B(j, l);
       }
-    double norm = 0.0;
-    for (double value : column) norm += value * value;
-    for (int j = 0; j < T2.rows(); ++j) B(j, k) = column[at(j)] / std::sqrt(norm);
+    const double remaining = norm(column);
+    for (int j = 0; j < T2.rows(); ++j) B(j, k) = column[at(j)] / remaining;
   }
   return B;
 }
@@ -152,16 +173,15 @@ std::vector<double> Initialization::row_of(const Condition& condition, const sfd
 Initialization::Linearization Initialization::linearized(Mode& mode, const Values& values,
                                                          const sfdae::Point& point) {
   Linearization result;
-  std::vector<double> inverse_sizes;
-  result.B = basis(mode, point, inverse_sizes);
+  result.B = basis(mode, point, result.roundoff);
   result.residuals = residuals(values, point, &result.sizes);
-  for (double size : inverse_sizes) result.roundoff = std::max(result.roundoff, level_of_roundoff * size);
   result.levels = result.sizes;
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
     const Condition& condition = conditions_[i];
     result.rows.push_back(row_of(condition, result.B));
     if (condition.unknown >= 0)
-      result.levels[i] = std::max(result.levels[i], result.roundoff * std::fabs(condition.factor));
+      result.levels[i] =
+          std::fabs(condition.factor) * std::max(scale(condition.unknown), result.roundoff[at(condition.unknown)]);
   }
   const std::vector<int> others = add_exact_rows(values, point, result);
   if (!others.empty()) add_difference_rows(mode, values, point, others, result);
@@ -186,7 +206,7 @@ std::vector<int> Initialization::add_exact_rows(Values values, const sfdae::Poin
   if (exact.empty()) return others;
   modes_.to_values(point, values);
   tape.evaluate(values);
-  std::vector<double> direction(values.variable.size(), 0.0), squares(exact.size(), 0.0), sums(exact.size(), 0.0);
+  std::vector<double> direction(values.variable.size(), 0.0), sizes(exact.size(), 0.0), errors(exact.size(), 0.0);
   std::vector<char> occurs(values.variable.size(), 0);
   for (Formula part : system_.formulas.parts(sides))
     if (system_.formulas[part].operation == Operation::variable) occurs[at(system_.formulas[part].index)] = 1;
@@ -199,15 +219,14 @@ std::vector<int> Initialization::add_exact_rows(Values values, const sfdae::Poin
     for (std::size_t e = 0; e < exact.size(); ++e) {
       const double entry = tape.tangent(2 * static_cast<int>(e)) - tape.tangent(2 * static_cast<int>(e) + 1);
       if (entry == 0.0) continue;
-      squares[e] += std::pow(entry * scale(j), 2);
-      sums[e] += std::fabs(entry);
+      sizes[e] = std::hypot(sizes[e], entry * scale(j));
+      errors[e] += std::fabs(entry) * result.roundoff[at(j)];
       for (int k = 0; k < result.B.columns(); ++k)
         result.rows[at(exact[e])][at(k)] += entry * scale(j) * result.B(j, k);
     }
   }
   for (std::size_t e = 0; e < exact.size(); ++e) {
-    if (squares[e] > 0.0 && std::isfinite(squares[e]))
-      result.levels[at(exact[e])] = std::max(std::sqrt(squares[e]), result.roundoff * sums[e]);
+    if (sizes[e] > 0.0 && std::isfinite(sizes[e])) result.levels[at(exact[e])] = std::max(sizes[e], errors[e]);
     else others.push_back(exact[e]);
   }
   std::sort(others.begin(), others.end());
@@ -258,11 +277,7 @@ bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& poi
                              const std::vector<double>& z, int halvings) {
   const auto merit = [&](const std::vector<double>& r) {
     double sum = 0.0;
-    for (int i : selection.chosen) {
-      double norm = 0.0;
-      for (double entry : linearization.rows[at(i)]) norm += entry * entry;
-      sum += r[at(i)] * r[at(i)] / norm;
-    }
+    for (int i : selection.chosen) sum += std::pow(r[at(i)] / norm(linearization.rows[at(i)]), 2);
     return std::isfinite(sum) ? sum : HUGE_VAL;
   };
   const double before = merit(linearization.residuals);
@@ -305,7 +320,8 @@ Initialization::Linearization Initialization::completed(Mode& mode, const Values
     const bool is_equation = wish.unknown < 0;
     const bool is_independent =
         is_equation ? rows.add(of_equations.rows[equation], of_equations.levels[equation])
-                    : rows.add(row_of(wish, linearization.B), std::max(scale(wish.unknown), linearization.roundoff));
+                    : rows.add(row_of(wish, linearization.B),
+                               std::max(scale(wish.unknown), linearization.roundoff[at(wish.unknown)]));
     if (is_equation) ++equation;
     if (is_independent) chosen.push_back(wish);
   }
@@ -342,7 +358,7 @@ void Initialization::solve(Values& values, sfdae::Point& point, const std::vecto
       report(linearization, selection);
       std::string worst;
       for (int i : selection.chosen)
-        if (std::fabs(linearization.residuals[at(i)]) > contradiction * linearization.sizes[at(i)])
+        if (contradicts(linearization.residuals[at(i)], linearization.sizes[at(i)]))
           worst += (worst.empty() ? "" : "; ") + place(system_.model, conditions_[at(i)].at) + ": " +
                    conditions_[at(i)].text + " is off by " + to_text(linearization.residuals[at(i)]);
       if (worst.empty()) break;  // rounding allows no better
@@ -368,7 +384,7 @@ void Initialization::report(const Linearization& linearization, const Selection&
     const Condition& condition = conditions_[at(i)];
     const double residual = linearization.residuals[at(i)];
     const std::string where = place(system_.model, condition.at) + ": ";
-    if (std::fabs(residual) > contradiction * linearization.sizes[at(i)])
+    if (contradicts(residual, linearization.sizes[at(i)]))
       throw Failure(Outcome::not_started, SFDAE_FIXED_VALUES,
                     where + "the initial condition " + condition.text +
                         " contradicts the equations and the other initial conditions: it is violated by " +

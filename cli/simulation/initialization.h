@@ -31,7 +31,7 @@ class Initialization {
     sfdae::Matrix B;                        // n x (d + u)
     std::vector<std::vector<double>> rows;  // of each condition
     std::vector<double> residuals, sizes;   // sizes: of the quantities compared
-    double roundoff = 0.0;                  // level below which rows are rounding errors of T2
+    std::vector<double> roundoff;           // of each unknown: level below which entries are rounding errors of T2
     std::vector<double> levels;             // sizes relative to which rows are zero
   };
   struct Selection {
@@ -40,10 +40,12 @@ class Initialization {
     std::vector<double> residuals;     // of the chosen ones
   };
 
+  // The first condition that is not defined at a point, in words; empty if all are.
+  std::string undefined(const Values& values, const sfdae::Point& point);
   void find_start(Mode& mode, Values& values, sfdae::Point& point);
   bool make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);
-  // inverse_sizes: 1 / |D^-1 T2| of each column, by which rounding errors of T2 are multiplied.
-  sfdae::Matrix basis(Mode& mode, const sfdae::Point& point, std::vector<double>& inverse_sizes);
+  // roundoff: see Linearization.
+  sfdae::Matrix basis(Mode& mode, const sfdae::Point& point, std::vector<double>& roundoff);
   std::vector<double> residuals(Values values, const sfdae::Point& point, std::vector<double>* sizes = nullptr);
   std::vector<double> row_of(const Condition& condition, const sfdae::Matrix& B) const;
   Linearization linearized(Mode& mode, const Values& values, const sfdae::Point& point);

@@ -191,7 +191,8 @@ std::shared_ptr<Mode> Modes::recorded(const Values& values, const std::vector<do
   problem.equations = [&](const sfdae::Expression& t, sfdae::ConstExpressions x, sfdae::ConstExpressions xdot,
                           sfdae::Expressions F) {
     std::unordered_map<Formula, DiscreteLeaf> leaf_of;
-    for (std::size_t i = 0; i < key_.size(); ++i) leaf_of[key_[i]] = {leaves[i], ""};
+    for (std::size_t i = 0; i < key_.size(); ++i)
+      leaf_of[key_[i]] = {std::isfinite(leaves[i]) ? leaves[i] : std::numeric_limits<double>::quiet_NaN(), ""};
     for (std::size_t i = 0; i < parameters_.size(); ++i)
       leaf_of[parameters_[i]] = {leaves[key_.size() + i], parameter_name(parameters_[i])};
     std::vector<int> unknown_of(system_.model.variables.size(), -1);

@@ -15,6 +15,15 @@ namespace {
 
 // Violations of bounds by less than this, relative to the variable's size, are rounding and error of integration.
 constexpr double bound_tolerance = 1e-6;
+// Whole numbers up to this are exact.
+constexpr double largest_integer = 9007199254740992.0;
+
+// Why a value is none of an Integer; empty if it is not finite.
+std::string why_no_integer(double value) {
+  if (!std::isfinite(value)) return "";
+  return value == std::floor(value) ? ", beyond 2^53, up to which Integers are exact"
+                                    : ", but its type is not Real and needs a whole number";
+}
 
 }  // namespace
 
@@ -57,7 +66,7 @@ void Output::add(Values& values, double t) {
 bool Output::is_defined(int variable, const Values& values) const {
   const double value = values.variable[at(variable)];
   const bool is_real = system_.model.variables[at(variable)].type == Type::real;
-  return std::isfinite(value) && (is_real || value == std::floor(value));
+  return std::isfinite(value) && (is_real || (value == std::floor(value) && std::fabs(value) <= largest_integer));
 }
 
 bool Output::is_defined(Values& values) const {
@@ -79,8 +88,7 @@ void Output::check_values(const Values& values) const {
   const Variable& variable = system_.model.variables[at(wrong)];
   const double value = values.variable[at(wrong)];
   throw Failure(Outcome::not_finished, SFDAE_OK,
-                variable.name + " is " + to_text(value) + " at t = " + to_text(values.t) +
-                    (std::isfinite(value) ? ", but its type is not Real and needs a whole number" : "") +
+                variable.name + " is " + to_text(value) + " at t = " + to_text(values.t) + why_no_integer(value) +
                     cause(wrong, values));
 }
 

@@ -148,9 +148,15 @@ double Parameters::evaluate(const Node& node) {
 double Parameters::evaluate_operation(const Node& node) {
   const auto operand = [&](std::size_t k) { return evaluate(*node.operands.at(k)); };
   switch (node.operation) {
-    case Operation::choose: return operand(0) != 0.0 ? operand(1) : operand(2);
-    case Operation::and_: return operand(0) != 0.0 && operand(1) != 0.0 ? 1.0 : 0.0;
-    case Operation::or_: return operand(0) != 0.0 || operand(1) != 0.0 ? 1.0 : 0.0;
+    case Operation::choose: {  // a branch that is not taken need not be defined
+      const double condition = operand(0);
+      return std::isnan(condition) ? condition : operand(condition != 0.0 ? 1 : 2);
+    }
+    case Operation::and_:
+    case Operation::or_: {
+      const double a = operand(0), deciding = node.operation == Operation::or_ ? 1.0 : 0.0;
+      return a == deciding ? deciding : applied(node.operation, a, operand(1), 0.0);
+    }
     case Operation::derivative: return 0.0;
     case Operation::previous: {
       const Node variable{Operation::variable, 0.0, node.index, {}, node.at};

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include "simulation/failure.h"
+#include "simulation/text.h"
 
 namespace sfdae::cli {
 
@@ -55,6 +57,11 @@ std::vector<Formula> Recording::needed() const {
     if (numbers_.count(formula) != 0 || leaves_.count(formula) != 0) continue;
     const FormulaNode& node = system_.formulas[formula];
     const auto condition = node.operation == Operation::choose ? numbers_.find(node.operands[0]) : numbers_.end();
+    if (condition != numbers_.end() && std::isnan(condition->second))
+      throw Failure(Outcome::not_finished, SFDAE_OK,
+                    "at t = " + to_text(values_.t) + ": the condition " +
+                        to_text(system_.formulas, node.operands[0], system_.model) +
+                        " is neither true nor false: a part of it is not defined, as sqrt(-1) is");
     if (condition != numbers_.end()) visit(node.operands[condition->second != 0.0 ? 1 : 2]);
     else
       for (Formula operand : node.operands) visit(operand);

@@ -81,12 +81,12 @@ void describe(const LibraryCalls& calls, Result& result) {
 // A value given for a variable whose start value is not fixed is a guess, which initial values may be far from.
 void warn_of_changed_guesses(const System& system, const Parameters& parameters, const Values& values,
                              std::vector<std::string>& warnings) {
-  constexpr double relative = 1e-6, of_nominal = 1e-9;  // errors of initial values
+  constexpr double relative = 1e-6, of_scale = 1e-9;  // errors of initial values
   for (const auto& [v, given] : parameters.given_starts()) {
     const Variable& variable = system.model.variables[at(v)];
     const double value = values.variable[at(v)];
     const double tolerance =
-        relative * std::max(std::fabs(given), std::fabs(value)) + of_nominal * system.sizes.nominal[at(v)];
+        relative * std::max(std::fabs(given), std::fabs(value)) + of_scale * system.sizes.scale[at(v)];
     if (std::fabs(value - given) <= tolerance) continue;
     warnings.push_back(
         place(system.model, variable.at) + ": the value " + to_text(given) + " given for " + variable.name +

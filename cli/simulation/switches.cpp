@@ -89,9 +89,11 @@ bool Switches::set_literally(Values& values) {
   arguments_.run(values);
   bool has_changed = false;
   for (int s = 0; s < static_cast<int>(system_.switches.size()); ++s) {
+    const Switch& it = system_.switches[at(s)];
     const double g = arguments_[s];
-    const double value = literal(system_.switches[at(s)], g);
-    if (std::isnan(g) || values.switches[at(s)] == value) continue;
+    if (std::isnan(g) && it.has_root) continue;
+    const double value = std::isnan(g) ? g : literal(it, g);
+    if (are_same(values.switches[at(s)], value)) continue;
     values.switches[at(s)] = value;
     has_changed = true;
   }
@@ -106,12 +108,14 @@ bool Switches::update(Values& values, bool only_first) {
   for (int s = 0; s < count; ++s) {
     const Switch& it = system_.switches[at(s)];
     const double g = arguments_[s], value = values.switches[at(s)];
-    if (std::isnan(it.is_by_time ? offset(s) : g)) continue;
-    const double wanted = it.is_by_time ? value_after(s, values.t) : literal(it, g);
+    const bool is_undefined = std::isnan(it.is_by_time ? offset(s) : g);
+    if (is_undefined && it.has_root) continue;  // the integration ends there
+    const double defined = it.is_by_time ? value_after(s, values.t) : literal(it, g);
+    const double wanted = is_undefined ? std::numeric_limits<double>::quiet_NaN() : defined;
     const bool has_passed = passed_at_[at(s)] == values.t;
     // Arguments that are constant between events have no errors of location.
     const double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
-    if (wanted == value || (!it.is_by_time && outside(it, g, value) < tolerance)) continue;
+    if (are_same(wanted, value) || (!it.is_by_time && outside(it, g, value) < tolerance)) continue;
     set(s, wanted, values);
     has_changed = true;
     if (only_first) return true;

@@ -125,6 +125,32 @@ TEST(Events, SampledRealsEnterEquations) {
   EXPECT_NEAR(last(result, "x"), std::pow(0.5, 4), 1e-9);
 }
 
+// What a when clause assigns fulfils all equations of that instant, those too that contain what it assigns besides:
+// y = n + 0.4 z, z = x + 0.5 y, so 0.8 y = n + 0.4 x. The held value w is part of its own equation v + sin(v) = w.
+TEST(Events, AssignedValuesFollowUnknownsOfTheSameInstant) {
+  for (const double size : {1.0, 1e-15}) {
+    Builder b;
+    const Term x = b.real("x", {.start = 0.0, .fixed = true}), y = b.real("y"), z = b.real("z"), v = b.real("v"),
+               n = b.integer("n", {.start = 0.0, .fixed = true}),
+               held = b.discrete("held", {.start = 0.0, .fixed = true}),
+               sum = b.discrete("sum", {.start = 0.0, .fixed = true}),
+               w = b.discrete("w", {.start = 0.0, .fixed = true});
+    b.equation(der(x), 1.0);
+    b.equation(y, n + 0.4 * z);
+    b.equation(z, x + 0.5 * y);
+    b.equation(v + function(Operation::sin, v), w / size);
+    b.when({{{sample(0.25, 0.5)}, {assign(n, pre(n) + 1.0)}}});
+    b.when({{{sample(0.25, 0.5)},
+             {assign(held, size * y), assign(sum, pre(sum) + size * z), assign(w, size * (0.5 * v + 1.0))}}});
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    const auto y_of = [](double k, double t) { return (k + 0.4 * t) / 0.8; };
+    EXPECT_NEAR(last(result, "held") / size, y_of(2.0, 0.75), 1e-9);
+    EXPECT_NEAR(last(result, "sum") / size, 0.25 + 0.5 * y_of(1.0, 0.25) + 0.75 + 0.5 * y_of(2.0, 0.75), 1e-9);
+    EXPECT_NEAR(last(result, "w") / size, 0.5 * last(result, "v") + 1.0, 1e-11);
+  }
+}
+
 // At t = 1 both conditions become true: the first branch acts alone.
 TEST(Events, ElsewhenActsOnlyIfTheOthersDoNot) {
   Builder b;

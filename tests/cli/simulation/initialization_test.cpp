@@ -307,6 +307,55 @@ TEST(Initialization, SmallAndLargeUnknownsTogether) {
   EXPECT_NEAR(first(result, "c"), 3.0, 1e-9);
 }
 
+// Sizes that no nominal value tells: squares underflow, other unknowns are of size 1, a guess is far too small.
+TEST(Initialization, SolutionsOfAllSizesAreFound) {
+  for (const double size : {1e-100, 1e-30, 1e-15, 1.0, 1e15, 1e40}) {
+    Builder b;
+    const Term a = b.free_parameter("a", 2.0 * size), c = b.free_parameter("c", 0.0), d = b.free_parameter("d", 1.0),
+               x = b.real("x", {.start = 0.0, .fixed = true}), s = b.real("s", {.start = 2.0 * size});
+    b.equation(der(x), a + c);
+    b.equation(der(s), 0.0 * s);
+    b.initial(square(a), 2.0 * size * size);
+    b.initial(square(s), 2.0 * size * size);
+    b.initial(c, size);
+    b.initial(square(d), 2.0);
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_SOLVED(result);
+    EXPECT_NEAR(first(result, "a"), std::sqrt(2.0) * size, 1e-12 * size);
+    EXPECT_NEAR(first(result, "s"), std::sqrt(2.0) * size, 1e-12 * size);
+    EXPECT_EQ(first(result, "c"), size);
+    EXPECT_NEAR(first(result, "d"), std::sqrt(2.0), 1e-12);
+    EXPECT_TRUE(result.warnings.empty()) << joined(result.warnings);
+  }
+}
+
+// Conditions that are not defined at the guess, or nowhere, are not fulfilled.
+TEST(Initialization, UndefinedConditionsAreNamed) {
+  const Term p(Term::make(Operation::variable, {}, 0.0, 0)), none(0.0);
+  const auto with = [&](const Term& left, const Term& right) {
+    Builder b;
+    b.free_parameter("p", 0.0);
+    const Term x = b.real("x", {.start = 1.0, .fixed = true});
+    b.equation(der(x), p);
+    b.initial(left, right);
+    return solve(b.model, until(1.0));
+  };
+  for (const auto& [left, right] : {std::pair(p, function(Operation::log, Term(-1.0))), std::pair(p, 1.0 / none),
+                                    std::pair(p + function(Operation::sqrt, -2.0 + 0.0 * p), Term(1.0)),
+                                    std::pair(function(Operation::sqrt, p - 5.0), Term(2.0)),
+                                    std::pair(Term::of(Operation::max, p, 1.0 / none), p)}) {
+    const Result result = with(left, right);
+    EXPECT_OUTCOME(result, Outcome::not_started);
+    EXPECT_CONTAINS(result.message, "model.mo:4: the initial condition ");
+    EXPECT_CONTAINS(result.message, " is not defined at the start values");
+  }
+  const Result near = with(function(Operation::log, p), 1.0), inverse_of = with(1.0 / p, 4.0);
+  EXPECT_SOLVED(near);
+  EXPECT_NEAR(first(near, "p"), std::exp(1.0), 1e-9);
+  EXPECT_SOLVED(inverse_of);
+  EXPECT_NEAR(first(inverse_of, "p"), 0.25, 1e-9);
+}
+
 TEST(Initialization, SmallContradictionsAreNamed) {
   Builder b;
   const Term x = b.real("x", {.start = 1e-9, .fixed = true});
@@ -336,6 +385,18 @@ TEST(Initialization, GuessesThatAreGivenAndNotKeptAreNamed) {
           warnings,
           "model.mo:1: the value 0.3 given for x is only a guess, its start value is not fixed; x starts at 2");
   }
+}
+
+TEST(Initialization, SmallGuessesThatAreNotKeptAreNamed) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y", {.start = 1.0, .fixed = true});
+  b.equation(x, 2e-12 * y);
+  b.equation(der(y), 0.0 * y);
+  Settings settings = until(1.0);
+  settings.values["x"] = 3e-12;
+  const Result result = solve(b.model, settings);
+  EXPECT_SOLVED(result);
+  EXPECT_CONTAINS(joined(result.warnings), "the value 3e-12 given for x is only a guess");
 }
 
 // Limits of parameters count, also where free parameters are in them or in the value.

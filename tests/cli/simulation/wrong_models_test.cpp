@@ -175,6 +175,77 @@ TEST(WrongModels, RelationsThatCannotBeEvaluatedAreNamed) {
   EXPECT_CONTAINS(result.message, "the argument of log(x) > -3 (model.mo) is");
 }
 
+// What is not defined is not hidden by sign, min, max and relations.
+TEST(WrongModels, UndefinedOperandsMakeUndefinedValues) {
+  const Term x(Term::make(Operation::variable, {}, 0.0, 0)), t = time_now();
+  const Term root = function(Operation::sqrt, x), constant = function(Operation::sqrt, Term(-1.0));
+  for (const Term& value :
+       {function(Operation::sign, root), Term::of(Operation::max, 0.0, root), Term::of(Operation::min, 1.0, root),
+        choose(no_event(root > 0.1), 1.0, 2.0), choose(inverse(no_event(root > 0.1)), 1.0, 2.0),
+        choose(either(t<0.1, constant> 1.0), 1.0, 2.0), choose(t > constant, 1.0, 2.0), power(root, 0.0 * t),
+        choose(equal(constant, 2.0), 1.0, 2.0)}) {
+    Builder b;
+    b.real("x", {.start = 1.0, .fixed = true});
+    const Term y = b.real("y");
+    b.equation(der(x), -1.9);
+    b.equation(y, value);
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_OUTCOME(result, Outcome::not_finished);
+    EXPECT_CONTAINS(result.message, "y is nan at t = ");
+  }
+  for (const Term& value : {choose(constant > 1.0, 1.0, 2.0), choose(inverse(constant > 1.0), 1.0, 2.0),
+                            Term::of(Operation::max, 3.0, constant), function(Operation::sign, constant)}) {
+    Builder b;
+    b.real("x", {.start = 1.0, .fixed = true});
+    b.equation(der(x), value);
+    EXPECT_FALSE(solve(b.model, until(1.0)).outcome == Outcome::solved);
+  }
+  Builder b;  // one operand decides
+  b.real("x", {.start = 1.0, .fixed = true});
+  b.equation(der(x), choose(either(both(t<0.0, constant> 1.0), t < 2.0), 3.0, constant));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "x"), 4.0, 1e-9);
+}
+
+TEST(WrongModels, UndefinedConditionsOfWhenClausesAndAssertionsAreNamed) {
+  for (const bool is_assertion : {false, true}) {
+    Builder b;
+    const Term d = b.discrete("d", {.start = 1.0, .fixed = true}), x = b.real("x", {.start = 0.0, .fixed = true}),
+               n = b.integer("n", {.start = 0.0, .fixed = true});
+    const Term root = function(Operation::sqrt, d);
+    b.equation(der(x), 1.0);
+    b.when({{{sample(0.5, 1.0)}, {assign(d, -1.0)}}});
+    if (is_assertion) b.equation(n, 0.0), b.assertion(root > 0.5, "small");
+    else b.when({{{root < 0.5}, {assign(n, pre(n) + 1.0)}}});
+    const Result result = solve(b.model, until(1.0));
+    EXPECT_OUTCOME(result, Outcome::not_finished);
+    EXPECT_CONTAINS(result.message, is_assertion ? "model.mo:7: assertion failed at t = 0.5"
+                                                 : "model.mo:6: the condition of this when clause at t = 0.5 is");
+  }
+}
+
+TEST(WrongModels, UndefinedValuesOfReinitAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.when({{{sample(0.5, 1.0)}, {reinit(x, function(Operation::log, -pre(x)))}}});
+  b.model.whens[0].branches[0].actions[0].at = {3, 1};
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "model.mo:3: reinit of x at t = 0.5: the new value is nan");
+}
+
+TEST(WrongModels, IntegersThatAreNotExactAreNamed) {
+  Builder b;
+  const Term n = b.integer("n", {.start = 1.0, .fixed = true}), x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.when({{{sample(0.1, 0.1)}, {assign(n, 1000.0 * pre(n))}}});
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "n is 1e+18 at t = 0.6, beyond 2^53");
+}
+
 TEST(WrongModels, IntegersThatAreNotWholeAreNamed) {
   Builder b;
   const Term p = b.parameter("p", 1.0), a = b.integer("a"), x = b.real("x", {.start = 0.0, .fixed = true});
