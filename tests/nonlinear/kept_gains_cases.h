@@ -1,5 +1,5 @@
-// Problems whose stiffness falls by many orders of magnitude during the integration: gains that come and go, regularized
-// Coulomb friction, rectifiers. Each is written in several forms; the reference knows its states only.
+// Problems whose stiffness falls by many orders of magnitude during the integration: gains that come and go,
+// regularized Coulomb friction, rectifiers. Each is written in several forms.
 // SPDX-License-Identifier: BSD-3-Clause
 #ifndef SFDAE_TESTS_NONLINEAR_KEPT_GAINS_CASES_H
 #define SFDAE_TESTS_NONLINEAR_KEPT_GAINS_CASES_H
@@ -7,79 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "families.h"
+#include "kept_gains_problem.h"
 #include "program.h"
 
 namespace sfdae_test::kept_gains {
-
-using campaign::Formula, campaign::Formulas, campaign::Law, campaign::LawOfCase, campaign::RandomNumbers;
-using campaign::SmallProblem;
-
-struct Problem {
-  campaign::Case data;
-  std::string text;
-  bool is_multibody = false, has_sum = false;
-  // Where an input has peaks: the library knows nothing of callbacks between the points where they are called.
-  double max_step_of_callbacks = 0.0;
-  double reference_tolerance = 1e-10;  // of a step
-};
-
-// Writes unknowns and equations of one copy: first the states of the reference, then unknowns with known values.
-class Writer {
- public:
-  Writer() { problem_.formulas = std::make_shared<Formulas>(); }
-  Formula time() { return problem_.formulas->time(); }
-  Formula number(double value) { return problem_.formulas->number(value); }
-  Formula state(const std::string& name, double start, bool is_differential = true) {
-    problem_.differential.push_back(is_differential);
-    problem_.start.push_back(start);
-    return unknown(name);
-  }
-  void start_at(int state, double start) { problem_.start[static_cast<std::size_t>(state)] = start; }
-  Formula value(const std::string& name, Formula value) {
-    problem_.values.push_back(value);
-    return unknown(name);
-  }
-  Formula slope(Formula unknown) { return problem_.formulas->slope(problem_.formulas->node(unknown.node).index); }
-  // What the reference solves, state by state: x' = f, or 0 = f.
-  void reference(Formula f) { problem_.f.push_back(f); }
-  // 0 = residual, as the library has it.
-  void equation(Formula residual) { problem_.residuals.push_back(residual); }
-  SmallProblem finish(double feature) {
-    problem_.feature = feature;
-    return problem_;
-  }
-
- private:
-  Formula unknown(const std::string& name) {
-    problem_.names.push_back(name);
-    return problem_.formulas->unknown(problem_.num_unknowns() - 1);
-  }
-
-  SmallProblem problem_;
-};
-
-// The law of u as a callback of the user's.
-inline LawOfCase opaque(Law hidden) {
-  LawOfCase law{Law::opaque, hidden, {}};
-  return law;
-}
-inline std::string text(double number) {
-  std::array<char, 32> digits{};
-  std::snprintf(digits.data(), digits.size(), "%.6g", number);
-  return digits.data();
-}
-inline std::string name_of(const LawOfCase& law) {
-  const auto name = [](Law one) { return std::string(campaign::law_names[static_cast<std::size_t>(one)]); };
-  return name(law.law) + (law.law == Law::opaque ? " of " + name(law.hidden) : "");
-}
-inline int random_copies(RandomNumbers& random) { return random.chance(0.3) ? 5 : 1; }
 
 // ---- x' = 1 - g(t, u) law(x / width), g up to exp(45) --------------------------------------------------------
 
@@ -109,8 +45,8 @@ inline constexpr std::array<const char*, 12> gain_names = {"exp(A sin t)",
                                                            "exp(A sin t / (1 + 0.1 t))",
                                                            "exp(table(t))",
                                                            "callback"};
-// In the first four the gain stands in the equation of x alone. In the others an unknown is g law(x), up to roundoff that
-// the gain magnifies, so that many runs end with an error.
+// The gain of the first four stands in the equation of x alone. The others have an unknown that is g law(x), with
+// roundoff that the gain magnifies, so that many runs end with an error.
 enum class Form {
   explicit_equation,
   law_unknown,
@@ -373,7 +309,8 @@ struct Rectifier {
   }
 };
 
-// Where the formula, which decreases with the unknown of that index, is zero at t = 0, between -size and size.
+// The value of the unknown of that index, between -size and size, at which a formula that decreases with it is zero.
+// t = 0.
 inline double zero_of(Formula formula, int index, std::vector<double> x, double size) {
   const campaign::Program program(*formula.owner, {formula});
   double low = -size, high = size;
@@ -445,7 +382,7 @@ inline Problem rectifier_case(const LawOfCase& law, RandomNumbers& random, int n
                  random.chance(0.6)};
   }
   problem.data.family = campaign::Family::rectifier;
-  problem.max_step_of_callbacks = 1e-3;
+  problem.max_step_of_callbacks = 2e-4;
   problem.data.end = number == 0 ? 0.02 : random.uniform(0.02, 0.06);
   problem.data.outputs = {0.3 * problem.data.end, 0.7 * problem.data.end, problem.data.end};
   problem.data.num_copies = is_joint ? 1 : count;

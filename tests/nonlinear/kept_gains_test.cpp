@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // An iteration matrix that is reused from a place where the problem was much stiffer makes every change of an iterate
-// tiny, whatever the residual. Each run is right within 100 tolerances or ends with an error, never wrong with SFDAE_OK.
+// tiny, whatever the residual. Each run is right within 100 tolerances or ends with an error; none is wrong with
+// SFDAE_OK.
 //
 //   --gtest_filter=Laws/KeptGains.*/NAME and SFDAE_CAMPAIGN_NUMBER=12 run number 12 of a law alone, with its report.
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <functional>
 #include <memory>
@@ -28,8 +30,8 @@ namespace {
 using campaign::Formulation, campaign::Variant;
 
 constexpr int variants_of_problem = 6;
-constexpr long most_steps = 10000;  // of a call; runs that are right need some hundreds
-constexpr double allowed = 100.0;   // tolerances
+constexpr long most_steps = 3000;  // of a call; runs that are right need some hundreds
+constexpr double allowed = 100.0;  // tolerances
 
 struct LawOfFamily {
   std::string name;
@@ -51,25 +53,25 @@ std::vector<LawOfFamily> all_laws() {
   const LawOfCase tanh{Law::hyperbolic_tangent, {}, {}}, exp{Law::exponential, {}, {}},
       root{Law::root_quotient, {}, {}}, cubic{Law::cubic, {}, {}}, sinh{Law::hyperbolic_sine, {}, {}},
       smooth_diode{Law::smooth_diode, {}, {}}, power{Law::power_25, {}, {}};
-  add("Gain", "Sinh", sinh, gain_case, 60);
-  add("Gain", "Cubic", cubic, gain_case, 60);
-  add("Gain", "Exp", exp, gain_case, 60);
-  add("Gain", "Tanh", tanh, gain_case, 60);
-  add("Gain", "RootQuotient", root, gain_case, 60);
-  add("Gain", "CallbackCubic", opaque(Law::cubic), gain_case, 60);
+  add("Gain", "Sinh", sinh, gain_case, 40);
+  add("Gain", "Cubic", cubic, gain_case, 40);
+  add("Gain", "Exp", exp, gain_case, 40);
+  add("Gain", "Tanh", tanh, gain_case, 40);
+  add("Gain", "RootQuotient", root, gain_case, 40);
+  add("Gain", "CallbackCubic", opaque(Law::cubic), gain_case, 40);
   add("GainInForce", "Sinh", sinh, force_case, 20);
   add("GainInForce", "Tanh", tanh, force_case, 20);
-  add("Friction", "Tanh", tanh, friction_case, 60);
-  add("Friction", "Atan", {Law::arc_tangent, {}, {}}, friction_case, 60);
-  add("Friction", "RootQuotient", root, friction_case, 60);
-  add("Friction", "AbsoluteQuotient", {Law::absolute_quotient, {}, {}}, friction_case, 60);
-  add("Friction", "CallbackTanh", opaque(Law::hyperbolic_tangent), friction_case, 60);
-  add("Rectifier", "Exp", exp, rectifier_case, 30);
-  add("Rectifier", "ExpOfSqrt", smooth_diode, rectifier_case, 30);
-  add("Rectifier", "Power25", power, rectifier_case, 30);
-  add("Rectifier", "CallbackExp", opaque(Law::exponential), rectifier_case, 30);
-  add("Rectifier", "CallbackExpOfSqrt", opaque(Law::smooth_diode), rectifier_case, 30);
-  add("Rectifier", "CallbackPower25", opaque(Law::power_25), rectifier_case, 30);
+  add("Friction", "Tanh", tanh, friction_case, 40);
+  add("Friction", "Atan", {Law::arc_tangent, {}, {}}, friction_case, 40);
+  add("Friction", "RootQuotient", root, friction_case, 40);
+  add("Friction", "AbsoluteQuotient", {Law::absolute_quotient, {}, {}}, friction_case, 40);
+  add("Friction", "CallbackTanh", opaque(Law::hyperbolic_tangent), friction_case, 40);
+  add("Rectifier", "Exp", exp, rectifier_case, 20);
+  add("Rectifier", "ExpOfSqrt", smooth_diode, rectifier_case, 20);
+  add("Rectifier", "Power25", power, rectifier_case, 20);
+  add("Rectifier", "CallbackExp", opaque(Law::exponential), rectifier_case, 20);
+  add("Rectifier", "CallbackExpOfSqrt", opaque(Law::smooth_diode), rectifier_case, 20);
+  add("Rectifier", "CallbackPower25", opaque(Law::power_25), rectifier_case, 20);
   return laws;
 }
 
@@ -179,12 +181,13 @@ std::string text_of(int number, const Problem& problem, const Variant& variant, 
 // Counts of all runs of a law.
 struct Counts {
   std::array<int, 4> verdicts{};  // right, wrong, named, no reference
-  int runs = 0;
+  int runs = 0, stopped = 0;      // stopped: named ends because of most_steps
   long steps = 0, evaluations = 0, linearizations = 0;
   double seconds = 0.0, reference_seconds = 0.0;
 
   void add(const Outcome& outcome) {
     ++runs;
+    if (outcome.status == SFDAE_MAX_STEPS) ++stopped;
     ++verdicts[static_cast<std::size_t>(outcome.verdict)];
     steps += outcome.statistics.steps;
     evaluations += outcome.statistics.evaluations_F;
@@ -193,9 +196,9 @@ struct Counts {
   void print(const std::string& law) const {
     std::printf(
         "[ counts ] %-28s %4d runs, %3d wrong, %3d named ends, %3d without reference, %8ld steps, %9ld evaluations, "
-        "%8ld linearizations, %7.2f s, references %6.2f s\n",
+        "%8ld linearizations, %7.2f s, references %6.2f s, %d stopped\n",
         law.c_str(), runs, verdicts[1], verdicts[2], verdicts[3], steps, evaluations, linearizations, seconds,
-        reference_seconds);
+        reference_seconds, stopped);
   }
 };
 
@@ -224,6 +227,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, KeptGains, testing::ValuesIn(all_laws()),
 }  // namespace
 
 TEST_P(KeptGains, AreNeverWrongWithoutAnError) {
+  if (std::getenv("SFDAE_TEST_FPE_TRAPS") != nullptr) GTEST_SKIP() << "callbacks and references try exp of anything";
   const LawOfFamily& law = GetParam();
   Counts counts;
   for (const int k : problem_numbers(law.problems)) {
