@@ -36,21 +36,20 @@ void scaled_sizes(const Jet& jet, int order, double tau, const Units& units, dou
   }
 }
 
-// Errors of one rounding, of either sign, of what is added up in each equation of the array; size: of x, y_1, ...
-void round_array(const TaylorData& data, int level, const double* size, double* errors) {
+// What is added up in each equation of the array; size: of x, y_1, ...
+void add_array_sizes(const TaylorData& data, int level, const double* size, double* sums) {
   const int m = data.m, n = data.n;
   const auto add = [&](ConstView block, double factor, const double* values, double* to) {
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < m; ++i) to[i] += factor * std::fabs(block(i, j)) * values[j];
   };
   for (int i = 0; i <= level; ++i) {
-    double* to = errors + static_cast<std::ptrdiff_t>(i) * m;
+    double* to = sums + static_cast<std::ptrdiff_t>(i) * m;
     if (!data.is_zero_A(i)) add(data.A(i), 1.0, size, to);
     for (int k = 1; k <= i + 1; ++k) {
       if (!data.is_zero_E(i + 1 - k)) add(data.E(i + 1 - k), 1.0, size + k * n, to);
       if (k <= i && !data.is_zero_A(i - k)) add(data.A(i - k), 1.0 / k, size + k * n, to);
     }
-    for (int row = 0; row < m; ++row) to[row] *= (row + i) % 2 == 0 ? unit_roundoff : -unit_roundoff;
   }
 }
 
@@ -193,7 +192,11 @@ void ArrayLinearization::measure_noise(const Jet& jet) {
   double* z = arena_.take(index(form_.unknowns()) + 1);
   double* size = arena_.take(noise_.size());
   scaled_sizes(jet, problem_.jet_order(), data_.time_scale, problem_.units(), size);
-  round_array(data_, problem_.mu(), size, errors);
+  add_array_sizes(data_, problem_.mu(), size, errors);
+  // One rounding of each, of either sign.
+  for (int k = 0; k <= problem_.mu(); ++k)
+    for (int i = 0; i < problem_.m(); ++i)
+      errors[k * problem_.m() + i] *= (i + k) % 2 == 0 ? unit_roundoff : -unit_roundoff;
   std::copy_n(errors, problem_.m(), data_.f(0));
   elimination_.transform(errors, transformed, arena_);
   const std::vector<int>& components = problem_.prescribed();
@@ -271,6 +274,43 @@ void ArrayLinearization::change_of_x(const double* z, double* dx) const {
 void ArrayLinearization::apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const {
   elimination_.recover(data_, {residuals.f, residuals.transformed}, dx, dy, arena_);
   jet.add_scaled(dx, dy, problem_.jet_order(), data_.time_scale, problem_.units());
+}
+
+void ArrayLinearization::copy_step_rows(const double* transformed, double* rows) const {
+  multiply(1.0, Op::transposed, form_.Z1(), data_.f(0), 0.0, rows);
+  for (int k = 0; k < form_.rank_of_constraints(); ++k)
+    rows[form_.d + k] = transformed[form_.constraints().pivots()[k]];
+}
+
+// By rows of Z2, which the elimination has in factors.
+void ArrayLinearization::add_transformed_sizes(const double* of_array, double* to) const {
+  const int rows = problem_.array_rows();
+  const Arena::Frame frame(arena_);
+  double *unit = arena_.zeros(index(elimination_.carried_rows()) + 1), *row = arena_.take(index(rows) + 1);
+  for (int k = 0; k < form_.rank_of_constraints(); ++k) {
+    const int pivot = form_.constraints().pivots()[k];
+    unit[pivot] = 1.0;
+    elimination_.transform_transposed(unit, row, arena_);
+    unit[pivot] = 0.0;
+    for (int i = 0; i < rows; ++i) to[k] += std::fabs(row[i]) * of_array[i];
+  }
+}
+
+void ArrayLinearization::add_step_terms(const Jet& sizes, const double* xdot, double* rows) const {
+  const int n = problem_.n(), m = problem_.m();
+  const Arena::Frame frame(arena_);
+  double *of_jet = arena_.take(noise_.size() + 1), *array = arena_.zeros(index(problem_.array_rows()) + 1),
+         *step = arena_.zeros(index(m) + 1);
+  scaled_sizes(sizes, problem_.jet_order(), data_.time_scale, problem_.units(), of_jet);
+  add_array_sizes(data_, problem_.mu(), of_jet, array);
+  add_transformed_sizes(array, rows + form_.d);
+  for (int j = 0; j < n; ++j) {
+    const double slope = data_.time_scale * std::fabs(xdot[j]) / problem_.units()[j];
+    for (int i = 0; i < m; ++i)
+      step[i] += std::fabs(data_.A(0)(i, j)) * of_jet[j] + std::fabs(data_.E(0)(i, j)) * slope;
+  }
+  for (int k = 0; k < form_.d; ++k)
+    for (int i = 0; i < m; ++i) rows[k] += std::fabs(form_.Z1()(i, k)) * step[i];
 }
 
 void ArrayLinearization::free_part(double factor, const double* v, double* to) const {

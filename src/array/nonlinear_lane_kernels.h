@@ -22,8 +22,9 @@ struct NonlinearLaneWork {
   Lanes* x_xdot;        // x and the slope of the collocation polynomial
   Lanes *f, *f_step;    // F_mu along the jets, F of x_xdot; then scaled
   Lanes* transformed;
-  Lanes *r, *z;    // right-hand sides and solutions of the decoupled equations
-  Lanes* changes;  // xp, then those of x, y_1, ..., y_{mu+1}, scaled
+  Lanes* step_rows;  // Z1^T f_step
+  Lanes *r, *z;      // right-hand sides and solutions of the decoupled equations
+  Lanes* changes;    // xp, then those of x, y_1, ..., y_{mu+1}, scaled
   Lanes* scratch;
   // Of the changes: what rounding errors contribute, the factors of the norm, and those by which jets change.
   const double *noise, *norms, *factors;
