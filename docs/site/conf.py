@@ -3,6 +3,8 @@
 
 import os
 
+from pygments.lexers.special import TextLexer
+
 project = "sfdae"
 author = "the authors of sfdae"
 project_copyright = "the authors of sfdae"
@@ -54,6 +56,7 @@ def keep_bars(app, what, name, thing, options, lines):
 
 
 def setup(app):
+    app.add_lexer("mermaid", TextLexer)  # shown as text
     app.connect("source-read", list_decisions)
     app.connect("autodoc-process-docstring", keep_bars)
     return {"parallel_read_safe": True}
