@@ -26,7 +26,7 @@ class Discrete {
 
   void evaluate_reactions(Values& values) { reactions_.run(values); }
   bool is_active(int reaction) const { return reactions_[2 * reaction] > 0.0; }
-  // Of evaluated reactions. Throws Failure if it is undefined whether a when clause acts.
+  // Reactions have been evaluated. Throws Failure if it is undefined whether a when clause acts.
   void check_conditions(double t) const;
   double value(int reaction) const { return reactions_[2 * reaction + 1]; }
 

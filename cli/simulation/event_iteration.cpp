@@ -125,8 +125,9 @@ std::string EventIteration::changing(const Values& before, const Values& values)
   return text;
 }
 
-// What a when clause assigns may contain unknowns of equations, which have been solved since. Returns whether discrete
-// variables change by more than rounding errors; else they stay. largest: absolute values of variables met so far.
+// Values that when clauses assign may depend on unknowns of equations, and these have been solved since. Returns
+// whether discrete variables change by more than rounding errors; else they stay. largest: largest absolute values so
+// far.
 bool EventIteration::discrete_values_follow(Values& values, std::vector<double>& largest) {
   const std::vector<double> solved = values.variable;
   if (!discrete_.update(values)) return false;

@@ -107,7 +107,8 @@ class Problem:
         Parameters
         ----------
         given : array_like or mapping
-            n numbers, or values by name or index, also a Series of pandas; all others have the value, or values, `missing`.
+            n numbers, or values by name or index, also a Series of pandas; all others have the
+            value, or values, `missing`.
         name : str
             What they are, for messages.
         """

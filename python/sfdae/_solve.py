@@ -65,8 +65,8 @@ def solve(
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name, also as a Series of pandas: the names are those of the problem, those in ``names``, or
-        those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
+        n values, or values by name, also as a Series of pandas: the names are those of the
+        problem, those in ``names``, or those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
         start (forces, currents) is guessed as 0, which is what unknowns not named are: the library
         finds consistent values and keeps what is differentiated where it can.
     method : str

@@ -124,7 +124,7 @@ def read_names(function: Callable[..., Any]) -> tuple[str, ...] | None:
 
 class WatchedNumbers(np.ndarray):
     """Values of unknowns, as an array that tells a Watch when a function begins to iterate over it
-    or over a part of it. What numpy computes from it is a plain array or a number.
+    or over a part of it. Results that numpy computes from it are plain arrays or numbers.
     """
 
     _watch: Watch | None = None
@@ -142,8 +142,8 @@ class WatchedNumbers(np.ndarray):
 
 
 def _keys(vector: np.ndarray) -> list[Any]:
-    """What tells the entries of a vector apart as long as they are alive: expressions by their ids,
-    numbers by their places in memory and by their values, which a function might change.
+    """Keys that tell the entries of a vector apart as long as they are alive: of expressions their
+    ids, of numbers their places in memory and their values, which a function might change.
     """
     if vector.dtype == object:
         return [id(unknown) for unknown in vector.view(np.ndarray)]

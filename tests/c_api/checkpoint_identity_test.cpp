@@ -49,9 +49,11 @@ std::vector<double> checkpoint_of(sfdae::Solver& solver, const std::vector<doubl
   return solver.save_checkpoint();
 }
 
-std::string refusal(sfdae::Solver& solver, const std::vector<double>& checkpoint) {
+// Of a solver or a hybrid system.
+template <class Restored>
+std::string refusal(Restored& restored, const std::vector<double>& checkpoint) {
   try {
-    solver.restore_checkpoint(checkpoint);
+    restored.restore_checkpoint(checkpoint);
   } catch (const sfdae::Error& error) {
     EXPECT_EQ(error.status(), SFDAE_ILLEGAL_ARGUMENT);
     return error.what();
@@ -232,14 +234,6 @@ struct TwoModes {
     transition.function = [](double, auto x, auto) { return 0.5 - x[0]; };
     hybrid.add_transition(transition);
   }
-  std::string refusal(const std::vector<double>& checkpoint) {
-    try {
-      hybrid.restore_checkpoint(checkpoint);
-    } catch (const sfdae::Error& error) {
-      return error.what();
-    }
-    return "accepted";
-  }
   sfdae::Solver down, up;
   sfdae::Hybrid hybrid;
 };
@@ -250,12 +244,12 @@ TEST(CheckpointIdentity, HybridSystemsCompareAllModesAndTransitions) {
   first.hybrid.start(0, point, 2);
   first.hybrid.advance(0.25, point);  // in the first mode, which is the same in all
   const std::vector<double> checkpoint = first.hybrid.save_checkpoint();
-  EXPECT_EQ(same.refusal(checkpoint), "accepted");
+  EXPECT_EQ(refusal(same.hybrid, checkpoint), "accepted");
   TwoModes other_mode(2, SFDAE_TRANSITION_CONDITION), other_kind(1, SFDAE_TRANSITION_ZERO);
-  const std::string text = other_mode.refusal(checkpoint);
+  const std::string text = refusal(other_mode.hybrid, checkpoint);
   expect_part("mode 1 (up)", text);
   expect_part("other equations", text);
-  expect_part("other transitions", other_kind.refusal(checkpoint));
+  expect_part("other transitions", refusal(other_kind.hybrid, checkpoint));
 }
 
 // A method set while a mode is running counts from the next start on: the checkpoint is that of the method in use.
@@ -267,14 +261,15 @@ TEST(CheckpointIdentity, HybridSystemsGoOnWithTheMethodOfTheRunningMode) {
   sfdae::Options radau;
   radau.method = SFDAE_METHOD_RADAU;
   first.down.set_options(radau);
-  EXPECT_EQ(same.refusal(first.hybrid.save_checkpoint()), "accepted");
+  EXPECT_EQ(refusal(same.hybrid, first.hybrid.save_checkpoint()), "accepted");
   first.hybrid.advance(0.5, point);
   same.hybrid.advance(0.5, restored);
   EXPECT_EQ(point.x, restored.x);
   // Another method in a mode to come is refused.
   TwoModes other(1, SFDAE_TRANSITION_CONDITION);
   other.up.set_options(radau);
-  expect_part("mode 1 (up): the checkpoint was made with method", other.refusal(first.hybrid.save_checkpoint()));
+  expect_part("mode 1 (up): the checkpoint was made with method",
+              refusal(other.hybrid, first.hybrid.save_checkpoint()));
 }
 
 TEST(CheckpointIdentity, HybridSystemsCompareWhichFunctionsTransitionsHave) {
@@ -296,9 +291,9 @@ TEST(CheckpointIdentity, HybridSystemsCompareWhichFunctionsTransitionsHave) {
       first->hybrid.start(0, point, 2);
       first->hybrid.advance(0.25, point);
       const std::vector<double> checkpoint = first->hybrid.save_checkpoint();
-      EXPECT_EQ(system(has_guard, has_jump)->refusal(checkpoint), "accepted");
-      expect_part("other transitions", system(!has_guard, has_jump)->refusal(checkpoint));
-      expect_part("other transitions", system(has_guard, !has_jump)->refusal(checkpoint));
+      EXPECT_EQ(refusal(system(has_guard, has_jump)->hybrid, checkpoint), "accepted");
+      expect_part("other transitions", refusal(system(!has_guard, has_jump)->hybrid, checkpoint));
+      expect_part("other transitions", refusal(system(has_guard, !has_jump)->hybrid, checkpoint));
     }
   }
 }
@@ -318,14 +313,6 @@ struct Sliding {
   static sfdae::NonlinearProblem constant(double c) {
     return problem_of(1, [c](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] + c; });
   }
-  std::string refusal(const std::vector<double>& checkpoint) {
-    try {
-      hybrid.restore_checkpoint(checkpoint);
-    } catch (const sfdae::Error& error) {
-      return error.what();
-    }
-    return "accepted";
-  }
   sfdae::Solver rising, falling;
   sfdae::Hybrid hybrid;
 };
@@ -337,9 +324,9 @@ TEST(CheckpointIdentity, HybridSystemsCompareSurfaces) {
     first.hybrid.start(0, point, 2);
     first.hybrid.advance(t, point);
     const std::vector<double> checkpoint = first.hybrid.save_checkpoint();
-    EXPECT_EQ(same.refusal(checkpoint), "accepted");
-    expect_part("another surface of mode 2 (along)", other_level.refusal(checkpoint));
-    expect_part("another surface of mode 2 (along)", other_value.refusal(checkpoint));
+    EXPECT_EQ(refusal(same.hybrid, checkpoint), "accepted");
+    expect_part("another surface of mode 2 (along)", refusal(other_level.hybrid, checkpoint));
+    expect_part("another surface of mode 2 (along)", refusal(other_value.hybrid, checkpoint));
   }
 }
 

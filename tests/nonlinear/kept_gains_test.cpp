@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An iteration matrix that is reused from a place where the problem was much stiffer makes every change of an iterate
-// tiny, whatever the residual. Each run has to be right within 100 tolerances or to end with an error. Of 3600 runs 776
-// are wrong with SFDAE_OK: 667 of 1440 with gains, 102 of 1200 with friction, 7 of 720 with rectifiers. Residuals that
-// are evaluated once more before a point is accepted leave none (docs/design/steps.md, section 5); until iterations do
-// that, the test bounds the share and holds what is right.
+// An iteration matrix may be reused from a place where the problem was much stiffer: it makes every change of an
+// iterate tiny, whatever the residual. Each run has to be right within 100 tolerances or to end with an error. Of 3600
+// runs 776 are wrong with SFDAE_OK: 667 of 1440 with gains, 102 of 1200 with friction, 7 of 720 with rectifiers. If
+// residuals are evaluated once more before a point is accepted, none is (docs/design/steps.md, section 5); until
+// iterations do that, the test bounds the share and holds what is right.
 //
 //   --gtest_filter=Laws/KeptGains.*/NAME and SFDAE_CAMPAIGN_NUMBER=12 run number 12 of a law alone, with its report.
 #include <gtest/gtest.h>

@@ -125,7 +125,7 @@ TEST(Events, SampledRealsEnterEquations) {
   EXPECT_NEAR(last(result, "x"), std::pow(0.5, 4), 1e-9);
 }
 
-// What a when clause assigns fulfils all equations of that instant, those too that contain what it assigns besides:
+// Values that when clauses assign fulfil all equations of that instant, also those with other assigned variables:
 // y = n + 0.4 z, z = x + 0.5 y, so 0.8 y = n + 0.4 x. The held value w is part of its own equation v + sin(v) = w.
 TEST(Events, AssignedValuesFollowUnknownsOfTheSameInstant) {
   for (const double size : {1.0, 1e-15}) {

@@ -175,7 +175,7 @@ TEST(WrongModels, RelationsThatCannotBeEvaluatedAreNamed) {
   EXPECT_CONTAINS(result.message, "the argument of log(x) > -3 (model.mo) is");
 }
 
-// What is not defined is not hidden by sign, min, max and relations.
+// sign, min, max and relations of an undefined operand are undefined.
 TEST(WrongModels, UndefinedOperandsMakeUndefinedValues) {
   const Term x(Term::make(Operation::variable, {}, 0.0, 0)), t = time_now();
   const Term root = function(Operation::sqrt, x), constant = function(Operation::sqrt, Term(-1.0));
