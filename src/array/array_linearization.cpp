@@ -36,22 +36,30 @@ void scaled_sizes(const Jet& jet, int order, double tau, const Units& units, dou
   }
 }
 
-// Errors of one rounding, of either sign, of what is added up in each equation of the array; size: of x, y_1, ...
-void round_array(const TaylorData& data, int level, const double* size, double* errors) {
-  const int m = data.m, n = data.n;
-  const auto add = [&](ConstView block, double factor, const double* values, double* to) {
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < m; ++i) to[i] += factor * std::fabs(block(i, j)) * values[j];
-  };
+// Calls visit(i, k, block, factor) for the blocks of the derivative array in level i and the columns of x (k = 0) or
+// y_k.
+template <class Visit>
+void for_each_block(const TaylorData& data, int level, Visit visit) {
   for (int i = 0; i <= level; ++i) {
-    double* to = errors + static_cast<std::ptrdiff_t>(i) * m;
-    if (!data.is_zero_A(i)) add(data.A(i), 1.0, size, to);
+    if (!data.is_zero_A(i)) visit(i, 0, data.A(i), 1.0);
     for (int k = 1; k <= i + 1; ++k) {
-      if (!data.is_zero_E(i + 1 - k)) add(data.E(i + 1 - k), 1.0, size + k * n, to);
-      if (k <= i && !data.is_zero_A(i - k)) add(data.A(i - k), 1.0 / k, size + k * n, to);
+      if (!data.is_zero_E(i + 1 - k)) visit(i, k, data.E(i + 1 - k), 1.0);
+      if (k <= i && !data.is_zero_A(i - k)) visit(i, k, data.A(i - k), 1.0 / k);
     }
-    for (int row = 0; row < m; ++row) to[row] *= (row + i) % 2 == 0 ? unit_roundoff : -unit_roundoff;
   }
+}
+
+// to += factor |block| sizes
+void add_sizes(ConstView block, double factor, const double* sizes, double* to) {
+  for (int j = 0; j < block.cols; ++j)
+    for (int i = 0; i < block.rows; ++i) to[i] += factor * std::fabs(block(i, j)) * sizes[j];
+}
+
+// What is added up in each equation of the array; size: of x, y_1, ...
+void add_array_sizes(const TaylorData& data, int level, const double* size, double* sums) {
+  for_each_block(data, level, [&](int i, int k, ConstView block, double factor) {
+    add_sizes(block, factor, size + k * data.n, sums + static_cast<std::ptrdiff_t>(i) * data.m);
+  });
 }
 
 }  // namespace
@@ -62,6 +70,8 @@ void ArrayLinearization::resize() {
   form_.resize(m, n, static_cast<int>(problem_.prescribed().size()), analysis.values.a + analysis.v_hat);
   matrix_.resize(n);
   noise_.assign(index(n) * index(problem_.jet_order() + 1), 0.0);
+  constraint_terms_.assign(index(analysis.values.a + analysis.v_hat) * noise_.size(), 0.0);
+  renewal_of_terms_ = -1;
   rounding_errors_.assign(index(n), 0.0);
   origin_.jet.n = n;
   origin_.jet.set_order(problem_.jet_order());
@@ -193,7 +203,11 @@ void ArrayLinearization::measure_noise(const Jet& jet) {
   double* z = arena_.take(index(form_.unknowns()) + 1);
   double* size = arena_.take(noise_.size());
   scaled_sizes(jet, problem_.jet_order(), data_.time_scale, problem_.units(), size);
-  round_array(data_, problem_.mu(), size, errors);
+  add_array_sizes(data_, problem_.mu(), size, errors);
+  // One rounding of each, of either sign.
+  for (int k = 0; k <= problem_.mu(); ++k)
+    for (int i = 0; i < problem_.m(); ++i)
+      errors[k * problem_.m() + i] *= (i + k) % 2 == 0 ? unit_roundoff : -unit_roundoff;
   std::copy_n(errors, problem_.m(), data_.f(0));
   elimination_.transform(errors, transformed, arena_);
   const std::vector<int>& components = problem_.prescribed();
@@ -271,6 +285,53 @@ void ArrayLinearization::change_of_x(const double* z, double* dx) const {
 void ArrayLinearization::apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const {
   elimination_.recover(data_, {residuals.f, residuals.transformed}, dx, dy, arena_);
   jet.add_scaled(dx, dy, problem_.jet_order(), data_.time_scale, problem_.units());
+}
+
+void ArrayLinearization::copy_step_rows(const double* transformed, double* rows) const {
+  multiply(1.0, Op::transposed, form_.Z1(), data_.f(0), 0.0, rows);
+  for (int k = 0; k < form_.rank_of_constraints(); ++k)
+    rows[form_.d + k] = transformed[form_.constraints().pivots()[k]];
+}
+
+// |Z2^T| |array|, by rows of Z2, which the elimination has in factors.
+void ArrayLinearization::measure_constraint_terms() {
+  const int rank = form_.rank_of_constraints(), m = problem_.m();
+  constraint_terms_.resize(index(rank) * noise_.size());
+  std::fill(constraint_terms_.begin(), constraint_terms_.end(), 0.0);
+  const Arena::Frame frame(arena_);
+  double *unit = arena_.zeros(index(elimination_.carried_rows()) + 1),
+         *row = arena_.take(index(problem_.array_rows()) + 1), *terms = constraint_terms_.data();
+  for (int r = 0; r < rank; ++r, terms += noise_.size()) {
+    const int pivot = form_.constraints().pivots()[r];
+    unit[pivot] = 1.0;
+    elimination_.transform_transposed(unit, row, arena_);
+    unit[pivot] = 0.0;
+    for_each_block(data_, problem_.mu(), [&](int level, int k, ConstView block, double factor) {
+      for (int j = 0; j < block.cols; ++j) {
+        double sum = 0.0;
+        for (int i = 0; i < m; ++i) sum += std::fabs(row[level * m + i] * block(i, j));
+        terms[k * block.cols + j] += factor * sum;
+      }
+    });
+  }
+  renewal_of_terms_ = renewals_;
+}
+
+void ArrayLinearization::add_step_terms(const Jet& sizes, const double* xdot, double* rows) {
+  if (renewal_of_terms_ != renewals_) measure_constraint_terms();
+  const int n = problem_.n(), m = problem_.m();
+  const Arena::Frame frame(arena_);
+  double *of_jet = arena_.take(noise_.size() + 1), *slopes = arena_.take(index(n) + 1),
+         *step = arena_.zeros(index(m) + 1);
+  scaled_sizes(sizes, problem_.jet_order(), data_.time_scale, problem_.units(), of_jet);
+  const double* terms = constraint_terms_.data();
+  for (int k = 0; k < form_.rank_of_constraints(); ++k, terms += noise_.size())
+    for (std::size_t j = 0; j < noise_.size(); ++j) rows[form_.d + k] += terms[j] * of_jet[j];
+  for (int j = 0; j < n; ++j) slopes[j] = data_.time_scale * std::fabs(xdot[j]) / problem_.units()[j];
+  add_sizes(data_.A(0), 1.0, of_jet, step);
+  add_sizes(data_.E(0), 1.0, slopes, step);
+  for (int k = 0; k < form_.d; ++k)
+    for (int i = 0; i < m; ++i) rows[k] += std::fabs(form_.Z1()(i, k)) * step[i];
 }
 
 void ArrayLinearization::free_part(double factor, const double* v, double* to) const {

@@ -11,6 +11,7 @@
 
 #include "array/analyzed_equations.h"
 #include "linalg/arena.h"
+#include "linalg/index.h"
 #include "reduction/judge.h"
 #include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
@@ -94,6 +95,12 @@ class ArrayLinearization {
   void change_of_x(const double* z, double* dx) const;
   // Changes the jet by dx and by the change dy of y that belongs to it.
   void apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const;
+  // Rows of the equations of a step: of Z1^T F, and those of Z2^T F_mu that are not redundant.
+  std::size_t num_step_rows() const { return index(form_.d) + index(form_.rank_of_constraints()); }
+  // Of the residuals evaluated last.
+  void copy_step_rows(const double* transformed, double* rows) const;
+  // Adds up the terms of these rows for sizes of the columns of the jet, in units of the user, and of the x' of a step.
+  void add_step_terms(const Jet& sizes, const double* xdot, double* rows);
   // factor Uz^T T2^T v: the free part of v, which is in the user's units.
   void free_part(double factor, const double* v, double* to) const;
   // The component of xdot along free directions becomes 0.
@@ -109,6 +116,7 @@ class ArrayLinearization {
   PointStatus renew_with_other_ranks(const Jet& jet);
   std::optional<RankSequence> ranks_in_other_units(const Jet& jet);
   void measure_noise(const Jet& jet);
+  void measure_constraint_terms();
 
   AnalyzedEquations& problem_;
   SystemCounts& counts_;
@@ -126,6 +134,8 @@ class ArrayLinearization {
   std::vector<char> determined_;
   std::vector<double> noise_, rounding_errors_;
   StepMatrix matrix_;
+  std::vector<double> constraint_terms_;  // sums of sizes in the rows of Z2^T F_mu: row by row, by columns of the jet
+  long renewal_of_terms_ = -1;
 };
 
 }  // namespace sfdae::core

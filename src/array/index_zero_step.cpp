@@ -16,8 +16,6 @@ namespace {
 // Unknowns for which a factorization takes as long as one iteration: 2/3 n^3 operations at three times the speed of
 // the 2 n^2 of a solution.
 constexpr double unknowns_per_iteration = 9.0;
-// Steps that need more are better made smaller; as for other nonlinear systems.
-constexpr int most_newton_iterations = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
@@ -201,52 +199,74 @@ bool IndexZeroStep::blames_matrix() {
   return true;
 }
 
-PointStatus IndexZeroStep::evaluate(const IterationTask& task, Jet& jet) {
-  const int n = jet.n;
-  double* xdot = jet.column(1);
-  for (int i = 0; i < n; ++i) xdot[i] = task.c * jet.x[index(i)] + task.w_rest[i];
-  const PointStatus status = problem_.residuals(jet.t, jet.x.data(), 0, change_.data());
-  for (int i = 0; i < n; ++i) change_[index(i)] *= -data_.time_scale * data_.row_scale[index(i)];
-  return status;
-}
+// The equations of one step for the chord iteration.
+class IndexZeroStep::Equations {
+ public:
+  Equations(IndexZeroStep& step, const IterationTask& task, const Shared& shared, Jet& jet)
+      : step_(step),
+        task_(task),
+        noise_(shared.noise),
+        factor_(step.deviation_ > 0.0 ? 2.0 / (1.0 + task.c / step.matrix_.c()) : 1.0),
+        jet_(jet) {}
 
-// Its size in units of the tolerance, less what rounding errors contribute.
-double IndexZeroStep::apply_change(const IterationTask& task, const std::vector<double>& noise, double factor,
-                                   Jet& jet) {
-  const Units& units = problem_.units();
-  double norm = 0.0;
-  for (int i = 0; i < jet.n; ++i) {
-    const std::size_t k = index(i);
-    const double change = factor * change_[k];
-    norm = std::max(norm, (std::fabs(change) - noise[k]) * units[i] * task.inverse_weights[k]);
-    if (!std::isfinite(change)) return change;
-    jet.x[k] += change * units[i];
+  void set_slopes() {
+    for (int i = 0; i < jet_.n; ++i) jet_.column(1)[i] = task_.c * jet_.x[index(i)] + task_.w_rest[i];
   }
-  return norm;
-}
+
+  std::size_t num_rows() const { return index(jet_.n); }
+  PointStatus evaluate(double* rows) {
+    const TaylorData& data = step_.data_;
+    set_slopes();
+    const PointStatus status = step_.problem_.residuals(jet_.t, jet_.x.data(), 0, rows);
+    for (int i = 0; i < jet_.n; ++i) rows[i] *= -data.time_scale * data.row_scale[index(i)];
+    return status;
+  }
+
+  void add(RowSums kind, double* rows) const {
+    const TaylorData& data = step_.data_;
+    const double c_tau = std::fabs(task_.c) * data.time_scale;
+    for (int j = 0; j < jet_.n; ++j) {
+      const double unit = step_.problem_.units()[j], x = jet_.x[index(j)];
+      double size = std::fabs(factor_ * step_.change_[index(j)]) * unit, rest = 0.0;
+      if (kind == RowSums::of_values) size = std::fabs(x), rest = data.time_scale * std::fabs(task_.w_rest[j]);
+      if (kind == RowSums::of_tolerances) size = 1.0 / task_.inverse_weights[j];
+      for (int i = 0; i < jet_.n; ++i)
+        rows[i] += (std::fabs(data.A(0)(i, j)) * size + std::fabs(data.E(0)(i, j)) * (c_tau * size + rest)) / unit;
+    }
+  }
+
+  // Its size in units of the tolerance, less what rounding errors contribute.
+  double change(const double* rows) {
+    const Units& units = step_.problem_.units();
+    std::copy_n(rows, num_rows(), step_.change_.data());
+    step_.matrix_.solve(step_.change_.data());
+    double norm = 0.0;
+    for (int i = 0; i < jet_.n; ++i) {
+      const std::size_t k = index(i);
+      const double change = factor_ * step_.change_[k];
+      norm = std::max(norm, (std::fabs(change) - noise_[k]) * units[i] * task_.inverse_weights[k]);
+      if (!std::isfinite(change)) return change;
+      jet_.x[k] += change * units[i];
+    }
+    return norm;
+  }
+  bool may_end(int) const { return true; }
+
+ private:
+  IndexZeroStep& step_;
+  const IterationTask& task_;
+  const std::vector<double>& noise_;
+  double factor_;
+  Jet& jet_;
+};
 
 PointStatus IndexZeroStep::solve(const IterationTask& task, const Shared& shared, Jet& jet) {
   if (!prepare_matrix(task.c, shared)) return PointStatus::singular;
-  ChordIteration& chord = shared.chord;
-  const double factor = deviation_ > 0.0 ? 2.0 / (1.0 + task.c / matrix_.c()) : 1.0;
-  const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
-  double before = 0.0;
-  chord.begin();
-  for (int iteration = 0; iteration < most_newton_iterations; ++iteration) {
-    const PointStatus status = evaluate(task, jet);
-    if (status != PointStatus::ok) return status;
-    matrix_.solve(change_.data());
-    const double norm = apply_change(task, shared.noise, factor, jet);
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    const auto is_out_of_date = [&] { return have_fallen(task.steep_arguments, origin_, jet); };
-    if (chord.has_converged(target, iteration, norm, before, is_out_of_date)) {
-      for (int i = 0; i < jet.n; ++i) jet.column(1)[i] = task.c * jet.x[index(i)] + task.w_rest[i];
-      return PointStatus::ok;
-    }
-    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
-    before = norm;
-  }
-  return PointStatus::not_converged;
+  Equations equations(*this, task, shared, jet);
+  const PointStatus status =
+      shared.chord.solve({.tolerance = task.tolerance, .least_rate = std::max(least_rate, deviation_)}, equations);
+  if (status == PointStatus::ok) equations.set_slopes();
+  return status;
 }
 
 void IndexZeroStep::archive(Archive& archive, long& factorizations) {

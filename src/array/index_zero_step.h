@@ -62,13 +62,12 @@ class IndexZeroStep {
   void archive(Archive& archive, long& factorizations);
 
  private:
+  class Equations;
   bool find_constraints(const TaylorData& data);
   bool is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors);
   bool maps_by_kernel() const;
   bool prepare_kernel();
   bool prepare_matrix(double c, const Shared& shared);
-  PointStatus evaluate(const IterationTask& task, Jet& jet);
-  double apply_change(const IterationTask& task, const std::vector<double>& noise, double factor, Jet& jet);
 
   AnalyzedEquations& problem_;
   Arena& arena_;

@@ -8,7 +8,6 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
-#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
@@ -17,6 +16,8 @@ namespace {
 // Relative residuals of redundant equations that count as a contradiction: as small as the default of the option
 // consistency_tol. What loosely converged points leave is larger at times, which is why they are iterated further.
 constexpr double largest_inconsistency = 1e-8;
+// A rate that is measured once may be small by chance. Chosen, not measured.
+constexpr double least_rate_of_steps = 1e-3;
 
 // What remains of a change once rounding errors of F are taken off: these will not become less.
 // A change that is not a number is not small: std::max would drop it.
@@ -51,10 +52,86 @@ void NonlinearIteration::resize() {
 
 bool NonlinearIteration::has_contradiction() const { return inconsistency_ > largest_inconsistency; }
 
+void take_sizes(RowSums kind, const StepValues& values, Jet& sizes) {
+  const Jet &now = values.now, &before = values.before;
+  sizes = now;
+  if (kind == RowSums::of_values) return;
+  double power = 1.0;
+  for (int k = 0; k <= now.order; ++k) {
+    for (int j = 0; j < now.n; ++j)
+      sizes.column(k)[j] =
+          kind == RowSums::of_change ? now.column(k)[j] - before.column(k)[j] : power / values.inverse_weights[j];
+    power *= std::fabs(values.c);
+  }
+}
+
+// The equations of a step at one point for the chord iteration: those of the strangeness-free system,
+// Z1^T F(t, x, c x + w_rest) = 0 and Z2^T F_mu = 0.
+class NonlinearIteration::StepEquations {
+ public:
+  StepEquations(NonlinearIteration& iteration, const IterationTask& task, ArrayLinearization& linearization, Jet& jet)
+      : iteration_(iteration), task_(task), linearization_(linearization), jet_(jet) {}
+
+  std::size_t num_rows() const { return linearization_.num_step_rows(); }
+  PointStatus evaluate(double* rows) {
+    const PointStatus status = iteration_.evaluate(task_, linearization_, jet_);
+    if (status != PointStatus::ok) return status;
+    linearization_.set_constraints(jet_, iteration_.residuals(), RightHandSides::all);
+    step_rhs(task_, linearization_, jet_, iteration_.z_.data(), iteration_.arena_);
+    linearization_.copy_step_rows(iteration_.transformed_f_.data(), rows);
+    return PointStatus::ok;
+  }
+  void add(RowSums kind, double* rows) const {
+    const std::size_t n = index(jet_.n);
+    const Arena::Frame frame(iteration_.arena_);
+    double* xdot = iteration_.arena_.take(n);
+    Jet& sizes = iteration_.sizes_;
+    take_sizes(kind, {jet_, iteration_.before_, task_.c, task_.inverse_weights}, sizes);
+    for (std::size_t j = 0; j < n; ++j)
+      xdot[j] = std::fabs(task_.c * sizes.x[j]) + (kind == RowSums::of_values ? std::fabs(task_.w_rest[j]) : 0.0);
+    linearization_.add_step_terms(sizes, xdot, rows);
+  }
+  double change(const double*) {
+    residual_ = max_abs(iteration_.array_f_.data(), iteration_.problem_.array_rows());
+    largest_residual_ = std::max(largest_residual_, residual_);
+    iteration_.before_ = jet_;
+    linearization_.matrix().solve(iteration_.z_.data());
+    linearization_.change_of_x(iteration_.z_.data(), iteration_.dx_.data());
+    return iteration_.apply_change(task_, linearization_, iteration_.residuals(), iteration_.dx_.data(), jet_);
+  }
+  bool may_end(int k) const {
+    return k == 0 || iteration_.derivatives_follow(linearization_.data(), jet_, residual_, largest_residual_);
+  }
+
+
+ private:
+  NonlinearIteration& iteration_;
+  const IterationTask& task_;
+  ArrayLinearization& linearization_;
+  Jet& jet_;
+  double residual_ = 0.0, largest_residual_ = 0.0;
+};
+
 PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet) {
-  // Steps that need more are better made smaller; without a step there is no other way. Chosen, not measured.
-  const int most = task.has_step ? 12 : 30;
-  if (task.has_step && !linearization.factor_step_matrix(task.c)) return PointStatus::singular;
+  const PointStatus status =
+      task.has_step ? solve_step(task, linearization, jet) : solve_without_step(task, linearization, jet);
+  if (status != PointStatus::ok) return status;
+  measure_inconsistency(task, linearization, jet);
+  // Known ranks may not fit the jet that was linearized.
+  const bool is_doubtful = task.has_step && !linearization.origin().is_judged && has_contradiction();
+  return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
+}
+
+PointStatus NonlinearIteration::solve_step(const IterationTask& task, ArrayLinearization& linearization, Jet& jet) {
+  if (!linearization.factor_step_matrix(task.c)) return PointStatus::singular;
+  StepEquations equations(*this, task, linearization, jet);
+  return chord_.solve({.tolerance = task.tolerance, .least_rate = least_rate_of_steps}, equations);
+}
+
+PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, ArrayLinearization& linearization,
+                                                   Jet& jet) {
+  // There is no other way, as there are shorter steps. Chosen, not measured.
+  constexpr int most = 30;
   double before = 0.0, earlier = 0.0, largest_residual = 0.0;
   chord_.begin();
   mixing_.begin();
@@ -63,22 +140,16 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
     if (status != PointStatus::ok) return status;
     const double residual = max_abs(array_f_.data(), problem_.array_rows());
     largest_residual = std::max(largest_residual, residual);
-    if (task.map == nullptr) solve_linearized(task, linearization, jet);
+    if (task.map == nullptr) solve_linearized(linearization, jet);
     const double norm = task.map != nullptr ? apply_map(task, linearization, jet)
                                             : apply_change(task, linearization, residuals(), dx_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
-    const double reference = task.has_step ? before : std::max(before, earlier);
-    const bool has_ended = has_converged(task, iteration, norm, reference, [&] {
-      return have_fallen(task.steep_arguments, linearization.origin().jet, jet);
-    });
+    // What one iteration gains the next may lose in part: linearizations are from elsewhere.
+    const double reference = std::max(before, earlier);
+    const bool has_ended = is_rounding_error(iteration, norm, reference);
     if (task.is_mixed) mix(linearization, jet);
-    if (has_ended && (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual))) {
-      measure_inconsistency(task, linearization, jet);
-      // Known ranks may not fit the jet that was linearized.
-      const bool is_doubtful = task.has_step && !linearization.origin().is_judged && has_contradiction();
-      return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
-    }
+    if (has_ended && (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual)))
+      return PointStatus::ok;
     if (ChordIteration::is_too_slow(iteration, norm, reference)) return PointStatus::not_converged;
     earlier = before;
     before = norm;
@@ -102,7 +173,7 @@ PointStatus NonlinearIteration::improve(ArrayLinearization& linearization, Jet& 
   const PointStatus status = evaluate(task, linearization, jet);
   if (status != PointStatus::ok) return status;
   made.residual = max_abs(array_f_.data(), problem_.array_rows());
-  solve_linearized(task, linearization, jet);
+  solve_linearized(linearization, jet);
   made.change = apply_change(task, linearization, residuals(), dx_.data(), jet);
   return std::isfinite(made.change) ? PointStatus::ok : PointStatus::not_converged;
 }
@@ -115,16 +186,10 @@ PointStatus NonlinearIteration::evaluate(const IterationTask& task, ArrayLineari
   return linearization.evaluate_differential(jet.t, jet.x.data(), xdot_.data());
 }
 
-// dx_ of the linearized equations at the jet.
-void NonlinearIteration::solve_linearized(const IterationTask& task, ArrayLinearization& linearization,
-                                          const Jet& jet) {
-  linearization.set_constraints(jet, residuals(), task.has_step ? RightHandSides::all : RightHandSides::constraints);
-  if (task.has_step) {
-    step_rhs(task, linearization, jet, z_.data(), arena_);
-    linearization.matrix().solve(z_.data());
-  } else {
-    linearization.keep_differential_part(z_.data());
-  }
+// dx_ of the linearized equations at the jet, without a step.
+void NonlinearIteration::solve_linearized(ArrayLinearization& linearization, const Jet& jet) {
+  linearization.set_constraints(jet, residuals(), RightHandSides::constraints);
+  linearization.keep_differential_part(z_.data());
   linearization.change_of_x(z_.data(), dx_.data());
 }
 

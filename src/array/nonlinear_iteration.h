@@ -20,9 +20,8 @@ struct IterationTask {
   double c = 0.0;
   const double* w_rest = nullptr;
   const double* x_rest = nullptr;
-  const double* inverse_weights = nullptr;    // null: as accurately as rounding permits
-  SteepArguments* steep_arguments = nullptr;  // of the equations, or null
-  double tolerance = 0.0;                     // of the weighted changes of x
+  const double* inverse_weights = nullptr;  // with a step; else null: as accurately as rounding permits
+  double tolerance = 0.0;                   // of the weighted changes of x
   bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
   const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
 };
@@ -30,6 +29,15 @@ struct IterationTask {
 // Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
 // estimates. Chosen, not measured.
 inline constexpr double newton_tolerance = 0.01;
+
+// What an iteration has found, before and after its last change.
+struct StepValues {
+  const Jet &now, &before;
+  double c;
+  const double* inverse_weights;
+};
+// Sizes of the terms of a step, column by column. Derivatives have tolerances by which they act over the step.
+void take_sizes(RowSums kind, const StepValues& values, Jet& sizes);
 
 class NonlinearIteration {
  public:
@@ -59,21 +67,15 @@ class NonlinearIteration {
   // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
   double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
                       const ArrayResiduals& residuals, const double* dx, Jet& jet);
-  // is_out_of_date: see ChordIteration.
-  template <class IsOutOfDate>
-  bool has_converged(const IterationTask& task, int iteration, double norm, double before,
-                     IsOutOfDate is_out_of_date) {
-    // A rate that is measured once may be small by chance. Chosen, not measured.
-    constexpr double least_rate = 1e-3;
-    if (task.inverse_weights == nullptr) return is_rounding_error(iteration, norm, before);
-    return chord_.has_converged({task.tolerance, least_rate}, iteration, norm, before, is_out_of_date);
-  }
 
  private:
+  class StepEquations;
+  PointStatus solve_step(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
+  PointStatus solve_without_step(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
   static bool is_rounding_error(int iteration, double norm, double before);
   ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
-  void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+  void solve_linearized(ArrayLinearization& linearization, const Jet& jet);
   double apply_map(const IterationTask& task, const ArrayLinearization& linearization, Jet& jet);
   void mix(const ArrayLinearization& linearization, Jet& jet);
   double relative_norm(const ArrayLinearization& linearization, const double* dx, const Jet& jet) const;
@@ -90,6 +92,7 @@ class NonlinearIteration {
   AndersonMixing mixing_;
   std::vector<double> change_, correction_;  // of x and y
   Jet refined_;
+  Jet before_, sizes_;  // before the last change of a step
 };
 
 }  // namespace sfdae::core

@@ -96,6 +96,8 @@ void take_right_hand_sides(NonlinearLaneWork& work) {
   const TaylorData& data = work.data;
   const NullSpaceForm& form = work.form;
   Lanes* const g0 = work.scratch + work.m();
+  clear(work.step_rows(), form.d);
+  add_product(1.0, transposed(form.Z1()), work.f_step, work.step_rows());
   take_moved(work, 1.0, work.scratch, g0);
   add_product(1.0, plain(data.A(0)), work.changes, work.f_step);
   clear(work.r, form.d);

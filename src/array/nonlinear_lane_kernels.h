@@ -20,7 +20,7 @@ struct NonlinearLaneWork {
   const Lanes* D;       // block j: column j of D
   Lanes* jets;          // n x (mu + 2)
   Lanes* x_xdot;        // x and the slope of the collocation polynomial
-  Lanes *f, *f_step;    // F_mu along the jets, F of x_xdot; then scaled
+  Lanes *f, *f_step;    // F_mu along the jets, F of x_xdot; then scaled. Behind f_step: Z1^T f_step
   Lanes* transformed;
   Lanes *r, *z;    // right-hand sides and solutions of the decoupled equations
   Lanes* changes;  // xp, then those of x, y_1, ..., y_{mu+1}, scaled
@@ -31,6 +31,7 @@ struct NonlinearLaneWork {
 
   int n() const { return form.n; }
   int m() const { return form.m; }
+  Lanes* step_rows() const { return f_step + m(); }
 };
 
 // Memory needed in scratch.

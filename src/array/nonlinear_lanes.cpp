@@ -35,11 +35,11 @@ void NonlinearLanes::resize(int m, int n, int mu) {
   const auto set_size = [](LaneArray& blocks, int count) { blocks.assign(index(count) + 1, {}); };
   set_size(t_, 1);
   set_size(D_, max_stages);
-  for (auto* blocks : {&jets_, &changes_}) set_size(*blocks, (mu + 2) * n);
+  for (auto* blocks : {&jets_, &before_, &changes_}) set_size(*blocks, (mu + 2) * n);
   for (auto* blocks : {&f_, &transformed_}) set_size(*blocks, (mu + 1) * m);
   for (auto* blocks : {&r_, &z_}) set_size(*blocks, n);
   set_size(x_xdot_, 2 * n);
-  set_size(f_step_, m);
+  set_size(f_step_, m + n);
   set_size(scratch_, scratch_of_lanes(m, n, mu));
   for (auto* numbers : {&norms_, &factors_}) numbers->assign(index(mu + 2) * index(n) + 1, 0.0);
   for (auto* numbers : {&r_columns_, &z_columns_}) numbers->assign(index(n) * index(max_stages) + 1, 0.0);
@@ -107,9 +107,19 @@ bool NonlinearLanes::evaluate(AnalyzedEquations& problem, const ArrayLinearizati
   return true;
 }
 
+void NonlinearLanes::copy_rows(const ArrayLinearization& linearization, double* rows) const {
+  const NullSpaceForm& form = linearization.form();
+  for (int l = 0; l < step_->method.s; ++l) {
+    for (int k = 0; k < form.d; ++k) *rows++ = f_step_[index(m_ + k)].lane[l];
+    for (int k = 0; k < form.rank_of_constraints(); ++k)
+      *rows++ = transformed_[index(form.constraints().pivots()[k])].lane[l];
+  }
+}
+
 // Iterations that diverge overflow, and end for that.
 double NonlinearLanes::change(ArrayLinearization& linearization, Arena& arena) {
   const QuietArithmetic quiet;
+  std::copy(jets_.begin(), jets_.end(), before_.begin());
   const int s = step_->method.s, d = linearization.form().d;
   if (d > 0) {
     lanes_to_columns(r_.data(), d, s, r_columns_.data());
@@ -122,9 +132,12 @@ double NonlinearLanes::change(ArrayLinearization& linearization, Arena& arena) {
   return kernel.norm;
 }
 
-void NonlinearLanes::leave(std::vector<Jet>& jets) const {
+void NonlinearLanes::leave(std::vector<Jet>& jets, std::vector<Jet>& before) const {
   for (int l = 0; l < step_->method.s; ++l)
-    for (std::size_t k = 0; k < index((mu_ + 2) * n_); ++k) jets[index(l)].x[k] = jets_[k].lane[l];
+    for (std::size_t k = 0; k < index((mu_ + 2) * n_); ++k) {
+      jets[index(l)].x[k] = jets_[k].lane[l];
+      before[index(l)].x[k] = before_[k].lane[l];
+    }
 }
 
 }  // namespace sfdae::core

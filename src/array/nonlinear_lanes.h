@@ -23,10 +23,12 @@ class NonlinearLanes {
              const std::vector<Jet>& jets);
   // Residuals at all stages, and what the step equations become by them; false: not here.
   bool evaluate(AnalyzedEquations& problem, const ArrayLinearization& linearization);
+  // Of these residuals, as ArrayLinearization::copy_step_rows for one stage after the other.
+  void copy_rows(const ArrayLinearization& linearization, double* rows) const;
   // The jets change; returns the norm of the change, NaN if it is not finite.
   double change(ArrayLinearization& linearization, Arena& arena);
-  // As far as the iteration has come.
-  void leave(std::vector<Jet>& jets) const;
+  // As far as the iteration has come, and before its last change.
+  void leave(std::vector<Jet>& jets, std::vector<Jet>& before) const;
 
  private:
   void resize(int m, int n, int mu);
@@ -34,7 +36,7 @@ class NonlinearLanes {
 
   const StageEquations* step_ = nullptr;
   int m_ = 0, n_ = 0, mu_ = -1;
-  LaneArray t_, D_, jets_, x_xdot_, f_, f_step_, transformed_, r_, z_, changes_, scratch_;
+  LaneArray t_, D_, jets_, before_, x_xdot_, f_, f_step_, transformed_, r_, z_, changes_, scratch_;
   std::vector<double> norms_, factors_;
   std::vector<double> r_columns_, z_columns_;  // of the decoupled equations, a column for each stage
 };

@@ -8,17 +8,14 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
-#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
 void NonlinearStages::resize(int s, const Jet& like) {
   s_ = s;
   const std::size_t stages = index(s), n = index(problem_.n()), rows = index(problem_.array_rows());
-  if (starts_.size() < stages) {
-    jets_.resize(stages, like);
-    starts_.resize(stages, like);
-  }
+  for (auto* jets : {&jets_, &before_, &sizes_, &starts_})
+    if (jets->size() < stages) jets->resize(stages, like);
   const auto grow = [](std::vector<double>& values, std::size_t size) {
     if (values.size() < size + 1) values.resize(size + 1);
   };
@@ -39,62 +36,89 @@ void NonlinearStages::predict(const StageEquations& equations, const JetHistory&
   }
 }
 
-PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLinearization& linearization,
-                                   NonlinearIteration& iteration) {
-  // Steps that need more are better made smaller. Chosen, not measured.
-  constexpr int most = 20;
-  const double h = equations.t_end - equations.t;
-  std::copy_n(starts_.begin(), s_, jets_.begin());
-  if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
-  const int q = linearization.form().unknowns();
-  const IterationTask task{.has_step = true,
-                           .c = 1.0 / h,
-                           .inverse_weights = equations.guess.inverse_weights,
-                           .steep_arguments = equations.guess.steep_arguments,
-                           .tolerance = newton_tolerance};
-  double before = 0.0, earlier = 0.0;
-  bool is_side_by_side = lanes_.prepare(equations, problem_, linearization);
-  if (is_side_by_side) lanes_.begin(equations, problem_, linearization, jets_);
-  iteration.chord().begin();
-  for (int k = 0; k < most; ++k) {
-    double norm;
-    if (is_side_by_side && !lanes_.evaluate(problem_, linearization)) {
-      lanes_.leave(jets_);
-      is_side_by_side = false;
-    }
-    if (is_side_by_side) {
-      norm = lanes_.change(linearization, arena_);
-    } else {
-      const PointStatus status = evaluate(equations, linearization);
-      if (status != PointStatus::ok) return status;
-      linearization.matrix().solve_stages(equations.method, block(r_, q), block(z_, q), arena_);
-      norm = apply_changes(task, linearization, iteration);
-    }
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    const auto is_out_of_date = [&] {
-      if (task.steep_arguments == nullptr) return false;
-      if (std::exchange(is_side_by_side, false)) lanes_.leave(jets_);
-      return std::any_of(jets_.begin(), jets_.begin() + s_, [&](const Jet& jet) {
-        return have_fallen(task.steep_arguments, linearization.origin().jet, jet);
-      });
-    };
-    if (iteration.has_converged(task, k, norm, before, is_out_of_date)) {
-      if (is_side_by_side) lanes_.leave(jets_);
-      return iteration.check_redundant(task, linearization, last());
-    }
-    // x and y correct each other in turn: every second change may be hardly smaller than the one before.
-    if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
-    earlier = before;
-    before = norm;
+// The equations of all stages for the chord iteration, side by side or one by one.
+class NonlinearStages::Equations {
+ public:
+  Equations(NonlinearStages& stages, const StageEquations& step, ArrayLinearization& linearization,
+            NonlinearIteration& iteration)
+      : stages_(stages),
+        step_(step),
+        linearization_(linearization),
+        iteration_(iteration),
+        task_{.has_step = true,
+              .c = 1.0 / (step.t_end - step.t),
+              .inverse_weights = step.guess.inverse_weights,
+              .tolerance = newton_tolerance},
+        is_side_by_side_(stages.lanes_.prepare(step, stages.problem_, linearization)) {
+    if (is_side_by_side_) stages_.lanes_.begin(step_, stages_.problem_, linearization_, stages_.jets_);
   }
-  return PointStatus::not_converged;
+
+  std::size_t num_rows() const { return index(stages_.s_) * linearization_.num_step_rows(); }
+  PointStatus evaluate(double* rows) {
+    if (is_side_by_side_ && !stages_.lanes_.evaluate(stages_.problem_, linearization_)) leave_lanes();
+    if (is_side_by_side_) {
+      stages_.lanes_.copy_rows(linearization_, rows);
+      return PointStatus::ok;
+    }
+    return stages_.evaluate(step_, linearization_, rows);
+  }
+  void add(RowSums kind, double* rows) {
+    if (is_side_by_side_) stages_.lanes_.leave(stages_.jets_, stages_.before_);
+    const std::size_t s = index(stages_.s_);
+    for (std::size_t i = 0; i < s; ++i)
+      take_sizes(kind, {stages_.jets_[i], stages_.before_[i], step_.method.gamma * task_.c, task_.inverse_weights},
+                 stages_.sizes_[i]);
+    for (std::size_t i = 0; i < s; ++i, rows += linearization_.num_step_rows()) {
+      stages_.measure_derivative(step_, kind, static_cast<int>(i));
+      linearization_.add_step_terms(stages_.sizes_[i], stages_.xdot_.data(), rows);
+    }
+  }
+  double change(const double*) {
+    if (is_side_by_side_) return stages_.lanes_.change(linearization_, stages_.arena_);
+    const int q = linearization_.form().unknowns();
+    std::copy_n(stages_.jets_.begin(), stages_.s_, stages_.before_.begin());
+    linearization_.matrix().solve_stages(step_.method, stages_.block(stages_.r_, q), stages_.block(stages_.z_, q),
+                                         stages_.arena_);
+    return stages_.apply_changes(task_, linearization_, iteration_);
+  }
+  bool may_end(int) const { return true; }
+
+  void leave_lanes() {
+    if (std::exchange(is_side_by_side_, false)) stages_.lanes_.leave(stages_.jets_, stages_.before_);
+  }
+  const IterationTask& task() const { return task_; }
+
+ private:
+  NonlinearStages& stages_;
+  const StageEquations& step_;
+  ArrayLinearization& linearization_;
+  NonlinearIteration& iteration_;
+  IterationTask task_;
+  bool is_side_by_side_;
+};
+
+PointStatus NonlinearStages::solve(const StageEquations& step, ArrayLinearization& linearization,
+                                   NonlinearIteration& iteration) {
+  // A rate that is measured once may be small by chance, and steps that need more iterations are better made smaller.
+  // x and y correct each other in turn. Chosen, not measured.
+  constexpr ChordTarget target{
+      .tolerance = newton_tolerance, .least_rate = 1e-3, .most_iterations = 20, .alternates = true};
+  std::copy_n(starts_.begin(), s_, jets_.begin());
+  if (!linearization.factor_stages(step.method, step.t_end - step.t)) return PointStatus::singular;
+  Equations equations(*this, step, linearization, iteration);
+  const PointStatus status = iteration.chord().solve(target, equations);
+  if (status != PointStatus::ok) return status;
+  equations.leave_lanes();
+  return iteration.check_redundant(equations.task(), linearization, last());
 }
 
-// Residuals of all stages, xp and r.
-PointStatus NonlinearStages::evaluate(const StageEquations& equations, ArrayLinearization& linearization) {
-  for (int i = 0; i < s_; ++i) {
+// Residuals of all stages and their rows, xp and r.
+PointStatus NonlinearStages::evaluate(const StageEquations& equations, ArrayLinearization& linearization,
+                                      double* rows) {
+  for (int i = 0; i < s_; ++i, rows += linearization.num_step_rows()) {
     const PointStatus status = evaluate_stage(equations, i, linearization);
     if (status != PointStatus::ok) return status;
+    linearization.copy_step_rows(residuals(i).transformed, rows);
   }
   const NullSpaceForm& form = linearization.form();
   const double h = equations.t_end - equations.t, factor = linearization.data().time_scale / h;
@@ -141,6 +165,19 @@ void NonlinearStages::set_derivative(const StageEquations& equations, int i) {
     const double weight = equations.method.D_at(i, j) / h;
     const double* x = jets_[index(j)].x.data();
     for (int k = 0; k < n; ++k) xdot[k] += weight * (x[k] - start[k]);
+  }
+}
+
+// xdot_: what is added up in that slope, or changes in it.
+void NonlinearStages::measure_derivative(const StageEquations& equations, RowSums kind, int i) {
+  const int n = problem_.n();
+  const double h = equations.t_end - equations.t;
+  std::fill_n(xdot_.data(), n, 0.0);
+  for (int j = 0; j < s_; ++j) {
+    const double weight = std::fabs(equations.method.D_at(i, j) / h);
+    const double* x = sizes_[index(j)].x.data();
+    for (int k = 0; k < n; ++k)
+      xdot_[index(k)] += weight * (std::fabs(x[k]) + (kind == RowSums::of_values ? std::fabs(equations.x[k]) : 0.0));
   }
 }
 

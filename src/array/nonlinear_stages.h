@@ -33,8 +33,7 @@ class NonlinearStages {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
   // From these jets on.
-  PointStatus solve(const StageEquations& equations, ArrayLinearization& linearization,
-                    NonlinearIteration& iteration);
+  PointStatus solve(const StageEquations& step, ArrayLinearization& linearization, NonlinearIteration& iteration);
   // Predicted, at the middle of the step.
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
   int count() const { return s_; }
@@ -45,10 +44,12 @@ class NonlinearStages {
   void copy_to(double* x) const;
 
  private:
+  class Equations;
   void resize(int s, const Jet& like);
-  PointStatus evaluate(const StageEquations& equations, ArrayLinearization& linearization);
+  PointStatus evaluate(const StageEquations& equations, ArrayLinearization& linearization, double* rows);
   PointStatus evaluate_stage(const StageEquations& equations, int i, ArrayLinearization& linearization);
   void set_derivative(const StageEquations& equations, int i);
+  void measure_derivative(const StageEquations& equations, RowSums kind, int i);
   double apply_changes(const IterationTask& task, const ArrayLinearization& linearization,
                        NonlinearIteration& iteration);
 
@@ -62,7 +63,7 @@ class NonlinearStages {
   Arena& arena_;
   NonlinearLanes lanes_;
   int s_ = 0;
-  std::vector<Jet> starts_, jets_;
+  std::vector<Jet> starts_, jets_, before_, sizes_;  // before_: the last change
   // A column for each stage.
   std::vector<double> f_, transformed_;  // ArrayResiduals
   std::vector<double> xp_, g0_;          // of the form

@@ -224,13 +224,8 @@ bool NonlinearSystem::may_hold_derivatives(PointStatus status) const {
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   history_.predict(equations.guess, 0, linearization_.determined(), units(), jet_);
-  const IterationTask task{true,
-                           equations.c,
-                           equations.w_rest,
-                           equations.x_rest,
-                           equations.guess.inverse_weights,
-                           equations.guess.steep_arguments,
-                           newton_tolerance};
+  const IterationTask task{
+      true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
   PointStatus status = leave_drowned_point(task.inverse_weights);
   if (status != PointStatus::ok) return status;
   if (index_zero_.is_possible() && linearization_.is_usable()) {

@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Steps that need more are better made smaller; without a step there is no other way. As for other nonlinear systems.
-constexpr int most_step_iterations = 12, most_iterations_held = 30;
+// Without a step there is no other way than more iterations. As for other nonlinear systems.
+constexpr int most_iterations_held = 30, most_iterations_of_slopes = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
@@ -43,6 +43,8 @@ void ExtensionIteration::set_weights(double c, const double* inverse_weights, co
     for (int k = 0; k < order; ++k) weight /= std::fabs(c);
     *to++ = weight;
   }
+  c_ = c;
+  inverse_weights_ = inverse_weights;
 }
 
 double ExtensionIteration::apply_change(double factor, const double* z, const ExtensionLinearization& linearization,
@@ -80,30 +82,57 @@ bool ExtensionIteration::prepare_matrix(double c, ExtensionLinearization& linear
 
 bool ExtensionIteration::blames_matrix() const { return deviation_ > harmless_deviation; }
 
+// The equations of a step at one point for the chord iteration.
+class ExtensionIteration::StepEquations {
+ public:
+  StepEquations(ExtensionIteration& iteration, const StepTask& task, ExtensionLinearization& linearization, Jet& jet)
+      : iteration_(iteration),
+        task_(task),
+        linearization_(linearization),
+        factor_(2.0 / (1.0 + task.c / linearization.c())),
+        jet_(jet) {}
+
+  void set_slopes() { ExtensionIteration::set_slopes(linearization_.choice(), task_.c, task_.w_rest, jet_); }
+  std::size_t num_rows() const { return index(iteration_.extension_.num_rows()); }
+  PointStatus evaluate(double* rows) {
+    set_slopes();
+    return iteration_.evaluate(jet_, rows);
+  }
+  void add(RowSums kind, double* rows) const {
+    const std::vector<double>& values = linearization_.derivatives().values;
+    const double* z = iteration_.r_.data();
+    const StateChoice& choice = linearization_.choice();
+    const auto slope = [&](int j) {
+      return kind == RowSums::of_change ? task_.c * z[choice.slot(iteration_.extension_.column_of(j, 0))]
+                                        : std::fabs(task_.c * jet_.x[index(j)]) + std::fabs(task_.w_rest[j]);
+    };
+    iteration_.add_terms(
+        kind, {jet_, z, choice}, [&](std::size_t e) { return values[e]; }, slope, rows);
+  }
+  double change(const double* rows) {
+    std::copy_n(rows, num_rows(), iteration_.r_.data());
+    linearization_.solve_step(iteration_.r_.data());
+    return iteration_.apply_change(factor_, iteration_.r_.data(), linearization_, jet_);
+  }
+  bool may_end(int) const { return true; }
+
+ private:
+  ExtensionIteration& iteration_;
+  const StepTask& task_;
+  ExtensionLinearization& linearization_;
+  double factor_;
+  Jet& jet_;
+};
+
 PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet) {
   if (!prepare_matrix(task.c, linearization)) return PointStatus::singular;
-  const double factor = 2.0 / (1.0 + task.c / linearization.c());
   set_weights(task.c, task.inverse_weights, linearization.choice());
-  const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
   r_.resize(index(extension_.num_rows()) + 1);
-  double before = 0.0;
-  chord_.begin();
-  for (int iteration = 0; iteration < most_step_iterations; ++iteration) {
-    set_slopes(linearization.choice(), task.c, task.w_rest, jet);
-    const PointStatus status = evaluate(jet, r_.data());
-    if (status != PointStatus::ok) return status;
-    linearization.solve_step(r_.data());
-    const double norm = apply_change(factor, r_.data(), linearization, jet);
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    const auto is_out_of_date = [&] { return have_fallen(task.steep_arguments, linearization.origin(), jet); };
-    if (chord_.has_converged(target, iteration, norm, before, is_out_of_date)) {
-      set_slopes(linearization.choice(), task.c, task.w_rest, jet);
-      return PointStatus::ok;
-    }
-    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
-    before = norm;
-  }
-  return PointStatus::not_converged;
+  StepEquations equations(*this, task, linearization, jet);
+  const PointStatus status =
+      chord_.solve({.tolerance = task.tolerance, .least_rate = std::max(least_rate, deviation_)}, equations);
+  if (status == PointStatus::ok) equations.set_slopes();
+  return status;
 }
 
 // r_ by slots.
@@ -180,7 +209,7 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
   r_.resize(index(extension_.num_rows()) + 1);
   double before = 0.0;
   bool is_there = false;
-  for (int iteration = 0; !is_there && iteration < most_step_iterations; ++iteration) {
+  for (int iteration = 0; !is_there && iteration < most_iterations_of_slopes; ++iteration) {
     callback_error_ = extension_.slopes(longer_, r_.data());
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     for (int i = 0; i < extension_.num_rows(); ++i) r_[index(i)] = -r_[index(i)];
@@ -196,7 +225,7 @@ PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization
       size = std::max(size, std::fabs(value));
     }
     if (!std::isfinite(change)) return PointStatus::not_converged;
-    const bool is_slow = iteration > 0 && change > ChordIteration::slowest * before;
+    const bool is_slow = iteration > 0 && change > slowest_contraction * before;
     is_there = change <= (is_slow ? small_where_slow : small) * size || (is_slow && hope == Hope::none);
     if (is_slow && !is_there) return PointStatus::not_converged;
     before = change;

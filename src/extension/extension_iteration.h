@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
+#include "linalg/index.h"
 #include "system/chord_iteration.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
@@ -17,8 +19,7 @@ struct StepTask {
   double c;
   const double* w_rest;
   const double* inverse_weights;
-  SteepArguments* steep_arguments;  // or null
-  double tolerance;                 // of the weighted changes of x
+  double tolerance;  // of the weighted changes of x
 };
 
 class ExtensionIteration {
@@ -58,8 +59,18 @@ class ExtensionIteration {
   // Those of the changes of a step with this c, until they are set again.
   void set_weights(double c, const double* inverse_weights, const StateChoice& choice);
   static void set_slopes(const StateChoice& choice, double c, const double* w_rest, Jet& jet);
+  // Adds up terms of the rows at a jet, in a step with these weights. value(e): derivatives of the extension by its
+  // entries; slope(j): by how much x_j' of a state differs by x.
+  struct Place {
+    const Jet& now;
+    const double* change;  // the last one, by slots
+    const StateChoice& choice;
+  };
+  template <class Value, class Slope>
+  void add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) const;
 
  private:
+  class StepEquations;
   bool prepare_matrix(double c, ExtensionLinearization& linearization);
   // Of changes of x, and of its derivatives, relative.
   struct Norms {
@@ -77,7 +88,24 @@ class ExtensionIteration {
   double deviation_ = 0.0;  // of c: the contraction that keeping the matrix costs
   double waste_ = 0.0;      // iterations that the matrix kept has cost so far
   std::vector<double> r_, weights_;
+  double c_ = 0.0;  // of the step, with the weights of x, which live as long
+  const double* inverse_weights_ = nullptr;
   Jet longer_;
 };
+
+template <class Value, class Slope>
+void ExtensionIteration::add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) const {
+  for (int i = 0; i < extension_.num_rows(); ++i)
+    for (int e = extension_.first()[index(i)]; e < extension_.first()[index(i + 1)]; ++e) {
+      const int column = extension_.column()[index(e)];
+      const auto [unknown, order] = extension_.columns()[index(column)];
+      double size;
+      if (kind == RowSums::of_tolerances) size = std::pow(std::fabs(c_), order) / inverse_weights_[unknown];
+      else if (place.choice.is_slope(column)) size = slope(unknown);
+      else if (kind == RowSums::of_change) size = place.change[place.choice.slot(column)];
+      else size = place.now.column(order)[unknown];
+      rows[i] += std::fabs(value(index(e)) * size);
+    }
+}
 
 }  // namespace sfdae::core

@@ -9,7 +9,6 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
-#include "system/kept_matrix.h"
 #include "system/transformed_stages.h"
 
 namespace sfdae::core {
@@ -44,6 +43,20 @@ void ExtensionStages::set_slopes(const StageEquations& equations, const StateCho
     }
 }
 
+// What is added up in x_j' at stage i, or changes in it.
+double ExtensionStages::slope_terms(const StageEquations& equations, RowSums kind, int i, int j,
+                                    const StateChoice& choice) {
+  const int slot = choice.slot(extension_.column_of(j, 0));
+  double sum = 0.0;
+  for (int k = 0; k < s_; ++k) {
+    const double size = kind == RowSums::of_change
+                            ? std::fabs(column(r_, k)[slot])
+                            : std::fabs(jets_[index(k)].x[index(j)]) + std::fabs(equations.x[j]);
+    sum += std::fabs(equations.method.D_at(i, k)) * size;
+  }
+  return sum / std::fabs(equations.t_end - equations.t);
+}
+
 void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLinearization& linearization) {
   const int q = extension_.num_rows(), s = method.s;
   const auto block = [&](std::vector<double>& entries) { return View{entries.data(), q, s, std::max(q, 1)}; };
@@ -52,66 +65,85 @@ void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLine
       [&](std::size_t k, std::complex<double>* omega) { linearization.solve_pair(k, omega); });
 }
 
-PointStatus ExtensionStages::evaluate(ExtensionIteration& iteration) {
+PointStatus ExtensionStages::evaluate(ExtensionIteration& iteration, double* r) {
   // Eight points for one would be too many.
   constexpr int fewest_side_by_side = 3;
-  if (s_ >= fewest_side_by_side && extension_.residuals_side_by_side(jets_, s_, r_.data())) {
-    for (std::size_t k = 0; k < index(s_) * index(extension_.num_rows()); ++k) r_[k] = -r_[k];
+  if (s_ >= fewest_side_by_side && extension_.residuals_side_by_side(jets_, s_, r)) {
+    for (std::size_t k = 0; k < index(s_) * index(extension_.num_rows()); ++k) r[k] = -r[k];
     return PointStatus::ok;
   }
   for (int i = 0; i < s_; ++i) {
-    const PointStatus status = iteration.evaluate(jets_[index(i)], column(r_, i));
+    const PointStatus status = iteration.evaluate(jets_[index(i)], r + index(i) * index(extension_.num_rows()));
     if (status != PointStatus::ok) return status;
   }
   return PointStatus::ok;
 }
 
-PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized linearized,
+// The equations of all stages for the chord iteration.
+class ExtensionStages::Equations {
+ public:
+  Equations(ExtensionStages& stages, const StageEquations& step, bool is_local, ExtensionLinearization& linearization,
+            ExtensionIteration& iteration)
+      : stages_(stages), step_(step), is_local_(is_local), linearization_(linearization), iteration_(iteration) {}
+
+  std::size_t num_rows() const { return index(stages_.s_) * index(stages_.extension_.num_rows()); }
+  PointStatus evaluate(double* rows) { return stages_.evaluate(iteration_, rows); }
+  void add(RowSums kind, double* rows) const {
+    const std::vector<double>& once = linearization_.derivatives().values;
+    for (int i = 0; i < stages_.s_; ++i, rows += stages_.extension_.num_rows())
+      iteration_.add_terms(
+          kind, {stages_.jets_[index(i)], stages_.column(stages_.r_, i), linearization_.choice()},
+          [&](std::size_t e) { return is_local_ ? stages_.local_.derivative(e, i) : once[e]; },
+          [&](int j) { return stages_.slope_terms(step_, kind, i, j, linearization_.choice()); }, rows);
+  }
+  double change(const double* rows) {
+    std::copy_n(rows, num_rows(), stages_.r_.data());
+    const int q = stages_.extension_.num_rows();
+    if (is_local_) stages_.local_.solve({stages_.r_.data(), q, stages_.s_, std::max(q, 1)});
+    else stages_.solve_transformed(step_.method, linearization_);
+    double norm = 0.0;
+    for (int i = 0; i < stages_.s_; ++i) {
+      const double size =
+          iteration_.apply_change(1.0, stages_.column(stages_.r_, i), linearization_, stages_.jets_[index(i)]);
+      if (!std::isfinite(size)) return size;
+      norm = std::max(norm, size);
+    }
+    stages_.set_slopes(step_, linearization_.choice());
+    return norm;
+  }
+  bool may_end(int) const { return true; }
+
+ private:
+  ExtensionStages& stages_;
+  const StageEquations& step_;
+  bool is_local_;
+  ExtensionLinearization& linearization_;
+  ExtensionIteration& iteration_;
+};
+
+PointStatus ExtensionStages::solve(const StageEquations& step, Linearized linearized,
                                    ExtensionLinearization& linearization, ExtensionIteration& iteration) {
-  // As for other nonlinear systems: more are better saved by shorter steps.
-  constexpr int most = 12;
-  const double h = equations.t_end - equations.t;
+  const double h = step.t_end - step.t;
   const bool is_local = linearized != Linearized::once;
   ill_served_ = -1;
   for (int i = 0; i < s_; ++i) jets_[index(i)] = starts_[index(i)];
-  set_slopes(equations, linearization.choice());
+  set_slopes(step, linearization.choice());
   if (is_local) {
-    const PointStatus status = local_.linearize(equations, jets_, linearization, iteration.callback_error());
+    const PointStatus status = local_.linearize(step, jets_, linearization, iteration.callback_error());
     if (status != PointStatus::ok) return status;
     ill_served_ = local_.ill_served(linearization);
     if (ill_served_ >= 0) return PointStatus::not_converged;
-  } else if (!linearization.factor_stages(equations.method, h)) {
+  } else if (!linearization.factor_stages(step.method, h)) {
     return PointStatus::singular;
   }
-  iteration.set_weights(equations.method.gamma / h, equations.guess.inverse_weights, linearization.choice());
-  const ChordTarget target{newton_tolerance, 1e-3};
-  const auto is_out_of_date = [&] {
-    for (int i = 0; i < s_; ++i) {
-      const Jet& origin = is_local ? starts_[index(i)] : linearization.origin();
-      if (have_fallen(equations.guess.steep_arguments, origin, jets_[index(i)])) return true;
-    }
-    return false;
-  };
-  double before = 0.0, earlier = 0.0;
-  iteration.chord().begin();
-  for (int k = 0; k < most; ++k) {
-    const PointStatus status = evaluate(iteration);
-    if (status != PointStatus::ok) return status;
-    if (is_local) local_.solve({r_.data(), extension_.num_rows(), s_, std::max(extension_.num_rows(), 1)});
-    else solve_transformed(equations.method, linearization);
-    double norm = 0.0;
-    for (int i = 0; i < s_; ++i) {
-      const double size = iteration.apply_change(1.0, column(r_, i), linearization, jets_[index(i)]);
-      if (!std::isfinite(size)) return PointStatus::not_converged;
-      norm = std::max(norm, size);
-    }
-    set_slopes(equations, linearization.choice());
-    if (iteration.chord().has_converged(target, k, norm, before, is_out_of_date)) return PointStatus::ok;
-    if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
-    earlier = before;
-    before = norm;
-  }
-  return PointStatus::not_converged;
+  iteration.set_weights(step.method.gamma / h, step.guess.inverse_weights, linearization.choice());
+  Equations equations(*this, step, is_local, linearization, iteration);
+  const ChordTarget target{.tolerance = newton_tolerance,
+                           .least_rate = 1e-3,
+                           .most_iterations = 20,
+                           .alternates = true,
+                           .largest_ratio = is_local ? largest_ratio_from_guess : slowest_contraction};
+  return iteration.chord().solve(target, equations);
 }
 
 void ExtensionStages::copy_to(double* x) const {

@@ -31,7 +31,7 @@ class ExtensionStages {
   // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states
   // do not serve at all of them.
   enum class Linearized { once, at_each_stage };
-  PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
+  PointStatus solve(const StageEquations& step, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
   // Where the states did not serve, by what was predicted; else null.
   const Jet* ill_served() const { return ill_served_ < 0 ? nullptr : &starts_[index(ill_served_)]; }
@@ -52,8 +52,10 @@ class ExtensionStages {
   void copy_to(double* x) const;
 
  private:
-  PointStatus evaluate(ExtensionIteration& iteration);
+  class Equations;
+  PointStatus evaluate(ExtensionIteration& iteration, double* r);
   void set_slopes(const StageEquations& equations, const StateChoice& choice);
+  double slope_terms(const StageEquations& equations, RowSums kind, int i, int j, const StateChoice& choice);
   void solve_transformed(const StageMethod& method, ExtensionLinearization& linearization);
   double* column(std::vector<double>& entries, int i) const {
     return entries.data() + static_cast<std::ptrdiff_t>(i) * extension_.num_rows();

@@ -318,8 +318,7 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
     if (holds_derivatives) history_.hold_derivatives(jet_);
     return jet_;
   };
-  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, equations.guess.steep_arguments,
-                      step_tolerance};
+  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, step_tolerance};
   const auto iterate = [&] {
     return iterate_with_renewal(equations.guess.inverse_weights, guess, [&] {
       guess();

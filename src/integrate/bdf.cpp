@@ -102,7 +102,7 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
   polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
   Guess guess{guess_.here.data(), guess_.before.data()};
-  weights.judge_iterations(history_.time(0), history_.x().data(), guess);
+  guess.inverse_weights = weights.inverse();
   return guess;
 }
 

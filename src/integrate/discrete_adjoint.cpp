@@ -308,7 +308,7 @@ struct DiscreteAdjoint::Backward {
   }
   void keep_to_piece(double t) const { surroundings.keep_to_piece(system.system(), t); }
   PointsWithin& points_within() {
-    if (!within) within.emplace(system, surroundings.accuracy, surroundings.keep_to_piece);
+    if (!within) within.emplace(system, surroundings.tolerances, surroundings.keep_to_piece);
     return *within;
   }
 

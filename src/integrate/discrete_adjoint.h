@@ -68,7 +68,7 @@ class DiscreteAdjoint final : public Companion {
   // accuracy: of what steps to points within others leave.
   struct Surroundings {
     PointsWithin::KeepToPiece keep_to_piece;
-    PointsWithin::Accuracy accuracy;
+    const Tolerances& tolerances;
   };
   void gradient(const Functionals& functionals, const Surroundings& surroundings, double* gradient);
 

@@ -37,11 +37,9 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
   set.safety_ = safety;
   set.floor_ = floor_;
   set.floor_ratio_ = floor_ratio_;
-  set.steep_arguments_ = steep_arguments_;
   set.rtol_ = tolerances.rtol;
   set.atol_ = tolerances.atol;
   set.inverse_.assign(tolerances.rtol.size(), 1.0);
-  set.of_iterations_ = set.inverse_;
   set.reduction_ = tolerances.rtol.mapped([&set](double rtol) { return rtol > 0.0 ? set.reduction(rtol) : 1.0; });
   if (tightening == Tightening::none)
     for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) set.relative_.push_back(tolerances.rtol[i]);
@@ -61,15 +59,6 @@ void ErrorWeights::update(const double* x) {
     }
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
-}
-
-void ErrorWeights::judge_iterations(double t, const double* x, Guess& guess) {
-  guess.steep_arguments = steep_arguments_;
-  guess.inverse_weights = inverse_.data();
-  if (steep_arguments_ == nullptr) return;
-  of_iterations_ = inverse_;
-  steep_arguments_->sharpen(t, x, of_iterations_.data());
-  guess.inverse_weights = of_iterations_.data();
 }
 
 void ErrorWeights::update(const double* x, const double* scale) {

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "expression/steep_arguments.h"
 #include "system/strangeness_free_system.h"
 #include "system/tolerances.h"
 
@@ -24,8 +23,6 @@ class ErrorWeights {
   // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps
   // cannot reduce.
   void set_floor(const double* floor) { floor_ = floor; }
-  // Not owned; null: none.
-  void set_steep_arguments(SteepArguments* arguments) { steep_arguments_ = arguments; }
   // Of the last update: the largest floor over the weight without it.
   double floor_ratio() const { return floor_ratio_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
@@ -34,8 +31,6 @@ class ErrorWeights {
   void update(const double* x, const double* scale);
   // 1 / weight_i, as of the last update.
   const double* inverse() const { return inverse_.data(); }
-  // Gives an iteration the same for what it leaves open, which arguments of exponentials at (t, x) limit, and these.
-  void judge_iterations(double t, const double* x, Guess& guess);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
   // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent <
@@ -61,8 +56,7 @@ class ErrorWeights {
   const double* floor_ = nullptr;
   double floor_ratio_ = 0.0;
   PerComponent rtol_, atol_, reduction_;
-  std::vector<double> inverse_, of_iterations_;
-  SteepArguments* steep_arguments_ = nullptr;
+  std::vector<double> inverse_;
   // Tolerances relative to the components: of those that are not tightened, as the errors of BDF are not measured by
   // them.
   std::vector<double> relative_;

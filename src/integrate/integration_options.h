@@ -15,7 +15,6 @@ struct Events;
 class ContinuationRule;
 class JumpRule;
 class TimeBreakpoints;
-class SteepArguments;
 class TimeInputs;
 
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
@@ -33,12 +32,10 @@ struct IntegrationOptions : Acceptance {
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
-  Events* events = nullptr;                // not owned; none
-  TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
-  TimeInputs* inputs = nullptr;            // not owned; none: what steps must not step over
-  SteepArguments* steep_arguments =
-      nullptr;                // not owned; none: what iterations have to find more accurately than tolerances say
-  JumpRule* jumps = nullptr;  // not owned; what happens at those where x may jump
+  Events* events = nullptr;                  // not owned; none
+  TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
+  TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
+  JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
   ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed
   long max_passed = 0;                       // singular points that may be passed
   int recorded = 0;                          // the first unknowns, which go to solutions; 0: all

@@ -80,8 +80,7 @@ CallResult Integration::gradient(const WeightedTimes& weighted, double* gradient
     keep_to_piece(options_, system, {t, t, integrator_.direction}, start_);
   };
   try {
-    adjoint.gradient({places, weighted.weights, weighted.functionals},
-                     {keep_beside, {options_.tolerances, options_.steep_arguments}}, gradient);
+    adjoint.gradient({places, weighted.weights, weighted.functionals}, {keep_beside, options_.tolerances}, gradient);
   } catch (...) {
     keep_to_last_piece();
     throw;

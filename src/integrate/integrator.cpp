@@ -43,7 +43,6 @@ void Integrator::create(Method wanted, const IntegrationOptions& options) {
 void Integrator::set_options(const IntegrationOptions& options) {
   weights.set(options.tolerances, stepper->tightening(), system.is_linear() ? 1.0 : nonlinear_safety);
   weights.set_floor(system.rounding_errors());
-  weights.set_steep_arguments(options.steep_arguments);
   if (!stepper->x().empty()) weights.update(stepper->x().data());
   StepOptions stepping = options.stepping;
   stepping.interpolates = !options.never_pass_output;

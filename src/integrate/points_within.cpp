@@ -40,10 +40,9 @@ std::unique_ptr<SystemTwin> twin_of(AdjointSystem& system) {
 
 }  // namespace
 
-PointsWithin::PointsWithin(AdjointSystem& system, const Accuracy& accuracy, KeepToPiece keep_to_piece)
+PointsWithin::PointsWithin(AdjointSystem& system, const Tolerances& tolerances, KeepToPiece keep_to_piece)
     : system_(system), keep_to_piece_(std::move(keep_to_piece)) {
-  weights_.set(accuracy.tolerances, Tightening::none, tolerance_factor);
-  weights_.set_steep_arguments(accuracy.steep_arguments);
+  weights_.set(tolerances, Tightening::none, tolerance_factor);
   const std::size_t n = index(system.unknowns());
   collocation_.resize(n, max_radau_nodes);
   xdot_.resize(n);
@@ -94,9 +93,8 @@ Guess PointsWithin::predict(const StageMethod& method, double t_start, double t_
                         predicted_.data() + block * index(i));
   collocation_.taylor(given.step.t, order, at_end_.data());
   collocation_.taylor(given.before.front()->jet.t, order, at_start_.data());
-  const Jet& end = end_of(given).jet;
   Guess guess{.taylor = predicted_.data(), .taylor_before = at_end_.data(), .taylor_at_start = at_start_.data()};
-  weights_.judge_iterations(end.t, end.x.data(), guess);
+  guess.inverse_weights = weights_.inverse();
   return guess;
 }
 

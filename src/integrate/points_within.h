@@ -34,12 +34,7 @@ class PointsWithin {
  public:
   // keep_to_piece: evaluations of a system are those of a step from t.
   using KeepToPiece = std::function<void(DaeSystem&, double t)>;
-  // steep_arguments: as in IntegrationOptions.
-  struct Accuracy {
-    const Tolerances& tolerances;
-    SteepArguments* steep_arguments;
-  };
-  PointsWithin(AdjointSystem& system, const Accuracy& accuracy, KeepToPiece keep_to_piece);
+  PointsWithin(AdjointSystem& system, const Tolerances& tolerances, KeepToPiece keep_to_piece);
 
   // Of BDF: x at t, by the formula of interpolation_at(). Throws Failure.
   KeptPoint interpolated(const KeptSurroundings& given, const KeptStep& formula);

@@ -123,7 +123,7 @@ Guess Radau::guess(const StrangenessFreeSystem& system, double t, ErrorWeights& 
   weights.update(start.x.data());
   Guess prediction =
       workspace_.guess.predict(predictor(system), tried_.method->stages, start.t, t, system.taylor_order());
-  weights.judge_iterations(start.t, start.x.data(), prediction);
+  prediction.inverse_weights = weights.inverse();
   return prediction;
 }
 

@@ -135,7 +135,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
       workspace.table.set_collocation(history);
       const RadauPredictor predictor{history, &workspace.table};
       prediction = workspace.guess.predict(predictor, method.stages, from.t, end.t, system.taylor_order());
-      weights.judge_iterations(history.newest().t, history.newest().x.data(), prediction);
+      prediction.inverse_weights = weights.inverse();
       prediction.taylor_at_start = workspace.guess.at_start(predictor, system.taylor_order());
     }
     PointStatus status = system.solve_stages({method.stages, from.t, end.t, from.w.data(), from.x.data(), prediction},

@@ -11,27 +11,62 @@
 namespace sfdae::core {
 
 PointStatus MultibodyIteration::run() {
-  // Iterations; those that hardly contract are given up long before.
-  constexpr int most = 12;
-  ChordIteration& chord = parts_.linearization.chord();
+  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach
+  // more digits than the tolerance asks for: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
+  constexpr double step_tolerance = 0.02, stage_tolerance = 0.003;
+  // Two changes measure a rate, which may be small by chance; no figures were recorded.
+  constexpr double least_rate = 0.03;
   if (!factor()) return PointStatus::singular;
-  double before = 0.0;
-  chord.begin();
   begin_lanes();
-  for (int iteration = 0; iteration < most; ++iteration) {
-    const PointStatus status = evaluate();
-    if (status != PointStatus::ok) return status;
-    const double norm = change();
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(iteration, norm, before)) {
-      finish();
-      parts_.linearization.count_iterations(discretization_.s, iteration + 1);
-      return PointStatus::ok;
-    }
-    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
-    before = norm;
+  // Slopes amplify errors of stages: at least two changes are made.
+  const bool has_stages = discretization_.method != nullptr;
+  const ChordTarget target{has_stages ? stage_tolerance : step_tolerance, least_rate, has_stages};
+  const PointStatus status = parts_.linearization.chord().solve(target, *this);
+  if (status != PointStatus::ok) return status;
+  finish();
+  parts_.linearization.count_iterations(discretization_.s, iterations_);
+  return PointStatus::ok;
+}
+
+// The residuals in local coordinates. Those of the constraints are removed by the N of the stages themselves, which no
+// old matrix has a part in.
+void MultibodyIteration::copy_rows(double* rows) {
+  if (in_lanes_) parts_.lanes.copy_residuals(parts_.stages);
+  std::copy_n(parts_.stages.r.column(0), num_rows(), rows);
+}
+
+// Rounding errors of changes are known where the equations were linearized; the matrix of the step says what residuals
+// these are.
+void MultibodyIteration::add(RowSums kind, double* rows) {
+  const MultibodyForm& form = parts_.linearization.form();
+  const int d = form.unknowns(), size = parts_.stages.qv.rows;
+  const Arena::Frame frame(parts_.arena);
+  const View M = parts_.arena.matrix(d, d);
+  form.step_matrix(discretization_.coefficient(), M);
+  double *of_qv = parts_.arena.take(index(size) + 1), *local = parts_.arena.take(index(d) + 1);
+  if (in_lanes_) parts_.lanes.copy_values(parts_.stages);
+  for (int i = 0; i < discretization_.s; ++i, rows += d) {
+    const double *change = parts_.stages.changes.column(i), *qv = parts_.stages.qv.column(i);
+    for (int k = 0; k < size; ++k)
+      of_qv[k] = kind == RowSums::of_change   ? std::fabs(change[k])
+                 : kind == RowSums::of_values ? std::max(parts_.noise.sums_of_steps(k), std::fabs(qv[k]))
+                                              : 1.0 / inverse_weights_[k];
+    project_sizes(of_qv, local);
+    for (int j = 0; j < d; ++j)
+      for (int k = 0; k < d; ++k) rows[k] += std::fabs(M(k, j)) * local[j];
   }
-  return PointStatus::not_converged;
+}
+
+// |Q1|^T of sizes of (q, v).
+void MultibodyIteration::project_sizes(const double* of_qv, double* local) const {
+  const MultibodyForm& form = parts_.linearization.form();
+  const auto project = [](ConstView Q1, const double* from, double* to) {
+    std::fill_n(to, Q1.cols, 0.0);
+    for (int j = 0; j < Q1.cols; ++j)
+      for (int k = 0; k < Q1.rows; ++k) to[j] += std::fabs(Q1(k, j)) * from[k];
+  };
+  project(form.positions().Q1(), of_qv, local);
+  project(form.velocities().Q1(), of_qv + parts_.equations.sizes().positions, local + form.positions().Q1().cols);
 }
 
 // The matrix of the step, and those of its decoupled stages, unless they are known.
@@ -57,13 +92,18 @@ void MultibodyIteration::begin_lanes() {
 
 // Residuals of all stages. Where one of them cannot be evaluated with the others, what it is like is seen when they are
 // evaluated one by one.
-PointStatus MultibodyIteration::evaluate() {
-  if (in_lanes_) {
-    if (parts_.lanes.evaluate(parts_.equations, parts_.linearization.form())) return PointStatus::ok;
+PointStatus MultibodyIteration::evaluate(double* rows) {
+  if (in_lanes_ && !parts_.lanes.evaluate(parts_.equations, parts_.linearization.form())) {
     parts_.lanes.leave(parts_.stages);
     in_lanes_ = false;
     has_moves_ = true;
   }
+  const PointStatus status = in_lanes_ ? PointStatus::ok : evaluate_columns();
+  if (status == PointStatus::ok) copy_rows(rows);
+  return status;
+}
+
+PointStatus MultibodyIteration::evaluate_columns() {
   for (int i = 0; i < discretization_.s; ++i) {
     const PointStatus status = evaluate_stage(i);
     if (status != PointStatus::ok) return status;
@@ -122,7 +162,7 @@ void MultibodyIteration::complete_residuals() {
 }
 
 // Changes all stages; the norm of the change.
-double MultibodyIteration::change() {
+double MultibodyIteration::change(const double*) {
   auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const StageMethod* method = discretization_.method;
   const int s = discretization_.s;
@@ -178,18 +218,6 @@ double MultibodyIteration::norm_of(const double* change) const {
     norm = std::max(norm, (std::fabs(change[k]) - noise[index(k)]) * inverse_weights_[k]);
   }
   return norm;
-}
-
-// Slopes amplify errors of stages: at least two changes are made.
-bool MultibodyIteration::has_converged(int iteration, double norm, double before) {
-  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach
-  // more digits than the tolerance asks for: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
-  constexpr double step_tolerance = 0.02, stage_tolerance = 0.003;
-  // Two changes measure a rate, which may be small by chance; no figures were recorded.
-  constexpr double least_rate = 0.03;
-  const bool has_stages = discretization_.method != nullptr;
-  const ChordTarget target{has_stages ? stage_tolerance : step_tolerance, least_rate, has_stages};
-  return parts_.linearization.chord().has_converged(target, iteration, norm, before);
 }
 
 }  // namespace sfdae::core

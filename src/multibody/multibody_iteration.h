@@ -35,24 +35,35 @@ class MultibodyIteration {
   // From the values of the stages, which become the solution.
   PointStatus run();
 
+  // For the chord iteration.
+  std::size_t num_rows() const { return index(discretization_.s) * index(parts_.linearization.form().unknowns()); }
+  PointStatus evaluate(double* rows);
+  void add(RowSums kind, double* rows);
+  double change(const double* rows);
+  bool may_end(int) {
+    ++iterations_;
+    return true;
+  }
+
  private:
   bool factor();
   void begin_lanes();
-  PointStatus evaluate();
   PointStatus evaluate_stage(int i);
+  PointStatus evaluate_columns();
+  void copy_rows(double* rows);
   void start_moves(int i);
   void complete_residuals();
-  double change();
+  void project_sizes(const double* of_qv, double* local) const;
   void change_columns();
   void finish();
   double norm_of(const double* change) const;
-  bool has_converged(int iteration, double norm, double before);
 
   const MultibodyDiscretization& discretization_;
   const double* inverse_weights_;
   Parts parts_;
   bool in_lanes_ = false;   // all stages at once, in parts_.lanes
   bool has_moves_ = false;  // in the columns
+  int iterations_ = 0;
 };
 
 }  // namespace sfdae::core

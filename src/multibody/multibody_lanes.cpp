@@ -137,12 +137,20 @@ bool MultibodyLanes::evaluate(MultibodyEquations& equations, const MultibodyForm
   return true;
 }
 
+void MultibodyLanes::copy_residuals(MultibodyStages& stages) const {
+  lanes_to_columns(to_blocks(at_.residuals), stages.r.rows, discretization_->s, stages.r.column(0));
+}
+
+void MultibodyLanes::copy_values(MultibodyStages& stages) const {
+  lanes_to_columns(to_blocks(at_.qv), 2 * n_, discretization_->s, stages.qv.column(0));
+  lanes_to_columns(to_blocks(at_.changes), 2 * n_, discretization_->s, stages.changes.column(0));
+}
+
 double MultibodyLanes::change(const MultibodyForm& form, MultibodyStepMatrix& matrix, const Norms& norms,
                               MultibodyStages& stages, Arena& arena) {
   const int s = discretization_->s;
   const bool by_inverses = matrix.has_lane_inverses();
   if (!by_inverses) {
-    lanes_to_columns(to_blocks(at_.residuals), stages.r.rows, s, stages.r.column(0));
     matrix.solve_stages(*discretization_->method, stages.r.view(s), stages.z.view(s), arena);
     columns_to_lanes(stages.z.column(0), stages.z.rows, s, to_blocks(at_.z));
   }
@@ -152,8 +160,7 @@ double MultibodyLanes::change(const MultibodyForm& form, MultibodyStepMatrix& ma
 
 void MultibodyLanes::finish(const MultibodyForm& form, MultibodyStages& stages) const {
   const int s = discretization_->s;
-  lanes_to_columns(to_blocks(at_.qv), 2 * n_, s, stages.qv.column(0));
-  lanes_to_columns(to_blocks(at_.changes), 2 * n_, s, stages.changes.column(0));
+  copy_values(stages);
   for (int i = 0; i < s; ++i) {
     double* const mu = stages.mu.column(i);
     std::fill_n(mu, stages.mu.rows, 0.0);

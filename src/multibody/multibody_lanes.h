@@ -26,6 +26,10 @@ class MultibodyLanes {
              MultibodyStages& stages);
   // The residuals of the stages. False where one of them has to be looked at alone.
   bool evaluate(MultibodyEquations& equations, const MultibodyForm& form);
+  // To their columns.
+  void copy_residuals(MultibodyStages& stages) const;
+  // (q, v) and the last changes, to their columns.
+  void copy_values(MultibodyStages& stages) const;
   // Back to the columns, as they were before that.
   void leave(MultibodyStages& stages) const;
   // Changes all stages by the solution for these residuals; the norm of the change.

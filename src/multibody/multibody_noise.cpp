@@ -14,6 +14,9 @@ namespace {
 
 // Signs of a sample of errors: errors that cancel each other in one of them add up in another one.
 constexpr int num_samples = 4;
+// The largest error of a step may well be larger than a few samples: Andrews' squeezer (BDF, 1e-11) does not start
+// with 5, and starts with 5.5. This leaves room for a factor of three.
+constexpr double safety = 16.0;
 
 // Of either sign, after Walsh's functions.
 double signed_roundoff(int i, int sample) {
@@ -88,9 +91,6 @@ void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& f
 }
 
 void MultibodyNoise::measure_steps(const MultibodyForm& form, const MultibodyStepMatrix& matrix, Arena& arena) {
-  // The largest error of a step may well be larger than a few samples: Andrews' squeezer (BDF, 1e-11) does not start
-  // with 5, and starts with 5.5. This leaves room for a factor of three.
-  constexpr double safety = 16.0;
   const int d = form.unknowns(), size = static_cast<int>(of_steps_.size()) - 1;
   const Arena::Frame frame(arena);
   const View yz = arena.matrix(d, num_samples), qv = arena.matrix(size, num_samples);
@@ -102,5 +102,7 @@ void MultibodyNoise::measure_steps(const MultibodyForm& form, const MultibodySte
     for (int k = 0; k < size; ++k) of_steps_[index(k)] = std::max(of_steps_[index(k)], std::fabs(qv(k, sample)));
   for (int k = 0; k < size; ++k) of_steps_[index(k)] = safety * (of_steps_[index(k)] + at_rest_[index(k)]);
 }
+
+double MultibodyNoise::sums_of_steps(int k) const { return of_steps_[index(k)] / (safety * unit_roundoff); }
 
 }  // namespace sfdae::core

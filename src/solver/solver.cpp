@@ -102,7 +102,6 @@ Solver::Solver(AnyModel its_kind, SolverOptions its_options)
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
-  steep_arguments.emplace(kind.nonlinear != nullptr ? evaluators : Evaluators());
   use_breakpoints(options.integration);
 }
 
@@ -191,7 +190,6 @@ void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
   integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
-  integration_options.steep_arguments = steep_arguments->empty() ? nullptr : &*steep_arguments;
   integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
 }
 

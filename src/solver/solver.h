@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "expression/steep_arguments.h"
 #include "expression/time_breakpoints.h"
 #include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
@@ -106,7 +105,6 @@ struct Solver {
   std::unique_ptr<Events> events;  // options.integration points to them
   std::optional<TimeBreakpoints> breakpoints;
   std::optional<TimeInputs> inputs;
-  std::optional<SteepArguments> steep_arguments;
   JumpsOfModel jumps{*this};
   ContinuationOfModel continuation{*this};
   long max_passed = 0;                     // singular points in an integration

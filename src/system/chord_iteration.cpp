@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/chord_iteration.h"
 
-#include <algorithm>
-
 namespace sfdae::core {
 
 namespace {
@@ -23,20 +21,17 @@ constexpr double far_below = 0.1;
 }  // namespace
 
 bool ChordIteration::has_converged(const ChordTarget& target, int iteration, double norm, double before) {
-  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
-  is_slow_ = iteration >= many_iterations || (iteration > 0 && rate_ > slow_rate && norm > negligible_correction);
-  const double rate = std::clamp(rate_, iteration == 0 ? least_first_rate : target.least_rate, largest_rate);
+  double rate = rate_;
+  if (iteration > 0) {
+    rate = before > 0.0 ? norm / before : 0.0;
+    rate_ = iteration == 1 ? rate : std::max(rate_, rate);
+  }
+  is_slow_ = iteration >= many_iterations || (iteration > 0 && rate > slow_rate && norm > negligible_correction);
   if (iteration > 1 && norm <= far_below * target.tolerance) return true;
-  if (iteration > 0 && rate_ >= 1.0) return false;
-  if (is_in_doubt_ && iteration < 2) return norm <= negligible_correction;
+  if (iteration > 0 && rate >= 1.0) return false;
   if (iteration == 0 && target.needs_two) return norm <= negligible_correction;
+  rate = std::clamp(rate, iteration == 0 ? least_first_rate : target.least_rate, largest_rate);
   return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible_correction;
-}
-
-bool ChordIteration::has_certainly_converged(const ChordTarget& target, int iteration, double norm) const {
-  if (norm <= negligible_correction) return true;
-  const double rate = std::max(rate_, target.least_rate);
-  return iteration > 1 && rate <= slowest && rate / (1.0 - rate) * norm <= target.tolerance;
 }
 
 }  // namespace sfdae::core

@@ -1,15 +1,27 @@
-// When a chord iteration, Newton's method with a matrix that is kept, is good enough, too slow, or of no use.
+// Chord iterations, Newton's method with a matrix that is kept: when they are good enough, too slow, or of no use.
 //
 // The error left after a change is rate / (1 - rate) times that change, the rate being that of the last two changes
-// [HW96, IV.8]. Norms are in units of the tolerance; what rounding errors contribute has been subtracted.
+// [HW96, IV.8]. Norms are in units of the tolerance; what rounding errors contribute has been subtracted. The matrix
+// is not trusted for that: a point is accepted only if residuals say the same (residual_test.h).
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "linalg/archive.h"
+#include "system/residual_test.h"
+#include "system/strangeness_free_system.h"
 
 namespace sfdae::core {
+
+// Slower contractions are given up [HW96 recommends to stop at 1; beyond 0.7 renewing the matrix is cheaper].
+inline constexpr double slowest_contraction = 0.7;
+// With the matrix of a guess, residuals become smaller by a factor of e with each change where an exponential is far
+// too large (docs/design/steps.md, section 5).
+inline constexpr double largest_ratio_from_guess = 0.1;
 
 // What an iteration has to reach.
 struct ChordTarget {
@@ -18,35 +30,35 @@ struct ChordTarget {
   double least_rate;
   // The first change may be small by chance: at least two are made unless it is negligible.
   bool needs_two = false;
+  int most_iterations = 12;
+  // Every second change may be hardly smaller than the one before.
+  bool alternates = false;
+  // Of a residual to the one before (residual_test.h).
+  double largest_ratio = slowest_contraction;
 };
 
 class ChordIteration {
  public:
-  // Slower contractions are given up [HW96 recommends to stop at 1; beyond 0.7 renewing the matrix is cheaper].
-  static constexpr double slowest = 0.7;
+  // Until the target is reached and residuals confirm it. `equations` has
+  //
+  //     std::size_t num_rows()
+  //     PointStatus evaluate(double* rows)      residuals at the present values, times -1
+  //     double change(const double* rows)       solves with the matrix, changes the values; the norm of the change
+  //     void add(RowSums kind, double* rows)    see ResidualTest
+  //     bool may_end(int iteration)             false: it has to go on
+  //
+  // Ok: the values are those after the last change.
+  template <class Equations>
+  PointStatus solve(const ChordTarget& target, Equations& equations);
 
   void begin() { is_slow_ = false; }
   // After the change of the given norm; before: that of the last one, which counts from the second iteration on.
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before);
-  // The same where the matrix may have entries that are larger by orders of magnitude than those at the point, which
-  // is_out_of_date() says; it is asked where it matters. Changes are small beside the error then, and the first one
-  // solves what is linear: at least three are made unless one is negligible, and only the last two say how they
-  // become smaller.
-  template <class IsOutOfDate>
-  bool has_converged(const ChordTarget& target, int iteration, double norm, double before,
-                     IsOutOfDate is_out_of_date) {
-    if (!has_converged(target, iteration, norm, before)) return false;
-    if (!is_out_of_date()) return true;
-    // A new one pays for the next point.
-    is_slow_ = true;
-    return has_certainly_converged(target, iteration, norm);
-  }
   static bool is_too_slow(int iteration, double norm, double before) {
-    return iteration > 1 && norm > slowest * before;
+    return iteration > 1 && norm > slowest_contraction * before;
   }
 
-  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution: the first
-  // change solves what is linear, and the second one, small beside it, says nothing about the rate of what comes.
+  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution.
   void doubt_matrix(bool is_in_doubt) { is_in_doubt_ = is_in_doubt; }
   // A new matrix will pay for the next point.
   bool is_slow() const { return is_slow_; }
@@ -58,10 +70,12 @@ class ChordIteration {
   void archive_rate(Archive& archive) { archive.real(rate_); }
 
  private:
-  bool has_certainly_converged(const ChordTarget& target, int iteration, double norm) const;
+  template <class Equations>
+  PointStatus evaluate(Equations& equations);
 
   double rate_ = 1.0;
   bool is_slow_ = false, is_in_doubt_ = false;
+  ResidualTest test_;
 };
 
 // As long as it lives the matrix is in doubt.
@@ -77,5 +91,44 @@ class DoubtedMatrix {
  private:
   ChordIteration& chord_;
 };
+
+template <class Equations>
+PointStatus ChordIteration::evaluate(Equations& equations) {
+  const PointStatus status = equations.evaluate(test_.next(equations.num_rows()));
+  if (status != PointStatus::ok) return status;
+  test_.note();
+  return PointStatus::ok;
+}
+
+// Residuals are evaluated once more after the change that is to be accepted; if they refuse it, they are those of the
+// next iteration.
+template <class Equations>
+PointStatus ChordIteration::solve(const ChordTarget& target, Equations& equations) {
+  begin();
+  test_.begin();
+  const auto add = [&](RowSums kind, double* rows) { equations.add(kind, rows); };
+  double before = 0.0, earlier = 0.0;
+  bool is_evaluated = false;
+  for (int iteration = 0; iteration < target.most_iterations; ++iteration) {
+    PointStatus status = is_evaluated ? PointStatus::ok : evaluate(equations);
+    is_evaluated = false;
+    if (status != PointStatus::ok) return status;
+    const double norm = equations.change(test_.residuals());
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (has_converged(target, iteration, norm, before) && equations.may_end(iteration)) {
+      const ResidualTest::Allowed allowed{target.tolerance / norm,
+                                          is_in_doubt_ ? largest_ratio_from_guess : target.largest_ratio};
+      status = evaluate(equations);
+      if (status != PointStatus::ok) return status;
+      is_evaluated = true;
+      if (test_.allows(allowed, !is_in_doubt_, add)) return PointStatus::ok;
+    }
+    if (is_too_slow(iteration, norm, target.alternates ? std::max(before, earlier) : before))
+      return PointStatus::not_converged;
+    earlier = before;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
 
 }  // namespace sfdae::core

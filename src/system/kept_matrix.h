@@ -1,21 +1,11 @@
 // Matrices of steps that are kept while c, of x' = c x + ..., changes little
-// (docs/decisions/38-kept-factorizations.md), and while exponentials do not become much smaller
-// (docs/decisions/98-kept-matrices-and-exponentials.md).
+// (docs/decisions/38-kept-factorizations.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <cmath>
 
-#include "expression/steep_arguments.h"
-#include "system/jet.h"
-
 namespace sfdae::core {
-
-// Whether derivatives at the first jet are too large for the second one, as arguments of exponentials have fallen.
-// arguments: of the equations, or null.
-inline bool have_fallen(SteepArguments* arguments, const Jet& from, const Jet& to) {
-  return arguments != nullptr && arguments->have_fallen({from.t, from.x.data()}, {to.t, to.x.data()});
-}
 
 // What the contraction is at best with the matrix for another c.
 inline double deviation_of(double c, double kept) { return std::fabs(c - kept) / std::fabs(c + kept); }

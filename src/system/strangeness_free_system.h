@@ -15,8 +15,6 @@
 
 namespace sfdae::core {
 
-class SteepArguments;
-
 enum class PointStatus {
   ok,
   callback_error,   // a callback failed: see callback_error()
@@ -52,8 +50,6 @@ struct Guess {
   const double* inverse_weights = nullptr;
   // Points between the last two accepted ones: those at the first of them.
   const double* taylor_at_start = nullptr;
-  // Of the equations; null: none.
-  SteepArguments* steep_arguments = nullptr;
 };
 
 // F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0, U an orthonormal basis of the free

@@ -138,12 +138,13 @@ Call make_consistent(const std::vector<double>& near) {
           }};
 }
 
-inline Call get_change() {
-  return {"get change", [](Session& s) {
+// new_values: whether ranks at the point are beyond doubt.
+inline Call get_change(bool new_values = true) {
+  return {"get change", [new_values](Session& s) {
             sfdae_change change;
             sfdae_change_init(&change, sizeof change);
             const int status = armed([&] { return sfdae_get_change(s.solver, &change); });
-            s.result = {change.t, 1.0 * change.new_differential};
+            s.result = {change.t, new_values ? change.new_differential : 0.0};
             return status;
           }};
 }

@@ -1,0 +1,85 @@
+// Whether residuals say that a change has solved the equations.
+//
+// A matrix M that is too large by a factor g, as one that is kept from where the problem was much stiffer, makes
+// changes too small by g: they look converged. Residuals become smaller by the factor 1 - 1/g then. Let r- be the
+// residual before a change dx, r+ the one after it, and rho_i = r+_i / r-_i in row i. The error that is left is
+// rho_i / (1 - rho_i) times the part of dx that row i determines, |r-_i| / sum_j |M_ij dx_j|: rho_i near 1 says that
+// the change was far too small, rho_i < 0 that it was too large.
+//
+// Rows say nothing where r+ is roundoff, or |r+_i| <= 1e-2 sum_j |M_ij dx_j|: what F changes by along dx is M dx, but
+// for errors of the entries of M that are as small [OP64] (docs/design/steps.md, section 5).
+//
+// [OP64] W. Oettli, W. Prager: Compatibility of approximate solution of linear equations with given error bounds for
+//        coefficients and right-hand sides. Numer. Math. 6 (1964), 405-409.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace sfdae::core {
+
+// Sums over the terms of each row, sum_j |M_ij| size_j: of what is added up in the residual, as large as the unknowns
+// are or as their tolerances; and of the last change.
+enum class RowSums { of_values, of_tolerances, of_change };
+
+class ResidualTest {
+ public:
+  void begin() {
+    largest_ = 0.0;
+    count_ = 0;
+    has_moved_ = false;
+  }
+  // Rows of the residuals that are evaluated next, for the caller to fill: `count` numbers.
+  double* next(std::size_t count);
+  // After they were filled.
+  void note();
+  const double* residuals() const { return now_.data(); }
+  // What the change between the last two residuals may leave: an error of `error` times that change, by rows with
+  // rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms, and is called where they matter.
+  // is_trusted: the matrix is not the one of a guess. Where it was made it is right, and is trusted until values move.
+  struct Allowed {
+    double error, largest_ratio;
+  };
+  template <class Add>
+  bool allows(const Allowed& allowed, bool is_trusted, Add add) {
+    std::fill(open_.begin(), open_.end(), 0.0);
+    if (!leaves_open([&](std::size_t i, double) { return is_small(allowed, i, 0.0); })) return true;
+    if (is_trusted || !has_moved_) {
+      add(RowSums::of_values, open_.data());
+      if (!leaves_open([&](std::size_t i, double sum) { return is_rounding(i, sum); })) return true;
+    }
+    add(RowSums::of_change, open_.data());
+    if (!leaves_open([&](std::size_t i, double sum) { return is_explained(allowed, i, sum); })) return true;
+    add(RowSums::of_tolerances, open_.data());
+    return !leaves_open([&](std::size_t i, double sum) { return is_zero(i, sum); });
+  }
+
+ private:
+  static constexpr double settled = std::numeric_limits<double>::infinity();
+  // Whether a row is left that neither settles(row, its sum) nor an earlier call has settled.
+  template <class Settles>
+  bool leaves_open(Settles settles) {
+    bool any = false;
+    for (std::size_t i = 0; i < now_.size(); ++i) {
+      const bool is_open = open_[i] != settled && !settles(i, open_[i]);
+      open_[i] = is_open ? 0.0 : settled;
+      any = any || is_open;
+    }
+    return any;
+  }
+  bool is_small(const Allowed& allowed, std::size_t row, double change) const;
+  bool is_explained(const Allowed& allowed, std::size_t row, double change) const;
+  bool is_rounding(std::size_t row, double sum) const;
+  bool is_zero(std::size_t row, double sum) const;
+
+  std::vector<double> before_, now_;
+  std::vector<double> open_;  // sums of rows, infinite where a row allows the change
+  double largest_ = 0.0;      // of all residuals since begin()
+  int count_ = 0;             // of residuals since then
+  bool has_moved_ = false;    // the values since then
+};
+
+}  // namespace sfdae::core
