@@ -103,7 +103,6 @@ class NonlinearIteration::StepEquations {
     return k == 0 || iteration_.derivatives_follow(linearization_.data(), jet_, residual_, largest_residual_);
   }
 
-
  private:
   NonlinearIteration& iteration_;
   const IterationTask& task_;
@@ -146,7 +145,7 @@ PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, Ar
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // What one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = std::max(before, earlier);
-    const bool has_ended = is_rounding_error(iteration, norm, reference);
+    const bool has_ended = is_rounding_error(task, iteration, norm, reference);
     if (task.is_mixed) mix(linearization, jet);
     if (has_ended && (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual)))
       return PointStatus::ok;
@@ -157,15 +156,23 @@ PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, Ar
   return PointStatus::not_converged;
 }
 
-PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet,
-                                                  const ResidualMap* map) {
+PointStatus NonlinearIteration::solve_to_rounding(const IterationTask& task, ArrayLinearization& linearization,
+                                                  Jet& jet) {
   const bool was_slow = chord_.is_slow();
-  IterationTask task;
-  task.is_mixed = true;
-  task.map = map;
   const PointStatus status = solve(task, linearization, jet);
   chord_.set_slow(was_slow);
   return status;
+}
+
+PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet,
+                                                  const ResidualMap* map) {
+  return solve_to_rounding({.is_mixed = true, .map = map}, linearization, jet);
+}
+
+PointStatus NonlinearIteration::solve_at_last(ArrayLinearization& linearization, Jet& jet) {
+  // As for the extension.
+  constexpr double stagnant = 1e-10;
+  return solve_to_rounding({.is_mixed = true, .stagnant = stagnant}, linearization, jet);
 }
 
 PointStatus NonlinearIteration::improve(ArrayLinearization& linearization, Jet& jet, Improvement& made) {
@@ -263,9 +270,9 @@ double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayL
 }
 
 // Until changes stop becoming smaller, after the first ones at some hundred roundings.
-bool NonlinearIteration::is_rounding_error(int iteration, double norm, double before) {
-  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13;
-  return norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before);
+bool NonlinearIteration::is_rounding_error(const IterationTask& task, int iteration, double norm, double before) {
+  constexpr double negligible = 4.0 * unit_roundoff;
+  return norm <= negligible || (iteration > 1 && norm <= task.stagnant && norm > 0.5 * before);
 }
 
 // Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x

@@ -24,6 +24,7 @@ struct IterationTask {
   double tolerance = 0.0;                   // of the weighted changes of x
   bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
   const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
+  double stagnant = 1e-13;           // without a step: relative changes that are roundoff if they stay as they are
 };
 
 // Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
@@ -49,6 +50,8 @@ class NonlinearIteration {
   PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
   // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
   PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet, const ResidualMap* map = nullptr);
+  // The same where there is no better linearization: larger changes may be roundoff, as of exp(x) - 1 at small x.
+  PointStatus solve_at_last(ArrayLinearization& linearization, Jet& jet);
   // Of one change without a step: relative, and the largest residual before it.
   struct Improvement {
     double change = 0.0, residual = 0.0;
@@ -72,7 +75,8 @@ class NonlinearIteration {
   class StepEquations;
   PointStatus solve_step(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
   PointStatus solve_without_step(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
-  static bool is_rounding_error(int iteration, double norm, double before);
+  PointStatus solve_to_rounding(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
+  static bool is_rounding_error(const IterationTask& task, int iteration, double norm, double before);
   ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   void solve_linearized(ArrayLinearization& linearization, const Jet& jet);

@@ -429,7 +429,7 @@ PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
     change = made.change;
     before = jet_;
     jet_ = end;
-    if (is_near && iteration_.solve_to_rounding(linearization, end) == PointStatus::ok) {
+    if (is_near && iteration_.solve_at_last(linearization, end) == PointStatus::ok) {
       jet_ = end;
       return PointStatus::ok;
     }
@@ -463,7 +463,7 @@ PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
   PointStatus status = linearization.restore({place, linearization_.origin().rows, false, 0}, linearization_.ranks());
   if (status == PointStatus::ok) {
     jet_ = start_;
-    status = iteration_.solve_to_rounding(linearization, jet_);
+    status = iteration_.solve_at_last(linearization, jet_);
   }
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   return status;

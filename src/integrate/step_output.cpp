@@ -171,6 +171,7 @@ void StepOutput::restore(Integrator& integrator, double t, double* x) {
   }
   Guess guess;
   if (!at_step && system.taylor_order() > 0) guess = integrator.stepper->guess_within(t, system.taylor_order());
+  guess.inverse_weights = integrator.weights.inverse();
   system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), guess, x);
 }
 
