@@ -216,8 +216,8 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
                                      const Vector& given, const Vector& found) {
   if (!request.differentiated_stay()) return {};
   // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
-  // (chosen).
-  constexpr double room = 1e2, most_rounding = 1e-8;
+  // (chosen). Directions that are those of unknowns have none, but for the roundoff of sums with that value.
+  constexpr double room = 1e2, most_rounding = 1e-8, few_roundings = 4.0 * unit_roundoff;
   const Units& units = point.units;
   const int n = point.form.n;
   double size = 0.0;
@@ -226,9 +226,10 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
     dx[index(i)] = found[index(i)] - given[index(i)];
     size = std::max({size, std::fabs(given[index(i)]) / units[i], std::fabs(found[index(i)]) / units[i]});
   }
-  const double rounding = std::min(room * error_of_directions(n, point.kept), most_rounding) * size;
-  for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
   const LeadingKernel& kernel = point.kernel();
+  const double error = kernel.is_coordinates() ? few_roundings : room * error_of_directions(n, point.kept);
+  const double rounding = std::min(error, most_rounding) * size;
+  for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
   const Vector part = differentiated_change(kernel, point, request, dx);
   ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
   change.is_part = !kernel.is_coordinates();

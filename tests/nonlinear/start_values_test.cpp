@@ -161,6 +161,25 @@ TEST(StartValues, AreNotLedAstrayByZerosAndLooseTolerances) {
   }
 }
 
+// However large other values are that were given.
+TEST(StartValues, SayThatWhatIsDifferentiatedChanged) {
+  const auto equations = equations_of(3, 3, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] + x[1];
+    F[2] = x[0] - sin(t);
+  });
+  for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED})
+    for (const double given : {1.0, 1e8, 1e14}) {
+      SCOPED_TRACE(testing::Message() << "structure " << structure << ", " << given << " given");
+      sfdae_options options = default_options();
+      options.structure = structure;
+      NonlinearRun run(equations, options);
+      EXPECT_EQ(run.start(0.0, 1.0, {0.5, 1.0, given}), SFDAE_VALUES_CHANGED) << run.message();
+      EXPECT_NE(run.message().find("x[0] changed from 0.5"), std::string::npos) << run.message();
+      EXPECT_NEAR(run.x[1], 1.0, 1e-8);
+    }
+}
+
 TEST(StartValues, ReachTheBranchOfKvaernosProblem) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
     for (const double tol : {1e-4, 1e-8}) {
