@@ -23,7 +23,7 @@ inline constexpr double slowest_contraction = 0.7;
 // too large (docs/design/steps.md, section 5).
 inline constexpr double largest_ratio_from_guess = 0.1;
 
-// What an iteration has to reach.
+// The target of an iteration.
 struct ChordTarget {
   double tolerance;  // of the error left
   // A measured rate is not taken for less: the next one may be larger.
@@ -33,7 +33,7 @@ struct ChordTarget {
   int most_iterations = 12;
   // Every second change may be hardly smaller than the one before.
   bool alternates = false;
-  // Of a residual to the one before (residual_test.h).
+  // The largest ratio of a residual to the one before (residual_test.h).
   double largest_ratio = slowest_contraction;
 };
 
@@ -63,7 +63,7 @@ class ChordIteration {
   // A new matrix will pay for the next point.
   bool is_slow() const { return is_slow_; }
   void set_slow(bool is_slow) { is_slow_ = is_slow; }
-  // Of the last iteration; with another matrix nothing is known of it.
+  // The largest ratio of two changes in the last iteration; with another matrix nothing is known of it.
   double rate() const { return rate_; }
   void set_rate(double rate) { rate_ = rate; }
   void forget_rate() { rate_ = 1.0; }

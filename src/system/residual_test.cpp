@@ -1,4 +1,4 @@
-// Whether residuals say that a change has solved the equations.
+// The test of residuals that an iteration has to pass before its last change is accepted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/residual_test.h"
 

@@ -1,4 +1,4 @@
-// Whether residuals say that a change has solved the equations.
+// The test of residuals that an iteration has to pass before its last change is accepted.
 //
 // A matrix M that is too large by a factor g, as one that is kept from where the problem was much stiffer, makes
 // changes too small by g: they look converged. Residuals become smaller by the factor 1 - 1/g then. Let r- be the
@@ -37,9 +37,9 @@ class ResidualTest {
   // After they were filled.
   void note();
   const double* residuals() const { return now_.data(); }
-  // What the change between the last two residuals may leave: an error of `error` times that change, by rows with
-  // rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms, and is called where they matter.
-  // is_trusted: the matrix is not the one of a guess. Where it was made it is right, and is trusted until values move.
+  // Each row has to say that the change between the last two residuals leaves an error of at most `error` times that
+  // change, with rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms and is called where they matter.
+  // is_trusted is false with the matrix of a guess: it is right where it was made, and trusted until values move.
   struct Allowed {
     double error, largest_ratio;
   };
@@ -59,7 +59,7 @@ class ResidualTest {
 
  private:
   static constexpr double settled = std::numeric_limits<double>::infinity();
-  // Whether a row is left that neither settles(row, its sum) nor an earlier call has settled.
+  // True if some row has been settled neither by settles(row, its sum) nor by an earlier call.
   template <class Settles>
   bool leaves_open(Settles settles) {
     bool any = false;
