@@ -55,7 +55,7 @@ void add_sizes(ConstView block, double factor, const double* sizes, double* to) 
     for (int i = 0; i < block.rows; ++i) to[i] += factor * std::fabs(block(i, j)) * sizes[j];
 }
 
-// What is added up in each equation of the array; size: of x, y_1, ...
+// Adds the sums of the terms in each equation of the array. size: sizes of x, y_1, ...
 void add_array_sizes(const TaylorData& data, int level, const double* size, double* sums) {
   for_each_block(data, level, [&](int i, int k, ConstView block, double factor) {
     add_sizes(block, factor, size + k * data.n, sums + static_cast<std::ptrdiff_t>(i) * data.m);

@@ -97,7 +97,7 @@ class ArrayLinearization {
   void apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const;
   // Rows of the equations of a step: of Z1^T F, and those of Z2^T F_mu that are not redundant.
   std::size_t num_step_rows() const { return index(form_.d) + index(form_.rank_of_constraints()); }
-  // Of the residuals evaluated last.
+  // Copies these rows of the residuals evaluated last.
   void copy_step_rows(const double* transformed, double* rows) const;
   // Adds up the terms of these rows for sizes of the columns of the jet, in units of the user, and of the x' of a step.
   void add_step_terms(const Jet& sizes, const double* xdot, double* rows);

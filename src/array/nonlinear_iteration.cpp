@@ -143,7 +143,7 @@ PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, Ar
     const double norm = task.map != nullptr ? apply_map(task, linearization, jet)
                                             : apply_change(task, linearization, residuals(), dx_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    // What one iteration gains the next may lose in part: linearizations are from elsewhere.
+    // The next iteration may lose a part of the gain: linearizations are from elsewhere.
     const double reference = std::max(before, earlier);
     const bool has_ended = is_rounding_error(task, iteration, norm, reference);
     if (task.is_mixed) mix(linearization, jet);

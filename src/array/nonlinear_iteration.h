@@ -31,7 +31,7 @@ struct IterationTask {
 // estimates. Chosen, not measured.
 inline constexpr double newton_tolerance = 0.01;
 
-// What an iteration has found, before and after its last change.
+// The values of an iteration before and after its last change.
 struct StepValues {
   const Jet &now, &before;
   double c;

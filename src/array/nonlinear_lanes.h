@@ -23,7 +23,7 @@ class NonlinearLanes {
              const std::vector<Jet>& jets);
   // Residuals at all stages, and what the step equations become by them; false: not here.
   bool evaluate(AnalyzedEquations& problem, const ArrayLinearization& linearization);
-  // Of these residuals, as ArrayLinearization::copy_step_rows for one stage after the other.
+  // Copies rows of these residuals, as ArrayLinearization::copy_step_rows for one stage after the other.
   void copy_rows(const ArrayLinearization& linearization, double* rows) const;
   // The jets change; returns the norm of the change, NaN if it is not finite.
   double change(ArrayLinearization& linearization, Arena& arena);

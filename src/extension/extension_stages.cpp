@@ -43,7 +43,7 @@ void ExtensionStages::set_slopes(const StageEquations& equations, const StateCho
     }
 }
 
-// What is added up in x_j' at stage i, or changes in it.
+// The sum of the terms of x_j' at stage i, or of their changes.
 double ExtensionStages::slope_terms(const StageEquations& equations, RowSums kind, int i, int j,
                                     const StateChoice& choice) {
   const int slot = choice.slot(extension_.column_of(j, 0));

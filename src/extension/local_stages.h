@@ -57,7 +57,7 @@ class LocalStages {
   // After linearize(): the stage where the states serve worst, if they do not serve there; -1: they serve at all
   // stages.
   int ill_served(ExtensionLinearization& linearization);
-  // Of the extension by entry e at a stage.
+  // The derivative of the extension by entry e at a stage.
   double derivative(std::size_t e, int stage) const { return derivatives_[e].lane[stage]; }
   // T of the last stage: by slots, a column for each state.
   ConstView end_tangents() const { return {end_tangents_.data(), q_, d_, q_ > 0 ? q_ : 1}; }

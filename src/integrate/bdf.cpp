@@ -101,9 +101,7 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   guess_.forget_ends();
   polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
   polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
-  Guess guess{guess_.here.data(), guess_.before.data()};
-  guess.inverse_weights = weights.inverse();
-  return guess;
+  return {guess_.here.data(), guess_.before.data(), weights.inverse()};
 }
 
 StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {

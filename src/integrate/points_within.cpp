@@ -93,9 +93,10 @@ Guess PointsWithin::predict(const StageMethod& method, double t_start, double t_
                         predicted_.data() + block * index(i));
   collocation_.taylor(given.step.t, order, at_end_.data());
   collocation_.taylor(given.before.front()->jet.t, order, at_start_.data());
-  Guess guess{.taylor = predicted_.data(), .taylor_before = at_end_.data(), .taylor_at_start = at_start_.data()};
-  guess.inverse_weights = weights_.inverse();
-  return guess;
+  return {.taylor = predicted_.data(),
+          .taylor_before = at_end_.data(),
+          .inverse_weights = weights_.inverse(),
+          .taylor_at_start = at_start_.data()};
 }
 
 std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings& given) {

@@ -21,7 +21,7 @@ class MultibodyNoise {
   void measure_steps(const MultibodyForm& form, const MultibodyStepMatrix& matrix, Arena& arena);
   // Of the components of (q, v) in steps.
   const std::vector<double>& of_steps() const { return of_steps_; }
-  // What rounding errors of that size are those of: what is added up in changes of component k.
+  // The sum of terms in changes of component k whose rounding errors are those of steps.
   double sums_of_steps(int k) const;
 
  private:

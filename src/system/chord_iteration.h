@@ -116,7 +116,7 @@ PointStatus ChordIteration::solve(const ChordTarget& target, Equations& equation
     const double norm = equations.change(test_.residuals());
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(target, iteration, norm, before) && equations.may_end(iteration)) {
-      const ResidualTest::Allowed allowed{target.tolerance / norm,
+      const ResidualTest::Allowed allowed{target.tolerance, norm,
                                           is_in_doubt_ ? largest_ratio_from_guess : target.largest_ratio};
       status = evaluate(equations);
       if (status != PointStatus::ok) return status;

@@ -31,13 +31,14 @@ void ResidualTest::note() {
   for (double r : now_) largest_ = std::max(largest_, std::fabs(r));
 }
 
-// change: sum_j |M_ij dx_j|, or 0 where it is not known. Comparisons are such that NaN is no.
+// change: sum_j |M_ij dx_j|, or 0 where it is not known. A residual that was 0 and is not has no ratio. Comparisons are
+// such that NaN is no.
 bool ResidualTest::is_small(const Allowed& allowed, std::size_t row, double change) const {
-  const double r = now_[row], before = before_[row];
+  const double r = now_[row], before = before_[row], size = std::fabs(before);
   if (r == 0.0) return true;
   const double rest = before < 0.0 ? r - before : before - r;  // (1 - rho) |r-|
-  return rest >= (1.0 - allowed.largest_ratio) * std::fabs(before) &&
-         std::fabs(r * before) <= allowed.error * rest * std::max(std::fabs(before), change);
+  return size > 0.0 && rest >= (1.0 - allowed.largest_ratio) * size &&
+         std::fabs(r * before) * allowed.norm <= allowed.tolerance * rest * std::max(size, change);
 }
 
 bool ResidualTest::is_explained(const Allowed& allowed, std::size_t row, double change) const {
@@ -48,7 +49,7 @@ bool ResidualTest::is_rounding(std::size_t row, double sum) const {
   return std::fabs(now_[row]) <= clear_of_noise * noise_of_sums * sum;
 }
 
-// Entries of a matrix may be too large by any factor, and so may the sums: they count up to rounding errors of the
+// The entries of a matrix, and with them the sums, may be too large by any factor: sums count up to the roundoff of the
 // largest residual.
 bool ResidualTest::is_zero(std::size_t row, double sum) const {
   return std::fabs(now_[row]) <= clear_of_noise * std::min(near_zero_part * sum, noise_of_sums * largest_);

@@ -15,9 +15,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
+
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -37,14 +40,16 @@ class ResidualTest {
   // After they were filled.
   void note();
   const double* residuals() const { return now_.data(); }
-  // Each row has to say that the change between the last two residuals leaves an error of at most `error` times that
-  // change, with rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms and is called where they matter.
-  // is_trusted is false with the matrix of a guess: it is right where it was made, and trusted until values move.
+  // Each row has to say that the change between the last two residuals, whose norm is given, leaves an error of at most
+  // the tolerance, with rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms and is called where they
+  // matter. is_trusted is false with the matrix of a guess: it is right where it was made, and trusted until values
+  // move.
   struct Allowed {
-    double error, largest_ratio;
+    double tolerance, norm, largest_ratio;
   };
   template <class Add>
   bool allows(const Allowed& allowed, bool is_trusted, Add add) {
+    const QuietArithmetic quiet;  // entries of the matrix of a guess may be so large that sums overflow
     std::fill(open_.begin(), open_.end(), 0.0);
     if (!leaves_open([&](std::size_t i, double) { return is_small(allowed, i, 0.0); })) return true;
     if (is_trusted || !has_moved_) {
@@ -58,13 +63,14 @@ class ResidualTest {
   }
 
  private:
-  static constexpr double settled = std::numeric_limits<double>::infinity();
-  // True if some row has been settled neither by settles(row, its sum) nor by an earlier call.
+  static constexpr double settled = -std::numeric_limits<double>::infinity();
+  // True if some row has been settled neither by settles(row, its sum) nor by an earlier call. Sums that overflow say
+  // nothing.
   template <class Settles>
   bool leaves_open(Settles settles) {
     bool any = false;
     for (std::size_t i = 0; i < now_.size(); ++i) {
-      const bool is_open = open_[i] != settled && !settles(i, open_[i]);
+      const bool is_open = open_[i] != settled && !(open_[i] < HUGE_VAL && settles(i, open_[i]));
       open_[i] = is_open ? 0.0 : settled;
       any = any || is_open;
     }
@@ -76,7 +82,7 @@ class ResidualTest {
   bool is_zero(std::size_t row, double sum) const;
 
   std::vector<double> before_, now_;
-  std::vector<double> open_;  // sums of rows, infinite where a row allows the change
+  std::vector<double> open_;  // sums of rows, or `settled` where a row allows the change
   double largest_ = 0.0;      // of all residuals since begin()
   int count_ = 0;             // of residuals since then
   bool has_moved_ = false;    // the values since then

@@ -63,7 +63,7 @@ TEST(KeptStepMatrices, TakeFewIterationsAndLeaveNoError) {
     const std::vector<double> x = exact_at(run.t);
     for (int i = 0; i < n; ++i) EXPECT_LE(std::fabs(run.x[i] - x[i]), 10.0 * tol * (1.0 + std::fabs(x[i])));
     const sfdae_statistics counts = run.statistics();
-    // Of these one a step confirms the last change.
+    // One of these in each step confirms the last change.
     EXPECT_LE(10 * counts.evaluations_F, 34 * counts.steps);
     EXPECT_LE(counts.factorizations, counts.steps / 3);
   }

@@ -1,5 +1,5 @@
 // Outputs between steps where a law is so steep that roundoff in the algebraic unknown is larger than what iterations
-// take for roundoff: what is differentiated must not move there.
+// take for roundoff: differentiated unknowns must not move there.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ struct SteepLaw {
 
 }  // namespace
 
-// Of 288 runs 10 were wrong at outputs, by up to 1.5, with SFDAE_OK, as any consistent values were taken there.
+// Ten of 288 runs were wrong at outputs, by up to 1.5, with SFDAE_OK: any consistent values were taken there.
 TEST(OutputsOfSteepLaws, KeepWhatIsDifferentiated) {
   RandomNumbers random(71);
   std::vector<double> outputs;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 namespace sfdae::core {
 
@@ -84,7 +85,7 @@ TEST(ChordIteration, RefusesAMatrixThatIsTooLargeByAnyFactor) {
   }
 }
 
-// What it leaves is below the tolerance for each factor by which the matrix is wrong.
+// The error left is below the tolerance for each factor by which the matrix is wrong.
 TEST(ChordIteration, LeavesAnErrorBelowTheToleranceWhereItEnds) {
   int solved = 0;
   for (double factor = 0.6; factor < 3.4; factor += 0.05)
@@ -117,6 +118,32 @@ TEST(ChordIteration, ExcusesRoundingErrors) {
   ChordIteration chord;
   chord.set_rate(1e-3);
   EXPECT_EQ(chord.solve({0.02, 1e-3}, rounded), PointStatus::ok);
+}
+
+// Sums that overflow say nothing about roundoff.
+TEST(ChordIteration, DoesNotExcuseByInfiniteSums) {
+  {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    OneEquation equation{[](double x) { return x - 3.0; }, 1e17, 0.0, 1e-6, infinite};
+    ChordIteration chord;
+    chord.set_rate(1e-3);
+    EXPECT_EQ(chord.solve({0.02, 1e-3}, equation), PointStatus::not_converged);
+  }
+}
+
+// A residual that was 0 before the change and is not after it has no ratio, whatever its sign.
+TEST(ResidualTest, RefusesResidualsThatWereZero) {
+  for (const double before : {0.0, -0.0})
+    for (const double now : {1.0, -1.0}) {
+      ResidualTest test;
+      test.begin();
+      *test.next(1) = before;
+      test.note();
+      *test.next(1) = now;
+      test.note();
+      const auto add = [](RowSums kind, double* rows) { rows[0] += kind == RowSums::of_change ? 1.0 : 1e-6; };
+      EXPECT_FALSE(test.allows({0.01, 1e-4, 0.7}, true, add)) << before << ' ' << now;
+    }
 }
 
 // How much roundoff there is may be exaggerated by the matrix of a guess: it counts only as long as no value moves.
