@@ -130,6 +130,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
   for (int halvings = 0; halvings <= most_output_halvings;) {
     const bool is_last = std::fabs(target - from.t) < 1.5 * std::fabs(h);
     end.t = is_last ? target : from.t + h;
+    if (end.t == from.t) return PointStatus::not_converged;  // halves that are below the resolution of t
     Guess prediction;
     if (needs_guess) {
       workspace.table.set_collocation(history);

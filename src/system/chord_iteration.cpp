@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/chord_iteration.h"
 
+#include "linalg/quiet_arithmetic.h"
+
 namespace sfdae::core {
 
 namespace {
@@ -21,6 +23,7 @@ constexpr double far_below = 0.1;
 }  // namespace
 
 bool ChordIteration::has_converged(const ChordTarget& target, int iteration, double norm, double before) {
+  const QuietArithmetic quiet;  // the ratio of a change to one that was nearly 0 overflows
   double rate = rate_;
   if (iteration > 0) {
     rate = before > 0.0 ? norm / before : 0.0;
