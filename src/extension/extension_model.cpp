@@ -37,7 +37,7 @@ void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& o
   MinimalExtension extension = extension_near(start, request.sizes());
   const Jet jet = ConsistentExtension(extension, request).find(start);
   system_ = std::make_unique<ExtensionSystem>(std::move(extension), base_, options.analysis, request.sizes(), jet);
-  std::vector<RankDecision> made = system_->take_certificate().blocks;
+  std::vector<RankDecision> made = system_->structure().take_certificate().blocks;
   if (decisions.empty()) decisions = std::move(made);
   else decisions.insert(decisions.end(), made.begin(), made.end());
   guess_.assign(start.x, start.x + n());

@@ -27,7 +27,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   // The blocks of the system Jacobian have been judged: how far they are from singular ones.
-  double certify() override { return system_->smallest_kept(); }
+  double certify() override { return system_->structure().smallest_kept(); }
 
   // Null where equations are replaced.
   std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;

@@ -12,15 +12,11 @@
 #include "linalg/index.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
-#include "structure/block_determinants.h"
-#include "structure/replacement.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// The structure is confirmed again after so many points, as ranks are elsewhere.
-constexpr int points_between_certificates = 20;
 // Of weighted changes, in units of the tolerances of a step (docs/decisions/63-large-recorded-problems.md).
 constexpr double step_tolerance = 0.03;
 // Where stages are linearized one by one, the linearization tells about rounding errors and the states alone
@@ -35,17 +31,15 @@ constexpr int failures_of_local_stages = 2;
 ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, const AnalysisSettings& settings,
                                  std::vector<double> scales, const Jet& jet)
     : DaeSystem(base, extension.n(), {}, LeadingTerm::identity),
-      problem_(extension.problem()),
       settings_(settings),
       extension_(std::move(extension)),
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
-      judge_(extension_.structure(), extension_.leading(), extension_.take_ordered_blocks()),
-      has_constant_blocks_(has_constant_blocks(extension_.structure(), problem_.evaluator())),
+      structure_(extension_, settings_.rank_tol),
       scales_(std::move(scales)) {
   resize();
-  const PointStatus status = set_point(jet, Certificates::kept);
+  const PointStatus status = set_point(jet, ConfirmedStructure::Certificates::kept);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   if (status == PointStatus::callback_error)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "no values consistent with the constraints were found: " +
@@ -57,8 +51,8 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
 
 // What follows from the blocks alone is certain where no states are found.
 std::string ExtensionSystem::what_is_unclear(PointStatus status) const {
-  if (status != PointStatus::singular || !is_certified_)
-    return format("the structure is not confirmed at t = %.15g: ", jet_.t) + about_change_;
+  if (status != PointStatus::singular || !structure_.is_certified())
+    return format("the structure is not confirmed at t = %.15g: ", jet_.t) + structure_.about_change();
   return format(
       "the structure is confirmed at t = %.15g, with %d free initial values and a strangeness index of at most %d, "
       "but double precision does not determine which unknowns are free there.",
@@ -68,14 +62,12 @@ std::string ExtensionSystem::what_is_unclear(PointStatus status) const {
 ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
                                  Archive& saved)
     : DaeSystem(base, problem.m(), {}, LeadingTerm::identity),
-      problem_(problem),
       settings_(settings),
       extension_(problem, archived_structure(*problem.structure(), saved)),
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
-      judge_(extension_.structure(), extension_.leading(), extension_.take_ordered_blocks()),
-      has_constant_blocks_(has_constant_blocks(extension_.structure(), problem_.evaluator())) {
+      structure_(extension_, settings_.rank_tol) {
   resize();
   archive(saved);
 }
@@ -109,31 +101,31 @@ void ExtensionSystem::find_values() {
 
 PointQuality ExtensionSystem::quality() const {
   PointQuality quality;
-  quality.kept_constraints = quality.kept_differential = quality.smallest_pivot = smallest_kept_;
+  quality.kept_constraints = quality.kept_differential = quality.smallest_pivot = structure_.smallest_kept();
   return quality;
 }
 
 CharacteristicValues ExtensionSystem::values_at(double) {
-  return about_change_.empty() ? analysis_.values : CharacteristicValues();
+  return structure_.about_change().empty() ? analysis_.values : CharacteristicValues();
 }
 
 // ---- Points ----------------------------------------------------------------------------------------------------
 
-PointStatus ExtensionSystem::set_point(const Jet& jet, Certificates certificates) {
+PointStatus ExtensionSystem::set_point(const Jet& jet, ConfirmedStructure::Certificates certificates) {
   jet_ = jet;
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
   about_later_point_.clear();
   // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left
   // it from the solution.
-  PointStatus status = certify(jet_, {}, certificates);
+  PointStatus status = structure_.certify(jet_, {}, callback_error_, certificates);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
   take_rounding_errors();
   std::vector<double> noise = linearization_.noise_of_jet();
   add_distance(noise);
-  status = certify(jet_, noise, certificates);
-  if (has_constant_blocks_ && is_certified_) forget_what_certifies();
+  status = structure_.certify(jet_, noise, callback_error_, certificates);
+  structure_.forget_what_certifies();
   return status;
 }
 
@@ -150,56 +142,9 @@ void ExtensionSystem::add_distance(std::vector<double>& noise) {
   }
 }
 
-bool ExtensionSystem::is_known_to_be_certified(Certificates certificates) const {
-  return has_constant_blocks_ && is_certified_ &&
-         certified_parameters_ == problem_.evaluator().changes_of_parameters() &&
-         (certificates == Certificates::not_kept || !certificate_.blocks.empty());
-}
-
-// Whoever asks for a point does not count: later ones are judged, and linearized, when they would be without.
-PointStatus ExtensionSystem::check_ranks() {
-  const int unjudged = unjudged_;
-  const PointStatus status = certify(jet_, linearization_.noise_of_jet());
-  unjudged_ = unjudged;
-  return status;
-}
-
-void ExtensionSystem::forget_what_certifies() {
-  judge_.forget_order();
-  extension_.leading().forget_values();
-}
-
-// noise: of the jet, empty where it is not known.
-PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& noise, Certificates certificates) {
-  unjudged_ = 0;
-  about_change_.clear();
-  if (is_known_to_be_certified(certificates)) return PointStatus::ok;
-  is_certified_ = false;
-  certificate_ = {};
-  Certificate certificate;
-  const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
-  if (!judge_.certify(problem_.evaluator(), point, settings_.rank_tol, certificate)) {
-    callback_error_ = problem_.evaluation_error(jet.t);
-    return PointStatus::callback_error;
-  }
-  smallest_kept_ = certificate.smallest_kept();
-  is_certified_ = certificate.is_given();
-  certified_parameters_ = problem_.evaluator().changes_of_parameters();
-  const int singular = certificate.first(BlockVerdict::singular);
-  const int block = singular >= 0 ? singular : certificate.first(BlockVerdict::unclear);
-  if (certificates == Certificates::kept) certificate_ = std::move(certificate);
-  if (!still_cancel(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data())) {
-    about_change_ = "equations that depended on each other do so no more.";
-    return PointStatus::changed;
-  }
-  if (is_certified_) return PointStatus::ok;
-  about_change_ = describe_block(block) + (singular >= 0 ? " is singular." : " is nearly singular.");
-  return PointStatus::changed;
-}
-
-std::string ExtensionSystem::describe_block(int block) const {
-  return format("block %d of the system Jacobian, with ", block) +
-         problem_.evaluator().record().name(extension_.structure().blocks.equations(block)[0]) + ",";
+PointStatus ExtensionSystem::certify_if_due() {
+  return structure_.is_due() ? structure_.certify(jet_, linearization_.noise_of_jet(), callback_error_)
+                             : PointStatus::ok;
 }
 
 PointStatus ExtensionSystem::renew(const Jet& jet) {
@@ -208,7 +153,8 @@ PointStatus ExtensionSystem::renew(const Jet& jet) {
 
 PointStatus ExtensionSystem::note_renewal(PointStatus status) {
   iteration_.chord().forget_rate();
-  if (status == PointStatus::singular && about_change_.empty()) about_change_ = "no unknowns determine all others.";
+  if (status == PointStatus::singular && structure_.about_change().empty())
+    structure_.set_about_change("no unknowns determine all others.");
   return status;
 }
 
@@ -276,12 +222,10 @@ PointStatus ExtensionSystem::iterate_with_renewal(const double* inverse_weights,
 
 PointStatus ExtensionSystem::review_local() {
   has_end_tangents_ = true;
-  if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_, linearization_.noise_of_jet());
-    if (status != PointStatus::ok) return status;
-  }
+  const PointStatus certified = certify_if_due();
+  if (certified != PointStatus::ok) return certified;
   iteration_.chord().set_slow(false);
-  if (unjudged_ % points_between_renewals != 0 &&
+  if (structure_.points() % points_between_renewals != 0 &&
       linearization_.is_harmless(linearization_.sensitivity(stages_.end_tangents())))
     return PointStatus::ok;
   // The end of the step is the same, whatever the states.
@@ -295,10 +239,8 @@ PointStatus ExtensionSystem::review_local() {
 // then.
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
-  if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_, linearization_.noise_of_jet());
-    if (status != PointStatus::ok) return status;
-  }
+  const PointStatus certified = certify_if_due();
+  if (certified != PointStatus::ok) return certified;
   if (!chord.is_slow()) return PointStatus::ok;
   chord.set_slow(false);
   if (iteration_.blames_matrix()) {
@@ -510,7 +452,7 @@ bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdo
 DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
   DifferentiatedChange largest;
   for (int j = 0; j < unknowns(); ++j) {
-    if (problem_.structure()->offsets.d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
+    if (extension_.problem().structure()->offsets.d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
     const double size = std::fabs(dx[j]) / tolerances[j];
     if (size > largest.size) largest = {size, j};
   }
@@ -537,7 +479,7 @@ void ExtensionSystem::archive(Archive& archive) {
   if (!archive.is_reading()) archive_structure(extension_.structure(), archive);
   CharacteristicValues& values = analysis_.values;
   bool is_usable = linearization_.is_usable();
-  archive.small(values.mu, values.d, values.a, unjudged_, is_usable, failures_in_row_);
+  archive.small(values.mu, values.d, values.a, structure_.points(), is_usable, failures_in_row_);
   archive.real(analysis_.t);
   iteration_.archive(archive);
   linearization_.archive_choice(archive);
@@ -562,9 +504,7 @@ void ExtensionSystem::archive(Archive& archive) {
   analysis_.rank_E = values.d;
   demand_states(states, extension_.offsets());
   jet_ = history_.accepted();
-  const int unjudged = unjudged_;
-  if (certify(jet_, linearization_.noise_of_jet()) != PointStatus::ok) throw DamagedArchive();
-  unjudged_ = unjudged;
+  if (check_ranks() != PointStatus::ok) throw DamagedArchive();
   if (linearization_.restore(origin, states, archive, callback_error_) != PointStatus::ok) throw DamagedArchive();
   if (!linearization_.archive_matrices(archive)) throw DamagedArchive();
   stages_.archive(archive, linearization_);

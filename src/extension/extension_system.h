@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "array/jet_history.h"
+#include "extension/confirmed_structure.h"
 #include "extension/extension_iteration.h"
 #include "extension/extension_linearization.h"
 #include "extension/extension_stages.h"
 #include "extension/minimal_extension.h"
-#include "structure/structure.h"
 #include "system/dae_system.h"
 
 namespace sfdae::core {
@@ -39,7 +39,7 @@ class ExtensionSystem final : public DaeSystem {
   double t() const override { return jet_.t; }
   SystemForm form() const override { return SystemForm::extension; }
   // A consistent point becomes the current and accepted one.
-  PointStatus set_point(const Jet& jet) { return set_point(jet, Certificates::not_kept); }
+  PointStatus set_point(const Jet& jet) { return set_point(jet, ConfirmedStructure::Certificates::not_kept); }
   const Jet& jet() const { return jet_; }
   // Of the step whose stages were solved last.
   const Jet& jet_of_stage(int i) const { return stages_.jet(i); }
@@ -56,9 +56,7 @@ class ExtensionSystem final : public DaeSystem {
   const std::vector<double>& scales() const { return scales_; }
   MinimalExtension& extension() { return extension_; }
   const ExtensionLinearization& linearization() const { return linearization_; }
-  // The certificate of the first point, once: it has a decision for each block.
-  Certificate take_certificate() { return std::exchange(certificate_, {}); }
-  double smallest_kept() const { return smallest_kept_; }
+  ConfirmedStructure& structure() { return structure_; }
 
   PointStatus move_to(double t) override;
   void accept() override {
@@ -82,14 +80,17 @@ class ExtensionSystem final : public DaeSystem {
   // Those known, or none where the structure is not confirmed any more: others are not found here.
   CharacteristicValues values_at(double t) override;
   std::string about_change() const override {
-    const std::string& about = about_change_.empty() ? about_later_point_ : about_change_;
+    const std::string& about = structure_.about_change().empty() ? about_later_point_ : structure_.about_change();
     if (about.empty()) return about;
     const Jet& accepted = history_.accepted();
     return " There " + about + problem_base().about_singular_point(accepted.t, accepted.x.data());
   }
   // A block of the system Jacobian that has been found to be singular at a later point.
-  void note_singular_block(int block) { about_later_point_ = describe_block(block) + " is singular."; }
-  PointStatus check_ranks() override;
+  void note_singular_block(int block) { about_later_point_ = structure_.describe_block(block) + " is singular."; }
+  // Whoever asks for a point does not count: later ones are judged, and linearized, when they would be without.
+  PointStatus check_ranks() override {
+    return structure_.certify_aside(jet_, linearization_.noise_of_jet(), callback_error_);
+  }
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
@@ -100,16 +101,11 @@ class ExtensionSystem final : public DaeSystem {
   void archive(Archive& archive) override;
 
  private:
-  std::string describe_block(int block) const;
   std::string what_is_unclear(PointStatus status) const;
   void resize();
   void find_values();
-  enum class Certificates { kept, not_kept };
-  PointStatus set_point(const Jet& jet, Certificates certificates);
-  bool is_known_to_be_certified(Certificates certificates) const;
-  void forget_what_certifies();
-  PointStatus certify(const Jet& jet, const std::vector<double>& noise,
-                      Certificates certificates = Certificates::not_kept);
+  PointStatus set_point(const Jet& jet, ConfirmedStructure::Certificates certificates);
+  PointStatus certify_if_due();
   void add_distance(std::vector<double>& noise);
   PointStatus renew(const Jet& jet);
   PointStatus renew_at_accepted();
@@ -130,25 +126,17 @@ class ExtensionSystem final : public DaeSystem {
   template <class Start>
   PointStatus solve_held(Start start, Jet& jet, double* xdot);
 
-  RecordedProblem& problem_;
   AnalysisSettings settings_;
   MinimalExtension extension_;
   ExtensionLinearization linearization_;
   ExtensionIteration iteration_;
   ExtensionStages stages_;
-  StructureJudge judge_;
-  Certificate certificate_;  // of the first point
-  bool is_certified_ = false;
-  // The system Jacobian does not depend on the point, and parameters were those when it was certified.
-  bool has_constant_blocks_;
-  long certified_parameters_ = -1;
-  double smallest_kept_ = 1.0;
-  std::string about_change_, about_later_point_;
+  ConfirmedStructure structure_;
+  std::string about_later_point_;
   JetHistory history_;
   Jet jet_;
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
-  int unjudged_ = 0;         // points since the structure was judged
   int failures_in_row_ = 0;  // of stages linearized one by one, which did not converge
   // The stages that have been solved were linearized one by one, and the last one is the current point.
   bool has_end_tangents_ = false;

@@ -34,50 +34,10 @@ bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
 
 // Other states have other matrices.
 void LocalStages::note_choice(const ExtensionLinearization& linearization) {
-  if (choice_ == linearization.choice_number()) return;
-  choice_ = -1;  // until there is memory for all
+  if (is_of(linearization)) return;
+  places_.number = -1;  // until there is memory for all
   elimination_.forget();
-  const StateChoice& choice = linearization.choice();
-  slope_slots_.clear();
-  std::vector<int> number(index(extension_.n()), -1);  // of unknowns among the states
-  for (int j : choice.states()) {
-    number[index(j)] = static_cast<int>(slope_slots_.size());
-    slope_slots_.push_back(choice.slot(extension_.column_of(j, 1)));
-  }
-  list_held_entries(choice, number);
-  list_candidates(choice, number);
-  choice_ = linearization.choice_number();
-}
-
-void LocalStages::list_held_entries(const StateChoice& choice, const std::vector<int>& number) {
-  held_.entries.clear();
-  for (int row = 0; row < extension_.num_rows(); ++row)
-    for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
-      const int column = extension_.column()[index(e)];
-      if (choice.is_held(column))
-        held_.entries.push_back({row, number[index(extension_.columns()[index(column)].unknown)], index(e)});
-    }
-  std::stable_sort(held_.entries.begin(), held_.entries.end(),
-                   [](const HeldEntry& one, const HeldEntry& other) { return one.state < other.state; });
-  held_.first.assign(choice.states().size() + 1, 0);
-  for (const HeldEntry& held : held_.entries) ++held_.first[index(held.state) + 1];
-  for (std::size_t b = 0; b < choice.states().size(); ++b) held_.first[b + 1] += held_.first[b];
-}
-
-// Rows of x_a' of a state and one other state, and nothing else.
-void LocalStages::list_candidates(const StateChoice& choice, const std::vector<int>& number) {
-  candidates_.clear();
-  for (int row = 0; row < extension_.num_rows(); ++row) {
-    const std::size_t first = index(extension_.first()[index(row)]);
-    if (extension_.first()[index(row + 1)] != static_cast<int>(first) + 2) continue;
-    const int one = extension_.column()[first], other = extension_.column()[first + 1];
-    const bool is_first = choice.is_slope(one);
-    const int slope = is_first ? one : other, state = is_first ? other : one;
-    if (!choice.is_slope(slope) || !choice.is_held(state)) continue;
-    const int a = number[index(extension_.columns()[index(slope)].unknown)],
-              b = number[index(extension_.columns()[index(state)].unknown)];
-    if (a != b) candidates_.push_back({{a, b}, first + (is_first ? 0 : 1), first + (is_first ? 1 : 0)});
-  }
+  places_ = PlacesOfStates(extension_, linearization.choice(), linearization.choice_number());
 }
 
 // Those of an earlier step, or of the linearization, or by its values.
@@ -96,7 +56,7 @@ bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
 }
 
 void LocalStages::archive(Archive& archive, const ExtensionLinearization& linearization) {
-  if (archive.is_reading() || choice_ != linearization.choice_number()) note_choice(linearization);
+  if (archive.is_reading() || !is_of(linearization)) note_choice(linearization);
   elimination_.archive(linearization.choice().pattern(true), archive);
 }
 
@@ -162,7 +122,7 @@ bool LocalStages::finish_by_tangents(const StageMethod& method, double h, const 
   if (!factor(choice)) return false;
   make_tangents();
   return coupled_.factor(method, h, d_,
-                         [this](int a, int b, int i) { return tangent(b)[slope_slots_[index(a)]].lane[i]; });
+                         [this](int a, int b, int i) { return tangent(b)[places_.slope_slots[index(a)]].lane[i]; });
 }
 
 bool LocalStages::finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled) {
@@ -179,7 +139,7 @@ bool LocalStages::finish_by_rows(const StageMethod& method, double h, const Stat
 void LocalStages::find_pairs() {
   pairs_.clear();
   is_paired_.assign(index(d_), 0);
-  for (const Candidate& candidate : candidates_) {
+  for (const PlacesOfStates::Candidate& candidate : places_.candidates) {
     const auto [a, b] = candidate.pair;
     const LaneBlock &of_slope = derivatives_[candidate.of_slope], &of_state = derivatives_[candidate.of_state];
     bool is_pair = is_paired_[index(a)] == 0 && is_paired_[index(b)] == 0;
@@ -197,11 +157,12 @@ void LocalStages::make_rows_of_slopes() {
   r_.resize(index(q_));
   LaneBlock* to = slopes_.data();
   for (int c : equations) {
-    elimination_.row_of_inverse_lanes(factors_.data(), s_, slope_slots_[index(c)], r_.data());
-    const HeldEntry* held = held_.entries.data();
+    elimination_.row_of_inverse_lanes(factors_.data(), s_, places_.slope_slots[index(c)], r_.data());
+    const PlacesOfStates::Entry* held = places_.entries.data();
     for (int b = 0; b < d_; ++b) {
       Lanes sum{};
-      for (const HeldEntry* const last = held_.entries.data() + held_.first[index(b + 1)]; held != last; ++held)
+      for (const PlacesOfStates::Entry* const last = places_.entries.data() + places_.first[index(b + 1)];
+           held != last; ++held)
         sum -= lanes(r_[index(held->row)]) * lanes(derivatives_[held->entry]);
       lanes(*to++) = sum;
     }
@@ -210,7 +171,7 @@ void LocalStages::make_rows_of_slopes() {
 
 void LocalStages::make_tangents() {
   tangents_.assign(index(q_) * index(d_), LaneBlock());
-  for (const HeldEntry& held : held_.entries) {
+  for (const PlacesOfStates::Entry& held : places_.entries) {
     LaneBlock& b = tangent(held.state)[held.row];
     for (int l = 0; l < lane_count; ++l) b.lane[l] -= derivatives_[held.entry].lane[l];
   }
@@ -249,7 +210,7 @@ void LocalStages::add_changes_of_states(const double* z) {
 // Solved once more with the states as they are to be.
 void LocalStages::subtract_changes_of_states(const double* z) {
   std::swap(r_, given_);
-  for (const HeldEntry& held : held_.entries)
+  for (const PlacesOfStates::Entry& held : places_.entries)
     for (int i = 0; i < s_; ++i)
       r_[index(held.row)].lane[i] -= derivatives_[held.entry].lane[i] * z[i * d_ + held.state];
   elimination_.solve_lanes(factors_.data(), s_, r_.data());
@@ -263,12 +224,12 @@ void LocalStages::solve(View r) {
   elimination_.solve_lanes(factors_.data(), by_rows_ ? s_ : lane_count, r_.data());
   double* const z = coupled_.right();
   for (int i = 0; i < s_; ++i)
-    for (int a = 0; a < d_; ++a) z[i * d_ + a] = r_[index(slope_slots_[index(a)])].lane[i];
+    for (int a = 0; a < d_; ++a) z[i * d_ + a] = r_[index(places_.slope_slots[index(a)])].lane[i];
   coupled_.solve();
   if (by_rows_) subtract_changes_of_states(z);
   else add_changes_of_states(z);
   for (int i = 0; i < s_; ++i)
-    for (int a = 0; a < d_; ++a) r_[index(slope_slots_[index(a)])].lane[i] = z[i * d_ + a];
+    for (int a = 0; a < d_; ++a) r_[index(places_.slope_slots[index(a)])].lane[i] = z[i * d_ + a];
   for (int i = 0; i < s_; ++i)
     for (int row = 0; row < q_; ++row) r(row, i) = r_[index(row)].lane[i];
 }

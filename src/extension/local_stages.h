@@ -23,6 +23,7 @@
 #include "extension/coupled_states.h"
 #include "extension/extension_linearization.h"
 #include "extension/minimal_extension.h"
+#include "extension/places_of_states.h"
 #include "linalg/lanes.h"
 #include "linalg/matrix.h"
 #include "linalg/recorded_elimination.h"
@@ -50,7 +51,9 @@ class LocalStages {
   // The pivots, which outlive steps. Reading: after the states of the linearization have been set.
   void archive(Archive& archive, const ExtensionLinearization& linearization);
   // With the states of this linearization.
-  bool is_of(const ExtensionLinearization& linearization) const { return choice_ == linearization.choice_number(); }
+  bool is_of(const ExtensionLinearization& linearization) const {
+    return places_.number == linearization.choice_number();
+  }
   // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots,
   // those of x_j in place of x_j' of the states.
   void solve(View r);
@@ -67,9 +70,6 @@ class LocalStages {
   void note_choice(const ExtensionLinearization& linearization);
   void resize(int s);
   bool take_pivots(const ExtensionLinearization& linearization);
-  // number: of unknowns among the states.
-  void list_held_entries(const StateChoice& choice, const std::vector<int>& number);
-  void list_candidates(const StateChoice& choice, const std::vector<int>& number);
   void find_pairs();
   bool finish_by_tangents(const StageMethod& method, double h, const StateChoice& choice);
   bool finish_by_rows(const StageMethod& method, double h, const StateChoice& choice, int coupled);
@@ -82,34 +82,15 @@ class LocalStages {
   void make_tangents();
   LaneBlock* tangent(int state) { return tangents_.data() + index(state) * index(q_); }
 
-  // An entry of the extension in the column of a state.
-  struct HeldEntry {
-    int row, state;
-    std::size_t entry;
-  };
-
   MinimalExtension& extension_;
   int s_ = 0, q_ = 0, d_ = 0;
   RecordedElimination elimination_;
-  long choice_ = -1;  // of states, whose pivots and slots are known
-  std::vector<int> slope_slots_;
-  // By states, and where those of each begin.
-  struct HeldEntries {
-    std::vector<HeldEntry> entries;
-    std::vector<int> first;
-  };
-  HeldEntries held_;
+  PlacesOfStates places_;
   // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of
   // right-hand sides.
   LaneArray derivatives_, values_, factors_, tangents_, r_, given_;
   std::vector<double> values_of_stage_, end_tangents_, stage_tangents_;
   CoupledStates coupled_;
-  // Rows that may be x_a' - x_b = 0 of two states: numbers of these, and their entries.
-  struct Candidate {
-    CoupledStates::Pair pair;
-    std::size_t of_slope, of_state;
-  };
-  std::vector<Candidate> candidates_;
   std::vector<CoupledStates::Pair> pairs_;
   std::vector<char> is_paired_;
   bool by_rows_ = false;  // there are no tangents
