@@ -166,9 +166,9 @@ int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics*
 int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
   return query(solver, [&] {
     if (!is_usable(report)) refuse_struct();
-    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
+    if (solver->model.multibody() == nullptr) refuse_argument("the problem is not a multibody system.");
     if (!solver->system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first.");
-    fill_struct(report, public_report(solver->kind.multibody->constraints()));
+    fill_struct(report, public_report(solver->model.constraints()));
   });
 }
 
@@ -243,7 +243,7 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)
       refuse_argument(format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) refuse_struct();
-    LinearModel* linear = solver->kind.linear;
+    LinearModel* linear = solver->model.linear();
     if (linear == nullptr) refuse_nonlinear();
     if (solver->model.n() > most_dense_unknowns) refuse_size();
     return report_mismatch(check_derivatives(linear->problem(), t, max_order), solver->problem().equation_names(),
@@ -260,7 +260,8 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
     const std::size_t count = index(solver->model.n()) * index(max_order + 2);
     if (derivatives == nullptr) refuse_argument("derivatives is NULL.");
     if (!all_finite(derivatives, count)) refuse_argument("derivatives contains NaN or Inf.");
-    CallbackProblem* callback = solver->kind.nonlinear != nullptr ? solver->kind.nonlinear->callback() : nullptr;
+    CallbackProblem* callback =
+        solver->model.nonlinear() != nullptr ? solver->model.nonlinear()->callback() : nullptr;
     if (callback == nullptr) refuse_argument("there is no callback for total derivatives.");
     if (solver->model.n() > most_dense_unknowns) refuse_size();
     return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), callback->equation_names(),
@@ -273,8 +274,8 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) refuse_argument(format("t is %g.", t));
     if (!is_usable(result)) refuse_struct();
-    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
-    CallbackMultibody* callbacks = solver->kind.multibody->callbacks();
+    if (solver->model.multibody() == nullptr) refuse_argument("the problem is not a multibody system.");
+    CallbackMultibody* callbacks = solver->model.multibody()->callbacks();
     if (callbacks == nullptr) refuse_argument("recorded equations are differentiated by the library.");
     if (q == nullptr || v == nullptr) refuse_argument("q or v is NULL.");
     const MultibodySizes& sizes = callbacks->sizes();

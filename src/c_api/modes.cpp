@@ -90,7 +90,7 @@ int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* befo
 int sfdae_impact(sfdae_solver* solver, double t, const double* restitution, const double* before, double* after,
                  double* impulses) {
   return guarded(solver, [&] {
-    StructuredMultibody* model = solver->kind.multibody;
+    MultibodyModel* const model = solver->model.multibody();
     if (model == nullptr) refuse_argument("impacts are those of multibody systems: call sfdae_jump.");
     if (before == nullptr || after == nullptr) refuse_argument("before and after must not be NULL.");
     const int count = model->problem().sizes().constraints();

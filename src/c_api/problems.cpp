@@ -69,18 +69,18 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
       .compressed = problem.matrices == SFDAE_MATRICES_COMPRESSED};
 }
 
-AnyModel make_model(const sfdae_linear_problem& problem) {
-  return with_patterns(any(std::make_unique<LinearModel>(functions_of(problem))));
+std::unique_ptr<FormulatedModel> make_model(const sfdae_linear_problem& problem) {
+  return formulated(std::make_unique<LinearModel>(functions_of(problem)));
 }
 
-AnyModel make_model(const sfdae_nonlinear_problem& problem) {
+std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& problem) {
   const int m = problem.num_equations, n = problem.num_unknowns;
   const std::vector<int> counts = differentiations_of(problem);
   const EquationNames names = names_of(problem.equation_names, m);
   const auto model_of = [&](auto nonlinear) {
     if (problem.differentiations != nullptr) nonlinear->set_differentiations(counts);
     nonlinear->set_equation_names(names);
-    return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
+    return formulated(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };
   if (problem.total_derivative != nullptr) {
     auto callback =
@@ -89,24 +89,23 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
         patterns_of({problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index},
                     {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}, n);
     if (patterns) callback->set_patterns(patterns, form_of(problem.matrices));
-    return with_patterns(model_of(std::move(callback)));
+    return model_of(std::move(callback));
   }
   std::shared_ptr<const Record> record =
       problem.equations != nullptr ? record_equations(problem.equations, m, n, problem.user, names)
                                    : record_linear_equations(problem.linear_equations, m, n, problem.user, names);
   if (record->is_linear() && counts.empty())
-    return with_structure(any(std::make_unique<LinearModel>(
-        std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem)))));
-  return with_structure(model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem))));
+    return formulated(std::make_unique<LinearModel>(
+        std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem))));
+  return model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem)));
 }
 
-AnyModel make_model(const sfdae_multibody_problem& problem) {
+std::unique_ptr<FormulatedModel> make_model(const sfdae_multibody_problem& problem) {
   const Coordinates coordinates = coordinates_of(problem.coordinates);
   const auto model_of = [&](auto multibody) {
     multibody->set_equation_names(
         names_of(problem.constraint_names, problem.num_constraints + problem.num_nonholonomic));
-    return any(
-        std::make_unique<StructuredMultibody>(std::make_unique<MultibodyModel>(std::move(multibody), coordinates)));
+    return formulated(std::make_unique<MultibodyModel>(std::move(multibody), coordinates));
   };
   if (problem.equations != nullptr) return model_of(record_multibody(problem));
   return model_of(std::make_unique<CallbackMultibody>(problem));

@@ -2,16 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include "sfdae/sfdae.h"
-#include "solver/any_model.h"
+#include "solver/formulated_model.h"
 
 namespace sfdae::core {
 
 // The problems have been checked. Failure, with a public status, for mistakes in recording.
-AnyModel make_model(const sfdae_linear_problem& problem);
+std::unique_ptr<FormulatedModel> make_model(const sfdae_linear_problem& problem);
 // Recorded equations that are linear become a linear model.
-AnyModel make_model(const sfdae_nonlinear_problem& problem);
-AnyModel make_model(const sfdae_multibody_problem& problem);
+std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& problem);
+std::unique_ptr<FormulatedModel> make_model(const sfdae_multibody_problem& problem);
 
 LinearFunctions functions_of(const sfdae_linear_problem& problem);
 

@@ -61,9 +61,9 @@ int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* o
     if (solver == nullptr) refuse_argument("solver, where the new one goes, is NULL.");
     Arguments<Problem> arguments;
     read_arguments(problem, options, defaults, arguments);
-    AnyModel model = make_model(arguments.problem);
-    const int n = model.model->n();
-    demand_structure(*model.model, structure_use_of(arguments.options.structure));
+    std::unique_ptr<FormulatedModel> model = make_model(arguments.problem);
+    const int n = model->n();
+    model->demand_structure(structure_use_of(arguments.options.structure));
     *solver = new sfdae_solver(std::move(model), solver_options(arguments.options, n));
   });
 }
@@ -74,7 +74,7 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
   const auto body = [&] {
     Arguments<Problem> arguments;
     read_arguments(problem, options, defaults, arguments);
-    demand_structure(*make_model(arguments.problem).model, structure_use_of(arguments.options.structure));
+    make_model(arguments.problem)->demand_structure(structure_use_of(arguments.options.structure));
   };
   return status_of(body, [=](int status, const char* message) {
     if (length > 0) std::snprintf(text, length, "%s", message);

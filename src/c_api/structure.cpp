@@ -133,7 +133,7 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
     if (result == nullptr || !is_plausible_size(result->size))
       refuse_argument("the result is NULL or its size is not set: call its init function.");
     TaylorEvaluator* const evaluator =
-        solver->kind.multibody != nullptr ? nullptr : solver->model.structure_evaluator();
+        solver->model.multibody() != nullptr ? nullptr : solver->model.structure_evaluator();
     if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) refuse_unrecorded();
     const Record& record = evaluator->record();
     const PublicArrays arrays{differentiations, orders, assigned, block};
@@ -154,7 +154,7 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
     found.num_blocks = structure.blocks.count();
     found.largest_block = structure.blocks.largest();
     found.num_replaced = structure.equations.num_replaced();
-    found.is_followed = solver->follows_structure() ? 1 : 0;
+    found.is_followed = solver->model.follows_structure() ? 1 : 0;
     CallResult words;
     if (const std::optional<Point> point = known_point(*solver)) {
       Certificate certificate;

@@ -45,12 +45,13 @@ void demand_numbers(const char* name, const double* values, std::size_t count) {
 
 // What objects are asked for at: t alone for linear problems, a jet of the solution for others.
 Jet point_at(sfdae_solver& solver, double t, int level) {
-  if (solver.kind.linear != nullptr) {
+  if (solver.model.linear() != nullptr) {
     Jet point;
     point.t = t;
     return point;
   }
-  return solver.model.jet_through(t, solver.solution_at(t).data(), level);
+  const std::vector<double> x = solver.solution_at(t);
+  return solver.model.whole().jet_through(t, x.data(), level);
 }
 
 Jet given_jet(const sfdae_solver& solver, double t, const double* derivatives, int level) {
@@ -121,7 +122,7 @@ int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, do
     std::vector<double> given;
     if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
-    const Jet found = solver->model.jet_through(t, x == nullptr ? given.data() : x, level);
+    const Jet found = solver->model.whole().jet_through(t, x == nullptr ? given.data() : x, level);
     double factorial = 1.0;
     for (int k = 0; k <= level + 1; ++k) {
       factorial *= std::max(k, 1);
@@ -133,8 +134,9 @@ int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, do
 int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
   return guarded<Text::of_failure>(solver, [&] {
     demand_level(t, level);
-    if (solver->kind.linear == nullptr) demand_analysis(*solver);
-    return write(solver->model.derivative_array(point_at(*solver, t, level), level), {M, N, g});
+    if (solver->model.linear() == nullptr) demand_analysis(*solver);
+    const Jet jet = point_at(*solver, t, level);
+    return write(solver->model.whole().derivative_array(jet, level), {M, N, g});
   });
 }
 
@@ -142,7 +144,8 @@ int sfdae_get_derivative_array_at(sfdae_solver* solver, double t, const double* 
                                   double* g) {
   return guarded<Text::of_failure>(solver, [&] {
     demand_level(t, level);
-    return write(solver->model.derivative_array(given_jet(*solver, t, jet, level), level), {M, N, g});
+    const Jet given = given_jet(*solver, t, jet, level);
+    return write(solver->model.whole().derivative_array(given, level), {M, N, g});
   });
 }
 
@@ -151,8 +154,8 @@ int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2,
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
-    const Jet jet = point_at(*solver, t, solver->model.level_of_jets(to.of_array()));
-    return write(solver->model.projectors(jet, to.of_array()), to);
+    const Jet jet = point_at(*solver, t, solver->model.same_whole().level_of_jets(to.of_array()));
+    return write(solver->model.same_whole().projectors(jet, to.of_array()), to);
   });
 }
 
@@ -162,8 +165,8 @@ int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, d
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
-    const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(to.of_array()));
-    return write(solver->model.projectors(given, to.of_array()), to);
+    const Jet given = given_jet(*solver, t, jet, solver->model.same_whole().level_of_jets(to.of_array()));
+    return write(solver->model.same_whole().projectors(given, to.of_array()), to);
   });
 }
 
@@ -172,8 +175,8 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
   return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
-    const Jet jet = point_at(*solver, t, solver->model.level_of_jets(false));
-    return write(solver->model.strangeness_free(jet), {E1, A1, f1, A2, f2, residual});
+    const Jet jet = point_at(*solver, t, solver->model.same_whole().level_of_jets(false));
+    return write(solver->model.same_whole().strangeness_free(jet), {E1, A1, f1, A2, f2, residual});
   });
 }
 
@@ -182,8 +185,8 @@ int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* 
   return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
     demand_analysis(*solver);
-    const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(false));
-    return write(solver->model.strangeness_free(given), {E1, A1, f1, A2, f2, residual});
+    const Jet given = given_jet(*solver, t, jet, solver->model.same_whole().level_of_jets(false));
+    return write(solver->model.same_whole().strangeness_free(given), {E1, A1, f1, A2, f2, residual});
   });
 }
 
@@ -191,12 +194,13 @@ int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, d
                               double* A, double* f, double* w) {
   return guarded<Text::of_failure>(solver, [&] {
     demand_time(t);
-    if (solver->kind.multibody == nullptr) refuse_argument("the problem is not a multibody system.");
+    if (solver->model.multibody() == nullptr) refuse_argument("the problem is not a multibody system.");
     demand_analysis(*solver);
     std::vector<double> given;
     if (x == nullptr) given = solver->solution_at(t);
     else demand_numbers("x", x, index(solver->model.n()));
-    const ExtendedSystem found = solver->kind.multibody->extended_system(t, x == nullptr ? given.data() : x);
+    const ExtendedSystem found =
+        solver->model.local_coordinates().extended_system(t, x == nullptr ? given.data() : x);
     copy_out(found.Qq, Qq);
     copy_out(found.Qv, Qv);
     copy_out(found.E, E);

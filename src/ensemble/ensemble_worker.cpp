@@ -35,7 +35,7 @@ void say(InstanceOutcome& outcome, int status, const char* message, const char* 
 
 EnsembleWorker::EnsembleWorker(Solver& prototype, const EnsembleTask& task)
     : task_(task),
-      solver_(clone_of(prototype.kind), options_of_instances(prototype)),
+      solver_(prototype.model.clone(), options_of_instances(prototype)),
       x_(index(solver_.model.n())),
       xdot_(index(solver_.model.n())),
       outputs_(x_.size() * index(task.ensemble.num_times)),

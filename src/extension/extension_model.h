@@ -10,7 +10,7 @@
 
 namespace sfdae::core {
 
-class ExtensionModel final : public ModelOf<ExtensionSystem> {
+class ExtensionModel final : public ModelOf<ExtensionSystem, Model> {
  public:
   // base: whose limits and requests to stop count. Both live longer.
   ExtensionModel(RecordedProblem& problem, Problem& base) : problem_(problem), base_(base) {}
@@ -36,12 +36,6 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   std::optional<Extension> extension() override;
   std::unique_ptr<ChangeWatch> change_watch() override;
 
-  // Empty: these objects are those of the whole array, which FormulatedModel asks for them.
-  Jump jump(const PointOfInterest&, const ModelOptions&) override { return {}; }
-  Jet jet_through(double, const double*, int) override { return {}; }
-  DerivativeArray derivative_array(const Jet&, int) override { return {}; }
-  Projectors projectors(const Jet&, bool) override { return {}; }
-  StrangenessFreeEquations strangeness_free(const Jet&) override { return {}; }
   Jet accepted_point() const override;
   const Jet& accepted_jet() const { return system_->accepted_jet(); }
 

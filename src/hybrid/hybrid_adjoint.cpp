@@ -84,7 +84,7 @@ class BackwardRun {
           format("parameters of %s have other values than from t = %.15g to %.15g, where the gradient is to be "
                  "computed.",
                  hybrid_.name_of(visit.mode).c_str(), visit.start, visit.end));
-    if (solver.model.shared_system() != visit.system && solver.follows_structure() != visit.follows_structure)
+    if (solver.model.shared_system() != visit.system && solver.model.follows_structure() != visit.follows_structure)
       refuse_argument(
           format("%s has been analyzed anew, with other equations differentiated, since t = %.15g: the gradient "
                  "cannot be computed before that. Set structure = SFDAE_STRUCTURE_OFF.",
@@ -188,7 +188,7 @@ void keep_visit(HybridSystem& hybrid, bool at_once) {
   Solver& solver = *hybrid.mode().solver;
   std::vector<KeptVisit>& visits = hybrid.kept.visits;
   visits.push_back({run.mode, solver_of(hybrid.mode()), run.visit.entered, run.t, solver.model.shared_system(),
-                    solver.follows_structure(), parameters_of(solver), nullptr, hybrid.kept.ending.is_whole(),
+                    solver.model.follows_structure(), parameters_of(solver), nullptr, hybrid.kept.ending.is_whole(),
                     std::move(hybrid.kept.ending.coordinates)});
   KeptVisit& visit = visits.back();
   hybrid.kept.ending = {};

@@ -255,7 +255,7 @@ void find_moved_values(HybridSystem& hybrid, const sfdae_transition& given, doub
   }
   hybrid.call(given.to, [&](Solver& solver) {
     const UserTime user_time(solver.problem(), t);
-    after = solver.model.jump({t, run.toward_from(), before.data()}, solver.options.model).x;
+    after = solver.model.whole().jump({t, run.toward_from(), before.data()}, solver.options.model).x;
   });
 }
 

@@ -19,19 +19,19 @@ namespace {
 // Of the part of the mode above, times the largest of the others: squares of changes are below rounding. (Chosen.)
 constexpr double free_weight = 1e8;
 
-bool is_prescribed(const AnyModel& kind) {
-  if (kind.linear != nullptr) return !kind.linear->problem().prescribed().empty();
-  return kind.nonlinear != nullptr && !kind.nonlinear->recorded()->prescribed().empty();
+bool is_prescribed(FormulatedModel& model) {
+  if (model.linear() != nullptr) return !model.linear()->problem().prescribed().empty();
+  return model.nonlinear() != nullptr && !model.nonlinear()->recorded()->prescribed().empty();
 }
 
 // The equations of a mode as formulas, with the values that parameters have now.
 TaylorEvaluator formulas_of(const Solver& solver, const char* which) {
   if (solver.model.evaluator() == nullptr)
     refuse_argument(format("the equations of the mode %s are functions: sliding needs recorded ones.", which));
-  if (is_prescribed(solver.kind))
+  if (is_prescribed(solver.model))
     refuse_argument(format("the mode %s has prescribed components: make them equations.", which));
-  if (solver.kind.multibody != nullptr)
-    return TaylorEvaluator(solver.kind.multibody->recorded_first_order_problem()->evaluator());
+  if (solver.model.multibody() != nullptr)
+    return TaylorEvaluator(solver.model.multibody()->recorded_first_order_problem()->evaluator());
   return TaylorEvaluator(*solver.model.evaluator());
 }
 
@@ -82,7 +82,7 @@ void Switch::update(const Names& wanted) {
   const TaylorEvaluator given = surface_in_modes(given_, below, above);
   const KeptParameters kept(names, below, above, given);
   std::shared_ptr<const Record> surface = surface_of_modes(given, kept);
-  AnyModel model = make_model(sliding_equations(below, above, *surface, kept));
+  std::unique_ptr<FormulatedModel> model = make_model(sliding_equations(below, above, *surface, kept));
   auto solver = std::make_shared<Solver>(std::move(model), with_part(below_.options, n()));
   auto evaluator = std::make_unique<TaylorEvaluator>(std::move(surface));
   std::vector<int> all(index(evaluator->num_parameters()));

@@ -60,10 +60,10 @@ void check(const sfdae_linearization& choice, int m, int n) {
 class Equations {
  public:
   explicit Equations(Solver& solver) {
-    if (solver.kind.multibody == nullptr) {
+    if (solver.model.multibody() == nullptr) {
       evaluator_ = solver.model.evaluator();
     } else if (solver.model.evaluator() != nullptr) {
-      first_order_ = solver.kind.multibody->recorded_first_order_problem();
+      first_order_ = solver.model.multibody()->recorded_first_order_problem();
       evaluator_ = &first_order_->evaluator();
     }
   }
@@ -112,14 +112,14 @@ Jet point_of(Solver& solver, const sfdae_linearization& choice, bool solution_co
                   "the linearization depends on x and x': call sfdae_start or sfdae_analyze_at first, or give both.");
   const std::vector<double> x =
       choice.x != nullptr ? std::vector<double>(choice.x, choice.x + n) : solver.solution_at(choice.t);
-  return solver.model.jet_through(choice.t, x.data(), 0);
+  return solver.model.whole().jet_through(choice.t, x.data(), 0);
 }
 
 // Of the user's problem, not those that inputs may have become.
 const std::vector<int>& prescribed_of(const Solver& solver) {
   static const std::vector<int> none;
-  if (solver.kind.linear != nullptr) return solver.kind.linear->problem().prescribed();
-  if (solver.kind.nonlinear != nullptr) return solver.kind.nonlinear->problem().prescribed();
+  if (solver.model.linear() != nullptr) return solver.model.linear()->problem().prescribed();
+  if (solver.model.nonlinear() != nullptr) return solver.model.nonlinear()->problem().prescribed();
   return none;
 }
 
@@ -159,10 +159,10 @@ DescriptorSystem linearized(Solver& solver, const sfdae_linearization& choice) {
   const std::vector<int> parameters = numbers_of_parameters(choice, equations.evaluator());
   std::optional<ParameterDerivatives> by_parameters;
   if (!parameters.empty()) by_parameters.emplace(*equations.evaluator(), parameters);
-  const bool is_linear = solver.kind.linear != nullptr;
+  const bool is_linear = solver.model.linear() != nullptr;
   const bool solution_counts = !is_linear || (by_parameters && by_parameters->depend_on_solution());
   const Jet point = point_of(solver, choice, solution_counts);
-  const DerivativeArray array = solver.model.derivative_array(point, 0);
+  const DerivativeArray array = solver.model.whole().derivative_array(point, 0);
   const Matrix F_p = by_parameters ? by_parameters->at(choice.t, point.x.data()) : Matrix(m, 0);
   const std::vector<int> pinned = pinned_unknowns(solver, choice);
   const int rows = m + static_cast<int>(pinned.size());

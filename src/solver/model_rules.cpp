@@ -10,9 +10,9 @@
 namespace sfdae::core {
 
 ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
-  Model& model = solver_.model;
+  FormulatedModel& model = solver_.model;
   const ModelOptions& options = solver_.options.model;
-  Jump jump = model.jump(before, options);
+  Jump jump = model.whole().jump(before, options);
   ConsistentPoint after = model.consistent_point({before.t, before.toward, jump.x.data()}, options);
   const std::size_t n = index(model.n());
   Crossed crossed{before.t, {before.x, before.x + n}, after.x, std::vector<double>(n, 0.0)};

@@ -84,7 +84,7 @@ std::string initial_report(const InitialReport& report) {
 }
 
 std::string constraints_report(const Solver& solver) {
-  const ConstraintsReport report = solver.kind.multibody->constraints();
+  const ConstraintsReport report = solver.model.constraints();
   std::string text =
       format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic, report.nonholonomic);
   if (report.redundant > 0) text += format(", %d of them redundant", report.redundant);
@@ -117,9 +117,9 @@ std::string integration_report(const Solver& solver) {
       "Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", state.t,
       method_name(solver, state.last.order).c_str(), counts.steps, counts.error_failures, counts.other_failures);
   text += format("  %ld reductions, %ld factorizations, ", counts.reductions, counts.factorizations);
-  text += solver.kind.linear != nullptr && !solver.options.model.for_sensitivities
+  text += solver.model.linear() != nullptr && !solver.options.model.for_sensitivities
               ? format("%ld / %ld / %ld calls of E / A / f\n", calls.E, calls.A, calls.f)
-          : solver.kind.multibody != nullptr
+          : solver.model.multibody() != nullptr
               ? format("%ld evaluations, %ld linearizations\n", calls.F, calls.linearizations)
               : format("%ld evaluations of F along jets, %ld linearizations\n", calls.F, calls.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", state.last.h,
@@ -205,7 +205,7 @@ std::string report_of(const Solver& solver, const std::string& about_modes) {
   text += solver.decisions.empty() ? "  restored from a checkpoint, without its rank decisions\n"
                                    : decision_table(solver.decisions.all());
   text += solver.system() != nullptr ? analysis_report(solver) : "the analysis failed\n";
-  if (solver.system() != nullptr && solver.kind.multibody != nullptr) text += constraints_report(solver);
+  if (solver.system() != nullptr && solver.model.multibody() != nullptr) text += constraints_report(solver);
   if (const auto extension = solver.model.extension())
     text += structure_report(*extension, solver.model.structure_evaluator()->record());
   if (solver.initial_report) text += initial_report(*solver.initial_report);

@@ -96,18 +96,13 @@ constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that a
 
 }  // namespace
 
-Solver::Solver(AnyModel its_kind, SolverOptions its_options)
-    : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
+Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_options)
+    : owned_model(std::move(its_model)), model(*owned_model), options(std::move(its_options)) {
   using Evaluators = std::vector<const TaylorEvaluator*>;
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
   use_breakpoints(options.integration);
-}
-
-bool Solver::follows_structure() const {
-  return (system() != nullptr && system()->form() == SystemForm::extension) ||
-         (kind.nonlinear != nullptr && kind.nonlinear->follows_structure());
 }
 
 void Solver::forget_analysis() {
@@ -119,14 +114,14 @@ void Solver::forget_analysis() {
 // Where a multibody system with callbacks fails, a look at its derivatives helps; where rows of the array are left out,
 // the whole array.
 const char* Solver::hint(int status) const {
-  if (status == SFDAE_CHARACTERISTICS_CHANGED && follows_structure() && kind.multibody != nullptr)
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && model.follows_structure() && model.multibody() != nullptr)
     return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";
-  if (status == SFDAE_CHARACTERISTICS_CHANGED && follows_structure())
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && model.follows_structure())
     return system() != nullptr && system()->form() == SystemForm::extension
                ? " If structure alone misleads there, structure = SFDAE_STRUCTURE_OFF goes on beyond that point."
                : " Or set structure = SFDAE_STRUCTURE_OFF: rows of the derivative array were left out that may be "
                  "needed there.";
-  const bool has_callbacks = kind.multibody != nullptr && kind.multibody->callbacks() != nullptr;
+  const bool has_callbacks = model.multibody() != nullptr && model.multibody()->callbacks() != nullptr;
   switch (status) {
     case SFDAE_CHARACTERISTICS_CHANGED:
     case SFDAE_RANK_UNCLEAR:
@@ -142,7 +137,7 @@ const char* Solver::hint(int status) const {
 }
 
 void Solver::set_options(SolverOptions fresh) {
-  demand_structure(model, fresh.model.structure);
+  model.demand_structure(fresh.model.structure);
   fresh.model.for_sensitivities = options.model.for_sensitivities;
   fresh.model.for_adjoint = options.model.for_adjoint;
   fresh.integration.events = events.get();
@@ -305,14 +300,14 @@ Jump Solver::jump(const PointOfInterest& before) {
   demand_jump(*this, before);
   prepare_start(before);
   const UserTime user_time(problem(), before.t);
-  return model.jump(before, options.model);
+  return model.whole().jump(before, options.model);
 }
 
 Jump Solver::impact(const PointOfInterest& before, const std::vector<double>& restitution) {
   demand_jump(*this, before);
   prepare_start(before);
   const UserTime user_time(problem(), before.t);
-  return kind.multibody->impact(before, options.model, restitution);
+  return model.local_coordinates().impact(before, options.model, restitution);
 }
 
 std::vector<double> Solver::solution_at(double t) {

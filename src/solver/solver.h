@@ -17,7 +17,7 @@
 #include "integrate/integration.h"
 #include "linalg/kept_decisions.h"
 #include "problem/failure.h"
-#include "solver/any_model.h"
+#include "solver/formulated_model.h"
 #include "solver/model_rules.h"
 #include "solver/sensitivity_request.h"
 #include "solver/status_of.h"
@@ -41,13 +41,11 @@ struct InitialReport {
 
 // Functions throw Failure, and return warnings.
 struct Solver {
-  Solver(AnyModel its_kind, SolverOptions its_options);
+  Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_options);
 
   Problem& problem() { return model.problem(); }
   // Null before an analysis.
   const DaeSystem* system() const { return model.system(); }
-  // Rows of the derivative array that structure does not ask for are left out.
-  bool follows_structure() const;
   void forget_analysis();
   // Advice for a call that has failed with this status; empty if there is none.
   const char* hint(int status) const;
@@ -96,8 +94,8 @@ struct Solver {
   // The side of the start that nothing is evaluated on, and the end of the first piece.
   void set_limits(double t, double toward_direction);
 
-  AnyModel kind;
-  Model& model;
+  std::unique_ptr<FormulatedModel> owned_model;
+  FormulatedModel& model;
   SolverOptions options;
   KeptDecisions decisions;  // of the last analysis, failed or not
   // After an analysis:

@@ -13,7 +13,7 @@ namespace sfdae::core {
 namespace {
 
 void demand_exportable(const Solver& solver) {
-  if (solver.kind.multibody != nullptr)
+  if (solver.model.multibody() != nullptr)
     refuse_argument(
         "multibody systems have no source: record q' = S v, M v' = f - G^T lambda, 0 = g as equations F(t, x, x') = "
         "0 "

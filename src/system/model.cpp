@@ -7,23 +7,6 @@
 
 namespace sfdae::core {
 
-void demand_array_for_sensitivities(const ModelOptions& options) {
-  if (options.for_sensitivities && options.structure == StructureUse::required)
-    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
-                  format("structure = SFDAE_STRUCTURE_REQUIRED and %s exclude each other: they are computed with the "
-                         "whole derivative array.",
-                         options.for_adjoint ? "the adjoint" : "sensitivities of mechanical systems"));
-}
-
-void demand_dense(int n) {
-  if (n > most_dense_unknowns)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
-               "for: more than %d need their structure.",
-               n, most_dense_unknowns));
-}
-
 void add_derivative(DaeSystem& system, double direction, ConsistentPoint& point) {
   point.xdot.resize(point.x.size());
   point.derivative_exact = system.consistent_derivative(point.x.data(), direction, point.xdot.data());

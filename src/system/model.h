@@ -55,10 +55,6 @@ struct ModelOptions : Acceptance {
   }
 };
 
-// Throw Failure: sensitivities of equations whose structure is required; more unknowns than the whole array can have.
-void demand_array_for_sensitivities(const ModelOptions& options);
-void demand_dense(int n);
-
 // x: n values, or null where none are known. toward: in the direction of integration. xdot: a guess, or null; of
 // nonlinear problems it chooses among the derivatives that F(t, x, x') = 0 allows.
 struct PointOfInterest {
@@ -98,13 +94,9 @@ class Model {
   virtual bool is_constant() const = 0;
   // The analysis is that of a solution, and needs x.
   virtual bool needs_x() const = 0;
-  // StructureUse::required is possible.
-  virtual bool has_structure() const { return false; }
   virtual EvaluationCounts evaluations() const = 0;
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
-  // Of equations that have a structure to ask for, recorded or functions with patterns; else null.
-  virtual TaylorEvaluator* structure_evaluator() { return evaluator(); }
   virtual void parameters_changed() {}
   // Of recorded equations: all that their inputs are in.
   virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
@@ -115,7 +107,7 @@ class Model {
   // Adds what is known of the equations and tells them apart: recorded ones, patterns, what is prescribed; not the
   // values of parameters.
   virtual void add_equations(WordHash& hash) {
-    if (const TaylorEvaluator* known = structure_evaluator()) core::add_equations(known->record(), hash);
+    if (const TaylorEvaluator* known = evaluator()) core::add_equations(known->record(), hash);
   }
 
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
@@ -124,10 +116,6 @@ class Model {
   // Compares derivatives that callbacks supply with their functions, after an analysis or after one that failed. Throws
   // SFDAE_WRONG_DERIVATIVES.
   virtual void demand_derivatives(const PointOfInterest&, const ModelOptions&) {}
-  // The same where another system of these equations has been analyzed, along the jet that it has found.
-  virtual void demand_derivatives_along(const Jet&, const PointOfInterest& point, const ModelOptions& options) {
-    demand_derivatives(point, options);
-  }
   // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
   // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;
@@ -166,6 +154,18 @@ class Model {
   };
   virtual std::optional<Extension> extension() { return std::nullopt; }
 
+  // The point accepted last, or that of the analysis, order 0; of linear problems none (n = 0).
+  virtual Jet accepted_point() const { return {}; }
+};
+
+// A model that knows the whole theory: by the derivative array, or local coordinates of a mechanical system.
+class WholeModel : public Model {
+ public:
+  // demand_derivatives() where another model of these equations has been analyzed, along the jet that it has found.
+  virtual void demand_derivatives_along(const Jet&, const PointOfInterest& point, const ModelOptions& options) {
+    demand_derivatives(point, options);
+  }
+
   // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis;
   // nothing of an integration is disturbed. Throws Failure.
   virtual Jump jump(const PointOfInterest& point, const ModelOptions& options) = 0;
@@ -183,13 +183,11 @@ class Model {
   virtual StrangenessFreeEquations strangeness_free(const Jet& jet) = 0;
   // The level of the jets that projectors and the strangeness-free system need.
   virtual int level_of_jets(bool) { return system()->analysis().values.mu; }
-  // The point accepted last, or that of the analysis, order 0; of linear problems none (n = 0).
-  virtual Jet accepted_point() const { return {}; }
 };
 
 // What all kinds of models have in common.
-template <class System>
-class ModelOf : public Model {
+template <class System, class Base = WholeModel>
+class ModelOf : public Base {
  public:
   System* system() override { return system_.get(); }
   void forget_system() override { system_.reset(); }
