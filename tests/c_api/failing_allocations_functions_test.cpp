@@ -11,8 +11,8 @@
 namespace sfdae::test {
 namespace {
 
-class Methods : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FailingAllocations, Methods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+class FunctionMethods : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(FailingAllocations, FunctionMethods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // a b, whose derivatives above the second vanish.
 int product(int order, const double* a, double* derivatives, void*) {
@@ -33,8 +33,8 @@ sfdae_expression force_of_time(const sfdae_expression& t) {
 }
 
 // A pendulum whose products are functions, whose forces are derivatives and which is driven by a table.
-int pendulum(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
-             sfdae_expression* F, void*) {
+int pendulum_with_functions(sfdae_record*, sfdae_expression t, const sfdae_expression* x,
+                            const sfdae_expression* xdot, sfdae_expression* F, void*) {
   F[4] = sfdae_subtract(sfdae_add(times(x[0], x[0]), times(x[1], x[1])), sfdae_number(1.0));
   for (int i = 0; i < 2; ++i) {
     F[i] = sfdae_subtract(xdot[i], x[i + 2]);
@@ -44,14 +44,14 @@ int pendulum(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const
   return 0;
 }
 
-int create_pendulum(sfdae_solver** solver, const sfdae_options& options) {
-  return create_recorded(solver, options, 5, pendulum);
+int create_pendulum_with_functions(sfdae_solver** solver, const sfdae_options& options) {
+  return create_recorded(solver, options, 5, pendulum_with_functions);
 }
 
-TEST_P(Methods, WithFunctionsInNonlinearEquations) {
+TEST_P(FunctionMethods, WithFunctionsInNonlinearEquations) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
-  std::vector<Call> calls = {create_call(create_pendulum, options_of(GetParam(), 1e-3)), start("start", x),
-                             advance("advance", 0.5)};
+  std::vector<Call> calls = {create_call(create_pendulum_with_functions, options_of(GetParam(), 1e-3)),
+                             start("start", x), advance("advance", 0.5)};
   for (Call& call : checkpoint_calls()) calls.push_back(std::move(call));
   calls.push_back(restore());
   calls.push_back(advance("advance after restore", 1.0));
@@ -77,7 +77,7 @@ int create_body(sfdae_solver** solver, const sfdae_options& options) {
   return sfdae_create_multibody(solver, &problem, &options);
 }
 
-TEST_P(Methods, WithFunctionsInMechanicalSystems) {
+TEST_P(FunctionMethods, WithFunctionsInMechanicalSystems) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   run_with_faults({"functions in mechanical systems",
                    x,
@@ -94,7 +94,7 @@ int linear(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const s
   return 0;
 }
 
-TEST_P(Methods, WithFunctionsInLinearEquations) {
+TEST_P(FunctionMethods, WithFunctionsInLinearEquations) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
     return create_recorded(solver, options, 2, linear);
   };
@@ -117,7 +117,7 @@ int fenced(sfdae_record*, sfdae_expression, const sfdae_expression* x, const sfd
   return 0;
 }
 
-TEST_P(Methods, WhereAFunctionCannotBeEvaluated) {
+TEST_P(FunctionMethods, WhereAFunctionCannotBeEvaluated) {
   static const char* const names[] = {"balance of what comes and what goes"};
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
     return create_recorded(solver, options, 1, fenced, names);

@@ -36,10 +36,10 @@ int double_voltage(double, int, int, const double*, double* after, void*) {
   return 0;
 }
 
-struct Course : HybridCourse {
+struct SensitivityCourse : HybridCourse {
   double x[3] = {1, 0, 0}, S[6] = {}, dt[2] = {};
 
-  explicit Course(int method) {
+  explicit SensitivityCourse(int method) {
     create(3, capacitors, method);
     for (int k = 0; k < 2; ++k) {
       sfdae_transition transition;
@@ -74,23 +74,23 @@ struct Course : HybridCourse {
 
 struct WithSensitivities {
   int method;
-  const Course& expected;
+  const SensitivityCourse& expected;
 
-  Course course() const { return Course(method); }
-  void look(const Course& run) const {
+  SensitivityCourse course() const { return SensitivityCourse(method); }
+  void look(const SensitivityCourse& run) const {
     for (sfdae_solver* solver : run.solvers) {
       double value = 0.0;
       EXPECT_EQ(sfdae_get_parameter(solver, "C", &value), SFDAE_OK);
       EXPECT_EQ(value, C);
     }
   }
-  void repair(Course& run, int k) const {
-    if ((k != Course::first_advance && k != Course::second_advance) || goes_on(run, k)) return;
+  void repair(SensitivityCourse& run, int k) const {
+    if ((k != SensitivityCourse::first_advance && k != SensitivityCourse::second_advance) || goes_on(run, k)) return;
     run.x[0] = 1.0;
     run.x[1] = run.x[2] = run.t = 0.0;
-    EXPECT_EQ(run.call(Course::start), SFDAE_OK);
+    EXPECT_EQ(run.call(SensitivityCourse::start), SFDAE_OK);
   }
-  void compare(const Course& run) const {
+  void compare(const SensitivityCourse& run) const {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(run.x[i], expected.x[i], 1e-4);
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(run.S[i], expected.S[i], 1e-4);
     for (int j = 0; j < 2; ++j) EXPECT_NEAR(run.dt[j], expected.dt[j], 1e-4);
@@ -98,10 +98,10 @@ struct WithSensitivities {
 };
 
 // By the adjoint: of earlier visits there are checkpoints.
-struct AdjointCourse : Course {
+struct AdjointCourse : SensitivityCourse {
   double gradient[4] = {};
 
-  explicit AdjointCourse(int method) : Course(method) {}
+  explicit AdjointCourse(int method) : SensitivityCourse(method) {}
   static constexpr int count = 6;
   int call(int k) {
     static const char* const names[] = {"C", nullptr};
@@ -116,7 +116,7 @@ struct AdjointCourse : Course {
         return sfdae_set_hybrid_sensitivities(hybrid, 2, names, directions, &how);
       }
       case start:
-      case first_advance: return Course::call(k);
+      case first_advance: return SensitivityCourse::call(k);
       case 3: return sfdae_advance_hybrid(hybrid, 2.5, &t, x, nullptr);
       default: return sfdae_get_hybrid_gradient(hybrid, 2, times, 2, weights, gradient);
     }
@@ -133,9 +133,9 @@ struct WithAdjoint {
     if ((k != 2 && k != 3) || goes_on(run, k)) return;
     run.x[0] = 1.0;
     run.x[1] = run.x[2] = run.t = 0.0;
-    EXPECT_EQ(run.call(Course::start), SFDAE_OK);
+    EXPECT_EQ(run.call(SensitivityCourse::start), SFDAE_OK);
     if (k == 3) {
-      EXPECT_EQ(run.call(Course::first_advance), SFDAE_OK);
+      EXPECT_EQ(run.call(SensitivityCourse::first_advance), SFDAE_OK);
     }
   }
   void compare(const AdjointCourse& run) const {
@@ -143,23 +143,23 @@ struct WithAdjoint {
   }
 };
 
-class Methods : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FailingAllocations, Methods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+class HybridMethods : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(FailingAllocations, HybridMethods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // x_0 = exp(-t / C) reaches the level at C log(1 / level) and, with start value v, C log(v / level).
-TEST_P(Methods, WithSensitivitiesOfHybridSystems) {
-  Course expected(GetParam());
-  for (int k = 0; k < Course::count; ++k)
+TEST_P(HybridMethods, WithSensitivitiesOfHybridSystems) {
+  SensitivityCourse expected(GetParam());
+  for (int k = 0; k < SensitivityCourse::count; ++k)
     ASSERT_EQ(expected.call(k), SFDAE_OK) << k << ": " << sfdae_get_hybrid_message(expected.hybrid);
   EXPECT_NEAR(expected.dt[0], std::log(1.0 / level), 1e-3);
   EXPECT_NEAR(expected.dt[1], C, 1e-3);
   long passages = 0;
   sfdae_get_num_passages(expected.hybrid, &passages);
   EXPECT_EQ(passages, 3);
-  let_allocations_fail(WithSensitivities{GetParam(), expected}, Course::count, stride_of_faults(24));
+  let_allocations_fail(WithSensitivities{GetParam(), expected}, SensitivityCourse::count, stride_of_faults(24));
 }
 
-TEST_P(Methods, WithTheAdjointOfHybridSystems) {
+TEST_P(HybridMethods, WithTheAdjointOfHybridSystems) {
   AdjointCourse expected(GetParam());
   for (int k = 0; k < AdjointCourse::count; ++k)
     ASSERT_EQ(expected.call(k), SFDAE_OK) << k << ": " << sfdae_get_hybrid_message(expected.hybrid);

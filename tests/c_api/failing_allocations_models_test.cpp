@@ -18,8 +18,8 @@ class Models : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(FailingAllocations, Models, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // A pendulum by positions: mu = 2.
-int pendulum(sfdae_record* record, sfdae_expression, const sfdae_expression* x, const sfdae_expression* xdot,
-             sfdae_expression* F, void*) {
+int pendulum_by_positions(sfdae_record* record, sfdae_expression, const sfdae_expression* x,
+                          const sfdae_expression* xdot, sfdae_expression* F, void*) {
   for (int i = 0; i < 2; ++i) {
     F[i] = sfdae_subtract(xdot[i], x[i + 2]);
     F[i + 2] = sfdae_add(xdot[i + 2], sfdae_multiply(x[i], x[4]));
@@ -31,8 +31,8 @@ int pendulum(sfdae_record* record, sfdae_expression, const sfdae_expression* x, 
   F[4] = sfdae_add(F[4], sfdae_subtract(sfdae_multiply(x[1], x[1]), sfdae_multiply(x[1], x[1])));
   return 0;
 }
-int create_pendulum(sfdae_solver** solver, const sfdae_options& options) {
-  return create_recorded(solver, options, 5, pendulum);
+int create_recorded_pendulum(sfdae_solver** solver, const sfdae_options& options) {
+  return create_recorded(solver, options, 5, pendulum_by_positions);
 }
 
 // sin t, cos t, through the singular point at pi / 2.
@@ -69,19 +69,19 @@ Call export_source(int language) {
 TEST_P(Models, AreRecorded) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   Sequence sequence{
-      "recording", x, {create_call(create_pendulum, options_of(GetParam(), 1e-4)), start("start", x)}, 1e-3};
+      "recording", x, {create_call(create_recorded_pendulum, options_of(GetParam(), 1e-4)), start("start", x)}, 1e-3};
   sequence.density = 10000;
   run_with_faults(sequence);
 }
 
 TEST_P(Models, AreWritten) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
-  run_with_faults(
-      {"source text",
-       x,
-       {create_call(create_pendulum, options_of(GetParam(), 1e-4)), start("start", x), export_source(SFDAE_SOURCE_C),
-        advance("advance", 0.5), export_source(SFDAE_SOURCE_FORTRAN), advance("to the end", 1.0)},
-       1e-2});
+  run_with_faults({"source text",
+                   x,
+                   {create_call(create_recorded_pendulum, options_of(GetParam(), 1e-4)), start("start", x),
+                    export_source(SFDAE_SOURCE_C), advance("advance", 0.5), export_source(SFDAE_SOURCE_FORTRAN),
+                    advance("to the end", 1.0)},
+                   1e-2});
 }
 
 // With BDF: Radau's few steps before the point may be too few to go on from once one has been lost, which is said.

@@ -10,12 +10,13 @@
 namespace sfdae::test {
 namespace {
 
-class Methods : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FailingAllocations, Methods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+class SensitivityMethods : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(FailingAllocations, SensitivityMethods,
+                         testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // A pendulum that is driven by a table: integrations start anew at its kinks.
-int pendulum(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
-             sfdae_expression* F, void*) {
+int pendulum_with_a_table(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                          const sfdae_expression* xdot, sfdae_expression* F, void*) {
   static const double times[] = {-1.0, 0.0, 0.4, 1.0, 2.0}, forces[] = {0.0, 0.5, 0.0, 1.0, 0.0};
   const sfdae_expression g = sfdae_parameter(record, "g", 2.0);
   for (int i = 0; i < 2; ++i) {
@@ -27,8 +28,8 @@ int pendulum(sfdae_record* record, sfdae_expression t, const sfdae_expression* x
   return 0;
 }
 
-int create_pendulum(sfdae_solver** solver, const sfdae_options& options) {
-  return create_recorded(solver, options, 5, pendulum);
+int create_pendulum_with_a_table(sfdae_solver** solver, const sfdae_options& options) {
+  return create_recorded(solver, options, 5, pendulum_with_a_table);
 }
 
 Call set_sensitivities() {
@@ -53,12 +54,12 @@ Call sensitivities() {
           }};
 }
 
-TEST_P(Methods, WithSensitivities) {
+TEST_P(SensitivityMethods, WithSensitivities) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   // Several tolerances: what has lost its linearization has other errors of iterations.
   run_with_faults({"sensitivities",
                    x,
-                   {create_call(create_pendulum, options_of(GetParam(), 1e-3)), set_sensitivities(),
+                   {create_call(create_pendulum_with_a_table, options_of(GetParam(), 1e-3)), set_sensitivities(),
                     start("start", x), advance("advance", 0.3), sensitivities(), advance("across a kink", 0.7),
                     sensitivities(), advance("to the end", 1.0)},
                    1e-2});
@@ -92,21 +93,21 @@ Call gradient() {
           }};
 }
 
-TEST_P(Methods, WithGradients) {
+TEST_P(SensitivityMethods, WithGradients) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   run_with_faults({"gradients",
                    x,
-                   {create_call(create_pendulum, options_of(GetParam(), 1e-3)), keep_steps(), start("start", x),
-                    advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
+                   {create_call(create_pendulum_with_a_table, options_of(GetParam(), 1e-3)), keep_steps(),
+                    start("start", x), advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
                    1e-2});
 }
 
-TEST_P(Methods, WithGradientsOfStepsThatAreMadeAgain) {
+TEST_P(SensitivityMethods, WithGradientsOfStepsThatAreMadeAgain) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   run_with_faults({"gradients from checkpoints",
                    x,
-                   {create_call(create_pendulum, options_of(GetParam(), 1e-3)), keep_steps(2), start("start", x),
-                    advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
+                   {create_call(create_pendulum_with_a_table, options_of(GetParam(), 1e-3)), keep_steps(2),
+                    start("start", x), advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
                    1e-2});
 }
 

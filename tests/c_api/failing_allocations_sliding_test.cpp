@@ -26,10 +26,10 @@ int surface(sfdae_record* record, sfdae_expression, const sfdae_expression* x, c
   return 0;
 }
 
-struct Course : HybridCourse {
+struct SlidingCourse : HybridCourse {
   double x[2] = {1, 1}, S[6] = {}, dt[3] = {};
 
-  explicit Course(int method) {
+  explicit SlidingCourse(int method) {
     create(2, toward, method);
     EXPECT_EQ(sfdae_add_switch(hybrid, 0, 1, surface, nullptr, "along", nullptr), SFDAE_OK);
   }
@@ -53,36 +53,36 @@ struct Course : HybridCourse {
 
 struct AlongASurface {
   int method;
-  const Course& expected;
+  const SlidingCourse& expected;
 
-  Course course() const { return Course(method); }
-  void look(const Course&) const {}
+  SlidingCourse course() const { return SlidingCourse(method); }
+  void look(const SlidingCourse&) const {}
   // What was under way may have ended.
-  void repair(Course& run, int k) const {
-    if (k != Course::first_advance && k != Course::second_advance) return;
+  void repair(SlidingCourse& run, int k) const {
+    if (k != SlidingCourse::first_advance && k != SlidingCourse::second_advance) return;
     run.x[0] = run.x[1] = 1.0;
     run.t = 0.0;
-    EXPECT_EQ(run.call(Course::start), SFDAE_OK);
+    EXPECT_EQ(run.call(SlidingCourse::start), SFDAE_OK);
   }
-  void compare(const Course& run) const {
+  void compare(const SlidingCourse& run) const {
     for (int i = 0; i < 2; ++i) EXPECT_NEAR(run.x[i], expected.x[i], 1e-4);
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(run.S[i], expected.S[i], 1e-4);
     for (int j = 0; j < 3; ++j) EXPECT_NEAR(run.dt[j], expected.dt[j], 1e-4);
   }
 };
 
-class Methods : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FailingAllocations, Methods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+class SlidingMethods : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(FailingAllocations, SlidingMethods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // The surface is met after (1 - height) / rate, and x = height from there on.
-TEST_P(Methods, WithSensitivitiesAlongASurface) {
-  Course expected(GetParam());
-  for (int k = 0; k < Course::count; ++k)
+TEST_P(SlidingMethods, WithSensitivitiesAlongASurface) {
+  SlidingCourse expected(GetParam());
+  for (int k = 0; k < SlidingCourse::count; ++k)
     ASSERT_EQ(expected.call(k), SFDAE_OK) << k << ": " << sfdae_get_hybrid_message(expected.hybrid);
   EXPECT_NEAR(expected.dt[0], -(1.0 - height) / (rate * rate), 1e-4);
   EXPECT_NEAR(expected.dt[1], -1.0 / rate, 1e-4);
   EXPECT_NEAR(expected.S[2], 1.0, 1e-4);
-  let_allocations_fail(AlongASurface{GetParam(), expected}, Course::count, stride_of_faults(24));
+  let_allocations_fail(AlongASurface{GetParam(), expected}, SlidingCourse::count, stride_of_faults(24));
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 namespace sfdae::test {
 namespace {
 
-class Methods : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(FailingAllocations, Methods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+class TheoryMethods : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(FailingAllocations, TheoryMethods, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
 // What a getter writes, at most so many numbers.
 template <class Function>
@@ -113,8 +113,8 @@ void run_with_theory(Sequence sequence, const std::vector<Call>& getters) {
 }
 
 // The pendulum, index 3.
-int record_pendulum(sfdae_record*, sfdae_expression, const sfdae_expression* x, const sfdae_expression* xdot,
-                    sfdae_expression* F, void*) {
+int plain_pendulum(sfdae_record*, sfdae_expression, const sfdae_expression* x, const sfdae_expression* xdot,
+                   sfdae_expression* F, void*) {
   F[0] = sfdae_subtract(xdot[0], x[2]);
   F[1] = sfdae_subtract(xdot[1], x[3]);
   F[2] = sfdae_add(xdot[2], sfdae_multiply(x[4], x[0]));
@@ -128,12 +128,12 @@ int create_formulas(sfdae_solver** solver, const sfdae_options& options) {
   return create_recorded(solver, options, n, record);
 }
 
-TEST_P(Methods, InTheTheoryOfANonlinearProblem) {
+TEST_P(TheoryMethods, InTheTheoryOfANonlinearProblem) {
   const std::vector<double> x = {0.6, -0.8, 0.8, 0.6, 1.8};
   Sequence sequence{"theory of a nonlinear problem",
                     x,
-                    {create_call(create_formulas<record_pendulum, 5>, options_of(GetParam(), 1e-3)),
-                     start("start", x), advance("advance", 0.3)},
+                    {create_call(create_formulas<plain_pendulum, 5>, options_of(GetParam(), 1e-3)), start("start", x),
+                     advance("advance", 0.3)},
                     1e-3};
   sequence.density = 2;
   std::vector<Call> getters = get_all_at(0.3);
@@ -151,7 +151,7 @@ int record_multibody_pendulum(sfdae_record*, sfdae_expression, const sfdae_expre
   return 0;
 }
 
-TEST_P(Methods, InTheTheoryOfAMultibodySystem) {
+TEST_P(TheoryMethods, InTheTheoryOfAMultibodySystem) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
     sfdae_multibody_problem problem;
     sfdae_multibody_problem_init(&problem, sizeof problem);
@@ -194,7 +194,7 @@ Call start_downward() {
           }};
 }
 
-TEST_P(Methods, WhereTheSlopeIsGuessed) {
+TEST_P(TheoryMethods, WhereTheSlopeIsGuessed) {
   sfdae_options options = options_of(GetParam(), 1e-3);
   options.xdot_is_guess = 1;
   run_with_faults({"guess of a slope",
@@ -212,7 +212,7 @@ int record_circle(sfdae_record*, sfdae_expression, const sfdae_expression* x, co
   return 0;
 }
 
-TEST_P(Methods, WhereANonlinearProblemIsSingular) {
+TEST_P(TheoryMethods, WhereANonlinearProblemIsSingular) {
   const std::vector<double> x = {0.0, 1.0};
   Call changed = advance("advance to the singular point", 2.0);
   changed.failure = SFDAE_CHARACTERISTICS_CHANGED;
@@ -247,7 +247,7 @@ int circuit_f(double t, int order, double* f, void*) {
   return 0;
 }
 
-TEST_P(Methods, WhereRanksNeedACertificate) {
+TEST_P(TheoryMethods, WhereRanksNeedACertificate) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
     sfdae_linear_problem problem;
     sfdae_linear_problem_init(&problem, sizeof problem);

@@ -54,7 +54,7 @@ void expect_exact(const sfdae::Point& point) {
 }
 
 template <class Call>
-int status_of(Call call) {
+int status_of_call(Call call) {
   try {
     return call();
   } catch (const sfdae::Error& error) {
@@ -138,7 +138,7 @@ TEST(Solver, KeepsItsCallbacksWhenItMoves) {
   EXPECT_EQ(counter.use_count(), 1);  // nothing is kept
 }
 
-struct Mishap : std::runtime_error {
+struct LinearMishap : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -147,7 +147,7 @@ struct Thrower {
   char function = 0;
   int countdown = 0;
   void operator()(char name) {
-    if (name == function && countdown-- == 0) throw Mishap("no value");
+    if (name == function && countdown-- == 0) throw LinearMishap("no value");
   }
 };
 
@@ -183,7 +183,7 @@ TEST(Solver, PassesOnExceptionsFromEveryCallAndGoesOn) {
         solver.start(point, 1.0);
         solver.advance(1.0, point);
         solver.check_derivatives(0.5, 1);
-      } catch (const Mishap& mishap) {
+      } catch (const LinearMishap& mishap) {
         thrown = true;
         EXPECT_STREQ(mishap.what(), "no value");
       }
@@ -210,13 +210,13 @@ TEST(Solver, PassesOnAnythingThatIsThrown) {
 TEST(Solver, KeepsTheLastPointWhenTheMonitorThrows) {
   sfdae::Options options;
   options.monitor = [](const sfdae::Progress& progress) -> bool {
-    if (progress.t > 0.5) throw Mishap("enough");
+    if (progress.t > 0.5) throw LinearMishap("enough");
     return false;
   };
   sfdae::Solver solver(oscillator(), options);
   sfdae::Point point = start_point();
   solver.start(point, 1.0);
-  EXPECT_THROW(solver.advance(1.0, point), Mishap);
+  EXPECT_THROW(solver.advance(1.0, point), LinearMishap);
   EXPECT_GT(point.t, 0.5);
   expect_exact(point);
   options.monitor = nullptr;
@@ -254,7 +254,7 @@ TEST(Solver, IsBusyInItsOwnCallbacks) {
   sfdae::Solver solver(std::move(problem));
   inside = &solver;
   sfdae::Point point = start_point();
-  EXPECT_EQ(status_of([&] { return solver.start(point, 1.0); }), SFDAE_BUSY);
+  EXPECT_EQ(status_of_call([&] { return solver.start(point, 1.0); }), SFDAE_BUSY);
 }
 
 TEST(Solver, UnderstandsStatusCodesOfCallbacks) {
@@ -265,11 +265,11 @@ TEST(Solver, UnderstandsStatusCodesOfCallbacks) {
   };
   sfdae::Solver solver(std::move(problem));
   sfdae::Point point = start_point();
-  EXPECT_LT(status_of([&] { return solver.start(point, 1.0); }), 0);
+  EXPECT_LT(status_of_call([&] { return solver.start(point, 1.0); }), 0);
   code = 1;
-  EXPECT_EQ(status_of([&] { return solver.start(point, 1.0); }), SFDAE_CALLBACK_FAILED);
+  EXPECT_EQ(status_of_call([&] { return solver.start(point, 1.0); }), SFDAE_CALLBACK_FAILED);
   code = -1;
-  EXPECT_EQ(status_of([&] { return solver.start(point, 1.0); }), SFDAE_CALLBACK_STOPPED);
+  EXPECT_EQ(status_of_call([&] { return solver.start(point, 1.0); }), SFDAE_CALLBACK_STOPPED);
   code = 0;
   EXPECT_EQ(solver.start(point, 1.0), SFDAE_OK);
 }
@@ -277,30 +277,32 @@ TEST(Solver, UnderstandsStatusCodesOfCallbacks) {
 TEST(Solver, ThrowsErrorsThatExplain) {
   sfdae::LinearProblem problem = oscillator();
   problem.E = nullptr;
-  EXPECT_EQ(status_of([&] { return sfdae::Solver(problem).set_options({}); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_call([&] { return sfdae::Solver(problem).set_options({}); }), SFDAE_ILLEGAL_ARGUMENT);
   EXPECT_NE(sfdae::Solver::check(problem), "");
-  EXPECT_EQ(status_of([] { return sfdae::Solver(sfdae::LinearProblem(0, 0)).set_options({}); }), SFDAE_EMPTY_PROBLEM);
+  EXPECT_EQ(status_of_call([] { return sfdae::Solver(sfdae::LinearProblem(0, 0)).set_options({}); }),
+            SFDAE_EMPTY_PROBLEM);
 
   sfdae::Options options;
   options.rtol = -1;
   EXPECT_NE(sfdae::Solver::check(oscillator(), options), "");
-  EXPECT_EQ(status_of([&] { return sfdae::Solver(oscillator(), options).set_options({}); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_call([&] { return sfdae::Solver(oscillator(), options).set_options({}); }),
+            SFDAE_ILLEGAL_ARGUMENT);
   EXPECT_EQ(sfdae::Solver::check(oscillator()), "");
 
   sfdae::Solver solver(oscillator());
   sfdae::Point point = start_point();
-  EXPECT_EQ(status_of([&] { return solver.set_options(options); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { return solver.advance(1.0, point); }), SFDAE_NOT_STARTED);
-  EXPECT_EQ(status_of([&] { return solver.analyze(0.0, 0.0); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { return solver.characteristics().strangeness_index; }), SFDAE_NOT_STARTED);
+  EXPECT_EQ(status_of_call([&] { return solver.set_options(options); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_call([&] { return solver.advance(1.0, point); }), SFDAE_NOT_STARTED);
+  EXPECT_EQ(status_of_call([&] { return solver.analyze(0.0, 0.0); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_call([&] { return solver.characteristics().strangeness_index; }), SFDAE_NOT_STARTED);
   point.x.resize(2);
-  EXPECT_EQ(status_of([&] { return solver.start(point, 1.0); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_call([&] { return solver.start(point, 1.0); }), SFDAE_ILLEGAL_ARGUMENT);
 }
 
 TEST(Options, VectorsHaveOneEntryForEachUnknown) {
   sfdae::Options options;
   options.rtol_vector = {1e-6, 1e-6};
-  EXPECT_NE(status_of([&] { return sfdae::Solver(oscillator(), options).set_options({}); }), SFDAE_OK);
+  EXPECT_NE(status_of_call([&] { return sfdae::Solver(oscillator(), options).set_options({}); }), SFDAE_OK);
   options.rtol_vector = {1e-6, 1e-6, 1e-6};
   options.atol_vector = {1e-6, 1e-6, 1e-6};
   options.initial_weights = {1, 1, 1e-3};
@@ -343,7 +345,7 @@ TEST(Solver, GoesOnFromACheckpointInEveryBit) {
     sfdae::Options options;
     options.method = method;
     sfdae::Solver solver(oscillator(), options);
-    EXPECT_EQ(status_of([&] { return static_cast<int>(solver.save_checkpoint().size()); }), SFDAE_NOT_STARTED);
+    EXPECT_EQ(status_of_call([&] { return static_cast<int>(solver.save_checkpoint().size()); }), SFDAE_NOT_STARTED);
     sfdae::Point point = start_point(), copy;
     solver.start(point, 4.0);
     solver.advance(1.0, point);
@@ -360,8 +362,8 @@ TEST(Solver, GoesOnFromACheckpointInEveryBit) {
 
     std::vector<double> damaged = checkpoint;
     damaged.pop_back();
-    EXPECT_EQ(status_of([&] { return other.restore_checkpoint(damaged); }), SFDAE_ILLEGAL_ARGUMENT);
-    EXPECT_EQ(status_of([&] { return other.restore_checkpoint({}); }), SFDAE_ILLEGAL_ARGUMENT);
+    EXPECT_EQ(status_of_call([&] { return other.restore_checkpoint(damaged); }), SFDAE_ILLEGAL_ARGUMENT);
+    EXPECT_EQ(status_of_call([&] { return other.restore_checkpoint({}); }), SFDAE_ILLEGAL_ARGUMENT);
     // The integration under way goes on as if nothing had been asked.
     EXPECT_EQ(solver.advance(4.0, point), SFDAE_OK);
     EXPECT_EQ(other.advance(4.0, copy), SFDAE_OK);
@@ -470,7 +472,7 @@ TEST(Solver, LooksInside) {
   const std::vector<sfdae::Decision> decisions = solver.decisions();
   ASSERT_FALSE(decisions.empty());
   for (const sfdae::Decision& decision : decisions) EXPECT_EQ(decision.verdict, SFDAE_VERDICT_CLEAR);
-  EXPECT_EQ(status_of([&] { return solver.change().new_algebraic; }), SFDAE_NOT_STARTED);
+  EXPECT_EQ(status_of_call([&] { return solver.change().new_algebraic; }), SFDAE_NOT_STARTED);
 
   sfdae::Point point{0.5, {1.0, 0.5, 9.0}, {}};
   EXPECT_EQ(solver.make_consistent(point), SFDAE_OK);
@@ -495,7 +497,7 @@ TEST(Solver, LooksInside) {
   EXPECT_EQ(array.g[2], -0.5);
   EXPECT_EQ(array.g[5], -1);
   for (int level : {-1, std::numeric_limits<int>::max()})
-    EXPECT_EQ(status_of([&] { return solver.derivative_array(0.5, level).M.rows(); }), SFDAE_ILLEGAL_ARGUMENT);
+    EXPECT_EQ(status_of_call([&] { return solver.derivative_array(0.5, level).M.rows(); }), SFDAE_ILLEGAL_ARGUMENT);
 
   const sfdae::Projectors p = solver.projectors(0.5);
   EXPECT_EQ(p.Z1.rows(), 3);

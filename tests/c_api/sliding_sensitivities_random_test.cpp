@@ -24,7 +24,7 @@ namespace {
 
 using namespace sfdae_test::sliding;
 using Parameters = std::array<double, 3>;  // p, r, the change of the start value
-using Values = std::vector<double>;
+using RandomValues = std::vector<double>;
 
 constexpr Parameters in_use = {0.3, 0.2, 0.0};
 
@@ -93,7 +93,7 @@ constexpr int outputs = 5;
 
 // y at the outputs, and the times of the changes before.
 struct Course {
-  std::vector<Values> y;
+  std::vector<RandomValues> y;
   std::vector<std::vector<double>> changes;
   std::vector<int> modes;  // at the outputs
   bool slides = false;
@@ -128,7 +128,7 @@ Course course_of(const Family& family, const Parameters& q) {
 // With its derivatives, as far as the courses beside it are those of the same modes.
 struct Exact {
   Course course;
-  std::array<std::vector<Values>, 3> S, dt;  // dt: of the last change
+  std::array<std::vector<RandomValues>, 3> S, dt;  // dt: of the last change
 };
 Exact exact_course(const Family& family) {
   constexpr double step = 2e-4;
@@ -148,7 +148,7 @@ Exact exact_course(const Family& family) {
       };
       if (std::any_of(beside.begin(), beside.end(), is_other)) break;
       const auto along = [](double a, double b, double c, double d) { return (8 * (a - b) - (c - d)) / (12 * step); };
-      Values S, dt;
+      RandomValues S, dt;
       for (std::size_t i = 0; i < exact.course.y[k].size(); ++i)
         S.push_back(along(beside[0].y[k][i], beside[1].y[k][i], beside[2].y[k][i], beside[3].y[k][i]));
       if (!exact.course.changes[k].empty())
@@ -172,7 +172,7 @@ struct Outcome {
   std::string failure;
 };
 
-double error_of(const Values& found, const Values& exact, double tolerance) {
+double error_of_slopes(const RandomValues& found, const RandomValues& exact, double tolerance) {
   double size = 1.0, error = 0.0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     size = std::max(size, std::fabs(exact[i]));
@@ -231,13 +231,13 @@ Outcome run(const Family& family, const Exact& exact, int method, double toleran
       const sfdae::Matrix S = hybrid.sensitivities(t, false).S;
       ++outcome.compared;
       for (int j = 0; j < 3; ++j) {
-        const Values found(S.data() + j * size, S.data() + (j + 1) * size);
-        outcome.error = std::max(outcome.error, error_of(found, exact.S[std::size_t(j)][k], tolerance));
+        const RandomValues found(S.data() + j * size, S.data() + (j + 1) * size);
+        outcome.error = std::max(outcome.error, error_of_slopes(found, exact.S[std::size_t(j)][k], tolerance));
         if (exact.dt[std::size_t(j)][k].empty()) continue;
         const double time = exact.course.changes[k].back(), found_time = hybrid.passage(hybrid.num_passages() - 1).t;
         const double off = std::fabs(found_time - time) / (tolerance * (1.0 + time));
-        const Values dt = {hybrid.passage_sensitivities()[std::size_t(j)]};
-        const double error = error_of(dt, exact.dt[std::size_t(j)][k], tolerance);
+        const RandomValues dt = {hybrid.passage_sensitivities()[std::size_t(j)]};
+        const double error = error_of_slopes(dt, exact.dt[std::size_t(j)][k], tolerance);
         outcome.error_of_times = std::max(outcome.error_of_times, error / std::max(1.0, off));
       }
     }

@@ -13,8 +13,8 @@
 namespace {
 
 using sfdae::Expression;
-using Equations = std::function<void(const Expression& t, sfdae::ConstExpressions x, sfdae::ConstExpressions xdot,
-                                     sfdae::Expressions F)>;
+using SlidingEquations = std::function<void(const Expression& t, sfdae::ConstExpressions x,
+                                            sfdae::ConstExpressions xdot, sfdae::Expressions F)>;
 using Values = std::vector<double>;
 
 sfdae::Options options_at(double tolerance, int method) {
@@ -24,7 +24,7 @@ sfdae::Options options_at(double tolerance, int method) {
   return options;
 }
 
-sfdae::Solver solver_of(int n, const Equations& equations, const sfdae::Options& options = {}) {
+sfdae::Solver solver_of(int n, const SlidingEquations& equations, const sfdae::Options& options = {}) {
   sfdae::NonlinearProblem problem(n, n);
   problem.equations = [equations](const auto& t, auto x, auto xdot, auto F) { equations(t, x, xdot, F); };
   return sfdae::Solver(problem, options);
@@ -32,7 +32,7 @@ sfdae::Solver solver_of(int n, const Equations& equations, const sfdae::Options&
 
 // Two modes, 0 below and 1 above, and 2 along the surface.
 struct System {
-  System(int n, const std::function<Equations(int above)>& equations, const sfdae::SurfaceFunction& surface,
+  System(int n, const std::function<SlidingEquations(int above)>& equations, const sfdae::SurfaceFunction& surface,
          const sfdae::Options& options = {})
       : below(solver_of(n, equations(0), options)), above(solver_of(n, equations(1), options)) {
     hybrid.add_mode(below, "below");
@@ -57,10 +57,10 @@ struct System {
   sfdae::Point point;
 };
 
-const auto methods = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
+const auto both_methods = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
 
 // x' = x > y ? -2 : 2, y' = y > x ? -3 : 1.5
-Equations corner(int above) {
+SlidingEquations corner(int above) {
   return [above](const auto&, auto, auto xdot, auto F) {
     F[0] = xdot[0] - (above ? -2 : 2);
     F[1] = xdot[1] - (above ? 1.5 : -3);
@@ -69,7 +69,7 @@ Equations corner(int above) {
 Expression difference(const Expression&, sfdae::ConstExpressions x) { return x[0] - x[1]; }
 
 TEST(Sliding, MeetsTheSurfaceAndStays) {
-  for (const int method : methods)
+  for (const int method : both_methods)
     for (const int side : {0, 1}) {
       System system(2, corner, difference, options_at(1e-9, method));
       // From below: the surface is met at 1/10 at x = y = 1.2.
@@ -98,7 +98,7 @@ TEST(Sliding, StopsAtTheTransition) {
 }
 
 // A mass with friction 1/2 on a base of velocity sin t: v' = -sign(v - sin t) / 2.
-Equations on_base(int above) {
+SlidingEquations on_base(int above) {
   return [above](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] + (above ? 0.5 : -0.5); };
 }
 Expression slip(const Expression& t, sfdae::ConstExpressions x) { return x[0] - sin(t); }
@@ -116,7 +116,7 @@ TEST(Sliding, LeavesWhereAModeLeadsAway) {
   const auto slides = [&](double t) { return std::sin(loose) - 0.5 * (t - loose); };
   const double sticks_again = zero_of([&](double t) { return slides(t) - std::sin(t); }, 5.0);
   const double loose_again = 5.0 * pi / 3.0;
-  for (const int method : methods) {
+  for (const int method : both_methods) {
     System system(1, on_base, slip, options_at(1e-9, method));
     system.start(0, {0}, 6);
     EXPECT_NEAR(system.at(1)[0], 0.5, 1e-8);
@@ -141,7 +141,7 @@ TEST(Sliding, LeavesWhereAModeLeadsAway) {
 
 // Fields that lead through the surface, 1 and 2 + x[1]: no sliding.
 TEST(Sliding, IsNotEnteredWhereTheOtherModeLeadsOn) {
-  const auto through = [](int above) -> Equations {
+  const auto through = [](int above) -> SlidingEquations {
     return [above](const auto&, auto x, auto xdot, auto F) {
       F[0] = xdot[0] - (above ? 2 + x[1] : 1 - 0 * x[1]);
       F[1] = xdot[1] - 1;
@@ -161,7 +161,7 @@ TEST(Sliding, IsNotEnteredWhereTheOtherModeLeadsOn) {
 
 // What repels forward attracts backward.
 TEST(Sliding, WorksInBothDirections) {
-  const auto away = [](int above) -> Equations {
+  const auto away = [](int above) -> SlidingEquations {
     return [above](const auto&, auto, auto xdot, auto F) {
       F[0] = xdot[0] - (above ? 1 : -1);
       F[1] = xdot[1] - (above ? 3 : 1);
@@ -189,14 +189,14 @@ TEST(Sliding, WorksInBothDirections) {
 
 // x'' = u with u = -(x + 3 v) / |...|: u is an unknown; it slides along x + v = 0, exp(-t), and is -1 ... 1 there.
 TEST(Sliding, FindsTheEquivalentControl) {
-  const auto relay = [](int above) -> Equations {
+  const auto relay = [](int above) -> SlidingEquations {
     return [above](const auto&, auto x, auto xdot, auto F) {
       F[0] = xdot[0] - x[1];
       F[1] = xdot[1] - x[2];
       F[2] = x[2] - (above ? -1 : 1);
     };
   };
-  for (const int method : methods) {
+  for (const int method : both_methods) {
     System system(
         3, relay, [](const auto&, auto x) { return x[0] + x[1]; }, options_at(1e-9, method));
     system.start(1, {0.5, 0, -1}, 5);
@@ -212,7 +212,7 @@ TEST(Sliding, FindsTheEquivalentControl) {
 
 // A point on the unit circle with a friction of 1/2 and a torque of (t - 2) / 2 from t = 2 on, by position and
 // multiplier: it turns from angle 1, stops at 2 after turning by 1, rests until 3.
-Equations on_circle(int above) {
+SlidingEquations on_circle(int above) {
   return [above](const auto& t, auto x, auto xdot, auto F) {
     const Expression moment = (above ? -0.5 : 0.5) + 0.5 * max(t - 2, 0.0);
     F[0] = xdot[0] - x[2];
@@ -225,7 +225,7 @@ Equations on_circle(int above) {
 
 void rest_on_a_circle(int structure) {
   const auto turning = [](const auto&, auto x) { return x[0] * x[3] - x[1] * x[2]; };
-  for (const int method : methods) {
+  for (const int method : both_methods) {
     sfdae::Options options = options_at(1e-9, method);
     options.structure = structure;
     System system(5, on_circle, turning, options);
@@ -311,7 +311,7 @@ TEST(Sliding, GoesOnFromCheckpointsAndRecords) {
 
 // x' = -sign(x - level) rate: level is a parameter of the surface and of both modes.
 TEST(Sliding, FollowsParameters) {
-  const auto toward = [](int above) -> Equations {
+  const auto toward = [](int above) -> SlidingEquations {
     return [above](const auto&, auto x, auto xdot, auto F) {
       const Expression rate = sfdae::parameter(x[0], "rate", 1), level = sfdae::parameter(x[0], "level", 0);
       F[0] = xdot[0] - (above ? -rate : rate);
@@ -404,7 +404,7 @@ TEST(Sliding, EndsByTransitionsOfItsModes) {
 // Transitions of the user's to the sliding mode: at a time at which the system is on the surface.
 TEST(Sliding, BeginsByTransitionsWhereTheSurfaceAttracts) {
   for (const bool attracts : {true, false}) {
-    const auto fields = [attracts](int above) -> Equations {
+    const auto fields = [attracts](int above) -> SlidingEquations {
       return [above, attracts](const auto&, auto, auto xdot, auto F) {
         F[0] = xdot[0] - ((above != 0) == attracts ? -1 : 1);
         F[1] = xdot[1] - 2.0 * above;
@@ -458,17 +458,19 @@ TEST(Sliding, NamesModesThatAreLeftAtOnce) {
 // What cannot be combined, and a word that names it.
 TEST(Sliding, RefusesWhatCannotBeCombined) {
   struct Case {
-    Equations below, above;
+    SlidingEquations below, above;
     sfdae::SurfaceFunction surface;
     std::string word;
   };
-  const Equations plain = [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] - 1, F[1] = xdot[1]; };
-  const Equations back = [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] + 1, F[1] = xdot[1]; };
-  const Equations scaled = [](const auto&, auto, auto xdot, auto F) { F[0] = 2 * xdot[0] + 1, F[1] = xdot[1]; };
-  const Equations turned = [](const auto&, auto, auto xdot, auto F) { F[0] = 1 - xdot[0], F[1] = xdot[1]; };
-  const Equations held = [](const auto&, auto x, auto xdot, auto F) { F[0] = x[0] - 1, F[1] = xdot[1]; };
-  const Equations free = [](const auto&, auto x, auto xdot, auto F) { F[0] = x[1], F[1] = xdot[1]; };
-  const Equations mirrored = [](const auto&, auto x, auto xdot, auto F) { F[0] = 1 - x[0], F[1] = xdot[1]; };
+  const SlidingEquations plain = [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] - 1, F[1] = xdot[1]; };
+  const SlidingEquations back = [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0] + 1, F[1] = xdot[1]; };
+  const SlidingEquations scaled = [](const auto&, auto, auto xdot, auto F) {
+    F[0] = 2 * xdot[0] + 1, F[1] = xdot[1];
+  };
+  const SlidingEquations turned = [](const auto&, auto, auto xdot, auto F) { F[0] = 1 - xdot[0], F[1] = xdot[1]; };
+  const SlidingEquations held = [](const auto&, auto x, auto xdot, auto F) { F[0] = x[0] - 1, F[1] = xdot[1]; };
+  const SlidingEquations free = [](const auto&, auto x, auto xdot, auto F) { F[0] = x[1], F[1] = xdot[1]; };
+  const SlidingEquations mirrored = [](const auto&, auto x, auto xdot, auto F) { F[0] = 1 - x[0], F[1] = xdot[1]; };
   const sfdae::SurfaceFunction surface = [](const auto&, auto x) { return x[0]; };
   const std::vector<Case> cases = {
       {plain, plain, surface, "same equations"},

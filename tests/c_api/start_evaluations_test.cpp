@@ -18,31 +18,32 @@ namespace {
 using sfdae_test::Call;
 using sfdae_test::Callback;
 using sfdae_test::FamilyProblem;
-using Family = std::shared_ptr<const sfdae_test::LinearFamily>;
-using Numbers = std::vector<double>;
+using CountedFamily = std::shared_ptr<const sfdae_test::LinearFamily>;
+using CountedNumbers = std::vector<double>;
 
-struct Solver {
+struct CountedSolver {
   sfdae_solver* handle = nullptr;
-  explicit Solver(const sfdae_linear_problem& problem) {
+  explicit CountedSolver(const sfdae_linear_problem& problem) {
     sfdae_options options;
     sfdae_options_init(&options, sizeof options);
     EXPECT_EQ(sfdae_create_linear(&handle, &problem, &options), SFDAE_OK);
   }
-  Solver(const Solver&) = delete;
-  Solver& operator=(const Solver&) = delete;
-  ~Solver() { sfdae_destroy(&handle); }
+  CountedSolver(const CountedSolver&) = delete;
+  CountedSolver& operator=(const CountedSolver&) = delete;
+  ~CountedSolver() { sfdae_destroy(&handle); }
 };
 
-std::vector<Family> families() {
-  return {Family(sfdae_test::kron(5, 0)),         Family(sfdae_test::kron(20, 1)), Family(sfdae_test::kron(30, 2)),
-          Family(sfdae_test::kron(9, 1, 0.5, 2)), Family(sfdae_test::kron(24, 3)), Family(sfdae_test::chain(4, 2)),
-          Family(sfdae_test::spin(0.3, 2.0))};
+std::vector<CountedFamily> families() {
+  return {CountedFamily(sfdae_test::kron(5, 0)),    CountedFamily(sfdae_test::kron(20, 1)),
+          CountedFamily(sfdae_test::kron(30, 2)),   CountedFamily(sfdae_test::kron(9, 1, 0.5, 2)),
+          CountedFamily(sfdae_test::kron(24, 3)),   CountedFamily(sfdae_test::chain(4, 2)),
+          CountedFamily(sfdae_test::spin(0.3, 2.0))};
 }
 
 // x, x' and eight steps from there, one after the other.
-Numbers course(Solver& solver, const sfdae_test::LinearFamily& family, double t) {
+CountedNumbers course(CountedSolver& solver, const sfdae_test::LinearFamily& family, double t) {
   const std::size_t n = static_cast<std::size_t>(family.n());
-  Numbers x(n), xdot(n), all;
+  CountedNumbers x(n), xdot(n), all;
   if (family.has_exact()) family.exact(t, x.data(), nullptr);
   EXPECT_GE(sfdae_start(solver.handle, t, t + 1.0, x.data(), xdot.data()), 0) << sfdae_message(solver.handle);
   const auto keep = [&] {
@@ -60,15 +61,15 @@ Numbers course(Solver& solver, const sfdae_test::LinearFamily& family, double t)
 }  // namespace
 
 TEST(StartEvaluations, AreMadeOnceAtThePoint) {
-  for (const Family& family : families()) {
+  for (const CountedFamily& family : families()) {
     FamilyProblem callbacks(family);
     std::map<std::pair<Callback, int>, int> count;
     callbacks.hooks.status = [&](const Call& call) {
       if (call.t == 0.25) ++count[{call.function, call.order}];
       return 0;
     };
-    Solver solver(callbacks.problem);
-    Numbers x(static_cast<std::size_t>(family->n()));
+    CountedSolver solver(callbacks.problem);
+    CountedNumbers x(static_cast<std::size_t>(family->n()));
     if (family->has_exact()) family->exact(0.25, x.data(), nullptr);
     ASSERT_GE(sfdae_start(solver.handle, 0.25, 1.0, x.data(), nullptr), 0) << sfdae_message(solver.handle);
     EXPECT_GE(count.size(), 3u);
@@ -78,9 +79,9 @@ TEST(StartEvaluations, AreMadeOnceAtThePoint) {
 
 // Values and factorizations that are kept within the start are none that anything depends on.
 TEST(StartEvaluations, LeaveEveryBitAsItIsWithoutThem) {
-  for (const Family& family : families()) {
+  for (const CountedFamily& family : families()) {
     FamilyProblem one(family), other(family);
-    Solver at_once(one.problem), in_two_calls(other.problem);
+    CountedSolver at_once(one.problem), in_two_calls(other.problem);
     sfdae_characteristics values;
     sfdae_characteristics_init(&values, sizeof values);
     ASSERT_GE(sfdae_analyze(in_two_calls.handle, 0.25, 1.25, &values), 0) << sfdae_message(in_two_calls.handle);
@@ -109,11 +110,11 @@ TEST(StartEvaluations, SeeWhatHasChangedSinceTheCallBefore) {
     if (order == 0) f[1] = -*static_cast<const double*>(user);
     return 0;
   };
-  Solver solver(problem);
+  CountedSolver solver(problem);
   ASSERT_GE(sfdae_analyze(solver.handle, 0.0, 1.0, nullptr), 0);
   for (double next : {2.0, 3.0, -1.0}) {
     c = next;
-    Numbers x{0.0, 0.0}, xdot(2);
+    CountedNumbers x{0.0, 0.0}, xdot(2);
     ASSERT_GE(sfdae_start(solver.handle, 0.0, 1.0, x.data(), xdot.data()), 0) << sfdae_message(solver.handle);
     EXPECT_NEAR(x[1], c, 1e-12);
     EXPECT_NEAR(xdot[0], c, 1e-12);

@@ -15,7 +15,7 @@ namespace {
 using sfdae::Matrix;
 
 // Length and gravity 1: x1' = x3, x2' = x4, x3' = -x1 x5, x4' = -x2 x5 - 1, 0 = (x1^2 + x2^2 - 1) / 2.
-sfdae::NonlinearProblem pendulum() {
+sfdae::NonlinearProblem theory_pendulum() {
   sfdae::NonlinearProblem problem(5, 5);
   problem.equations = [](const sfdae::Expression&, sfdae::ConstExpressions x, sfdae::ConstExpressions xdot,
                          sfdae::Expressions F) {
@@ -28,7 +28,7 @@ sfdae::NonlinearProblem pendulum() {
   return problem;
 }
 
-sfdae::MultibodyProblem mechanical_pendulum() {
+sfdae::MultibodyProblem theory_mechanical_pendulum() {
   sfdae::MultibodyProblem problem(2, 1);
   problem.equations = [](const auto&, auto q, auto, auto to) {
     to.M(0, 0) = to.M(1, 1) = 1.0;
@@ -38,7 +38,7 @@ sfdae::MultibodyProblem mechanical_pendulum() {
   return problem;
 }
 
-sfdae::MultibodyProblem pendulum_by_callbacks() {
+sfdae::MultibodyProblem theory_pendulum_by_callbacks() {
   sfdae::MultibodyProblem problem(2, 1);
   problem.forces = [](double, sfdae::ConstVectorRef, sfdae::ConstVectorRef, sfdae::VectorRef f) { f[1] = -1.0; };
   problem.constraints = [](double, sfdae::ConstVectorRef q, sfdae::VectorRef g) {
@@ -79,7 +79,7 @@ double largest(const std::vector<double>& values) {
 constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
 
 template <class Call>
-int status_of(Call call) {
+int status_of_getter(Call call) {
   try {
     call();
     return SFDAE_OK;
@@ -109,10 +109,10 @@ void expect_properties(sfdae::Solver& solver, const sfdae::Point& point) {
 }
 
 TEST(Theory, ObjectsHaveTheirPropertiesAlongNonlinearSolutions) {
-  sfdae::Solver solver(pendulum());
+  sfdae::Solver solver(theory_pendulum());
   sfdae::Point point{0.0, {0.8, -0.6, 0.0, 0.0, 0.0}, {}};
-  EXPECT_EQ(status_of([&] { solver.projectors(0.0); }), SFDAE_NOT_STARTED);
-  EXPECT_EQ(status_of([&] { solver.jet(0.0, 2, point.x); }), SFDAE_NOT_STARTED);
+  EXPECT_EQ(status_of_getter([&] { solver.projectors(0.0); }), SFDAE_NOT_STARTED);
+  EXPECT_EQ(status_of_getter([&] { solver.jet(0.0, 2, point.x); }), SFDAE_NOT_STARTED);
   solver.start(point, 2.0);
   expect_properties(solver, point);
   for (const double t : {0.5, 1.0, 2.0}) {
@@ -120,16 +120,16 @@ TEST(Theory, ObjectsHaveTheirPropertiesAlongNonlinearSolutions) {
     expect_properties(solver, point);
   }
   const std::vector<double> x(4);
-  EXPECT_EQ(status_of([&] { solver.jet(2.0, 2, x); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { solver.jet(2.0, -2); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { solver.derivative_array(2.0, 2, Matrix(5, 3)); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { solver.projectors(2.0, Matrix(4, 4)); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { solver.strangeness_free(2.0, Matrix(5, 2)); }), SFDAE_ILLEGAL_ARGUMENT);
-  EXPECT_EQ(status_of([&] { solver.extended_system(2.0); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.jet(2.0, 2, x); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.jet(2.0, -2); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.derivative_array(2.0, 2, Matrix(5, 3)); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.projectors(2.0, Matrix(4, 4)); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.strangeness_free(2.0, Matrix(5, 2)); }), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(status_of_getter([&] { solver.extended_system(2.0); }), SFDAE_ILLEGAL_ARGUMENT);
 }
 
 TEST(Theory, ObjectsHaveTheirPropertiesForMechanicalSystems) {
-  sfdae::Solver solver(mechanical_pendulum());
+  sfdae::Solver solver(theory_mechanical_pendulum());
   sfdae::Point point{0.0, {0.8, -0.6, 0.0, 0.0, 0.0}, {}};
   solver.start(point, 2.0);
   expect_properties(solver, point);
@@ -147,7 +147,7 @@ TEST(Theory, ObjectsHaveTheirPropertiesForMechanicalSystems) {
 
 // Z2 and Z3 are not to be had; the rest is.
 TEST(Theory, CallbacksOfMechanicalSystemsHaveNoArray) {
-  sfdae::Solver solver(pendulum_by_callbacks());
+  sfdae::Solver solver(theory_pendulum_by_callbacks());
   sfdae::Point point{0.0, {0.8, -0.6, 0.0, 0.0, 0.0}, {}};
   solver.start(point, 2.0);
   const sfdae::Projectors p = solver.projectors(0.0);
@@ -157,7 +157,7 @@ TEST(Theory, CallbacksOfMechanicalSystemsHaveNoArray) {
   const sfdae::StrangenessFreeSystem s = solver.strangeness_free(0.0, solver.jet(0.0, 0));
   EXPECT_LE(largest(transposed(s.A2), p.T2), rounding);
   EXPECT_LE(std::max(largest(s.f1), largest(s.f2)), rounding);
-  EXPECT_EQ(status_of([&] { solver.derivative_array(0.0, 1); }), SFDAE_ORDER_MISSING);
+  EXPECT_EQ(status_of_getter([&] { solver.derivative_array(0.0, 1); }), SFDAE_ORDER_MISSING);
 }
 
 // The plain derivatives of functions by differences: objects that need higher orders choose other spacings for

@@ -21,31 +21,31 @@ namespace sfdae::core {
 namespace {
 
 using namespace sfdae_test;
-using Numbers = std::vector<double>;
+using LimitedNumbers = std::vector<double>;
 using Limits = std::shared_ptr<const OrderLimits>;
 
-constexpr int highest = 2, columns = highest + 3;
+constexpr int highest = 2, jet_columns = highest + 3;
 
 // x near (0.7, 0.45), where all operations are smooth.
-Numbers smooth_jet() {
-  const Matrix random = random_matrix(2, columns, 5);
-  Numbers jet{0.7, 0.45};
-  for (int k = 1; k < columns; ++k)
+LimitedNumbers smooth_jet() {
+  const Matrix random = random_matrix(2, jet_columns, 5);
+  LimitedNumbers jet{0.7, 0.45};
+  for (int k = 1; k < jet_columns; ++k)
     for (int j = 0; j < 2; ++j) jet.push_back(random(j, k));
   return jet;
 }
 
-Numbers all_values(const TaylorEvaluator& source, const Numbers& jet, int order) {
+LimitedNumbers all_values(const TaylorEvaluator& source, const LimitedNumbers& jet, int order) {
   TaylorEvaluator evaluator = source;
-  Numbers F(size(source.record().m() * (order + 1)));
+  LimitedNumbers F(size(source.record().m() * (order + 1)));
   EXPECT_TRUE(evaluator.values(0.3, jet.data(), order, F.data())) << evaluator.failure().message;
   return F;
 }
 
 void expect_equal_values(const TaylorEvaluator& source, TaylorEvaluator& limited, const Limits& limits, int more) {
   const int m = source.record().m(), order = highest + more;
-  const Numbers jet = smooth_jet(), all = all_values(source, jet, order);
-  Numbers F(all.size(), -7.0);
+  const LimitedNumbers jet = smooth_jet(), all = all_values(source, jet, order);
+  LimitedNumbers F(all.size(), -7.0);
   ASSERT_TRUE(limited.values_within(0.3, jet.data(), limits, more, F.data())) << limited.failure().message;
   for (int i = 0; i < m; ++i)
     for (int k = 0; k <= order; ++k) {
@@ -57,8 +57,8 @@ void expect_equal_values(const TaylorEvaluator& source, TaylorEvaluator& limited
 void expect_equal_entries(const TaylorEvaluator& source, TaylorEvaluator& limited, const Limits& limits) {
   const Tape& tape = source.tape();
   TaylorEvaluator evaluator = source;
-  Numbers all(tape.targets.size() * size(highest + 1), -7.0), entries(all);
-  const Numbers jet = smooth_jet();
+  LimitedNumbers all(tape.targets.size() * size(highest + 1), -7.0), entries(all);
+  const LimitedNumbers jet = smooth_jet();
   ASSERT_TRUE(evaluator.entries(0.3, jet.data(), highest, limits->of_equations, all.data()));
   ASSERT_TRUE(limited.entries_within(0.3, jet.data(), limits, entries.data())) << limited.failure().message;
   EXPECT_EQ(entries, all);
@@ -67,9 +67,9 @@ void expect_equal_entries(const TaylorEvaluator& source, TaylorEvaluator& limite
 void expect_equal_lanes(const TaylorEvaluator& source, const Limits& limits) {
   const Tape& tape = source.tape();
   const int m = source.record().m();
-  const Numbers jet = smooth_jet(), all = all_values(source, jet, highest);
+  const LimitedNumbers jet = smooth_jet(), all = all_values(source, jet, highest);
   TaylorEvaluator evaluator = source;
-  Numbers entries(tape.targets.size() * size(highest + 1));
+  LimitedNumbers entries(tape.targets.size() * size(highest + 1));
   ASSERT_TRUE(evaluator.entries(0.3, jet.data(), highest, limits->of_equations, entries.data()));
   LaneArray t(1), jets(jet.size());
   for (int l = 0; l < lane_count; ++l) {
@@ -120,8 +120,8 @@ TEST_P(EveryOperationWithinLimits, HasTheBitsOfAllOrders) {
   const auto others = std::make_shared<const OrderLimits>(std::vector<int>{highest, 0, 0});
   expect_equal_values(source, limited, others, 0);
   expect_equal_entries(source, limited, others);
-  const Numbers jet = smooth_jet(), all = all_values(source, jet, highest);
-  Numbers F(all.size());
+  const LimitedNumbers jet = smooth_jet(), all = all_values(source, jet, highest);
+  LimitedNumbers F(all.size());
   ASSERT_TRUE(limited.values(0.3, jet.data(), highest, F.data()));
   EXPECT_EQ(F, all);
 }
@@ -135,15 +135,15 @@ TEST(OrderLimits, LeaveAloneWhatIsNotWanted) {
   const auto& x = recording.x;
   const TaylorEvaluator source(recording.finish({sqrt(x[0]) + x[1], x[1] * x[1]}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Numbers jet{0.0, 2.0, nan, 3.0, nan, nan};
+  const LimitedNumbers jet{0.0, 2.0, nan, 3.0, nan, nan};
   const auto limits = std::make_shared<const OrderLimits>(std::vector<int>{0, 1});
   TaylorEvaluator evaluator = source;
-  Numbers F(6, -7.0);
+  LimitedNumbers F(6, -7.0);
   ASSERT_TRUE(evaluator.values_within(0.0, jet.data(), limits, 0, F.data())) << evaluator.failure().message;
-  EXPECT_EQ(F, (Numbers{2.0, 4.0, -7.0, 12.0, -7.0, -7.0}));
+  EXPECT_EQ(F, (LimitedNumbers{2.0, 4.0, -7.0, 12.0, -7.0, -7.0}));
   // x_0' is wanted if there is one order more.
   EXPECT_FALSE(evaluator.values_within(0.0, jet.data(), limits, 1, F.data()));
-  const Numbers moving{0.0, 2.0, 1.0, 3.0, 0.0, 1.0};
+  const LimitedNumbers moving{0.0, 2.0, 1.0, 3.0, 0.0, 1.0};
   EXPECT_FALSE(evaluator.values_within(0.0, moving.data(), limits, 1, F.data()));
   EXPECT_EQ(evaluator.failure().equation, 0);
 }

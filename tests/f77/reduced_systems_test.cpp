@@ -21,22 +21,22 @@ using sfdae::core::ConstView;
 using sfdae::core::Matrix;
 using sfdae::core::singular_values;
 using sfdae::core::to_matrix;
-using Family = std::shared_ptr<const LinearFamily>;
+using ReducedFamily = std::shared_ptr<const LinearFamily>;
 
-std::vector<std::pair<Family, double>> square_problems() {
-  std::vector<std::pair<Family, double>> problems;
+std::vector<std::pair<ReducedFamily, double>> problems_to_reduce() {
+  std::vector<std::pair<ReducedFamily, double>> problems;
   for (LinearTestProblem& p : linear_testset()) {
     const double t = p.t0 + 0.3 * (p.tf - p.t0);
     if (p.family->m() == p.family->n()) problems.emplace_back(std::move(p.family), t);
   }
-  for (int mu = 0; mu <= 3; ++mu) problems.emplace_back(Family(kron(8, mu)), 0.4);
-  problems.emplace_back(Family(kron(9, 1, 0.5, 2)), 0.4);
-  problems.emplace_back(Family(chain(4, 1, 2.0, 100.0)), 0.4);
+  for (int mu = 0; mu <= 3; ++mu) problems.emplace_back(ReducedFamily(kron(8, mu)), 0.4);
+  problems.emplace_back(ReducedFamily(kron(9, 1, 0.5, 2)), 0.4);
+  problems.emplace_back(ReducedFamily(chain(4, 1, 2.0, 100.0)), 0.4);
   RandomOptions options;
   options.max_size = 8;
   options.max_mu = 3;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    Family family(random_family(seed, options));
+    ReducedFamily family(random_family(seed, options));
     if (family->m() == family->n()) problems.emplace_back(std::move(family), 0.2);
   }
   return problems;
@@ -131,7 +131,7 @@ void expect_reduced_system(const Call<I>& call, double t) {
 }  // namespace
 
 TEST(Dnfred, GivesProjectorsAndASystemThatTheSolutionSatisfies) {
-  for (auto& [family, t] : square_problems()) {
+  for (auto& [family, t] : problems_to_reduce()) {
     SCOPED_TRACE(family->name());
     Call<std::int32_t> call(family, family->values().mu);
     call.find(t);
@@ -145,7 +145,7 @@ TEST(Dnfred, GivesProjectorsAndASystemThatTheSolutionSatisfies) {
 
 TEST(Dnfred, IsTheSameWithIntegersOf64Bits) {
   for (int mu = 0; mu <= 2; ++mu) {
-    Call<std::int64_t> call(Family(kron(8, mu)), 3);
+    Call<std::int64_t> call(ReducedFamily(kron(8, mu)), 3);
     call.find(0.4, second_underscore_entries());
     call.reduce(second_underscore_entries());
     ASSERT_EQ(call.ierr, 0);
@@ -157,7 +157,7 @@ TEST(Dnfred, IsTheSameWithIntegersOf64Bits) {
 // Rows of size 1e-12 ... 1e12 in the unscaled system: the small ones keep their digits.
 TEST(Dnfred, KeepsRowsOfVeryDifferentSize) {
   for (double factor : {1e-10, 1e10}) {
-    const Family family(scaled_row(factor).family);
+    const ReducedFamily family(scaled_row(factor).family);
     Call<std::int32_t> call(family, 2);
     call.find(0.3);
     ASSERT_EQ(call.ierr, 0);
@@ -179,7 +179,7 @@ TEST(Dnfred, KeepsRowsOfVeryDifferentSize) {
 namespace {
 
 // The solution satisfies each row to `tolerance` times the size of that row.
-void expect_accurate_rows(const Family& family, double tolerance) {
+void expect_accurate_rows(const ReducedFamily& family, double tolerance) {
   Call<std::int32_t> call(family, family->values().mu);
   call.find(0.2);
   ASSERT_EQ(call.ierr, 0);
@@ -209,7 +209,7 @@ TEST(Dnfred, KeepsRowsOfRandomProblemsInRandomUnits) {
   for (int decades : {3, 6}) {
     options.row_decades = decades;
     for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-      const Family family(random_family(seed, options));
+      const ReducedFamily family(random_family(seed, options));
       SCOPED_TRACE(testing::Message() << family->name() << ", decades " << decades);
       if (family->m() == family->n()) expect_accurate_rows(family, std::pow(10.0, decades));
     }
@@ -217,7 +217,7 @@ TEST(Dnfred, KeepsRowsOfRandomProblemsInRandomUnits) {
   options = {};
   options.row_decades = 6;
   options.w = 5.0;
-  for (std::uint64_t seed : {176u, 1116u}) expect_accurate_rows(Family(random_family(seed, options)), 1e6);
+  for (std::uint64_t seed : {176u, 1116u}) expect_accurate_rows(ReducedFamily(random_family(seed, options)), 1e6);
 }
 
 // The rest of F is what the redundant equations contradict each other by.
@@ -232,7 +232,7 @@ TEST(Dnfred, ReportsContradictionsInTheLastEntriesOfF) {
     ++tried;
     for (double rho : {0.0, 1.0}) {
       options.rho = rho;
-      Call<std::int32_t> call(Family(random_family(seed, options)), 1);
+      Call<std::int32_t> call(ReducedFamily(random_family(seed, options)), 1);
       call.find(0.4);
       ASSERT_EQ(call.ierr, 0);
       call.reduce();
@@ -247,7 +247,7 @@ TEST(Dnfred, ReportsContradictionsInTheLastEntriesOfF) {
 
 TEST(Dnfred, RefusesWrongArgumentsAndTouchesNothing) {
   const auto expect_refused = [](int expected, auto change) {
-    Call<std::int32_t> call(Family(kron(5, 1)), 1);
+    Call<std::int32_t> call(ReducedFamily(kron(5, 1)), 1);
     call.find(0.1);
     const Matrix ZQ = to_matrix(call.ZQ.block(call.nq(), call.nq()));
     change(call);
@@ -291,7 +291,7 @@ struct Transformed {
 
 TEST(Dnfotr, GivesWhatDnfredUses) {
   for (int mu = 0; mu <= 2; ++mu) {
-    Call<int> call(Family(kron(7, mu)), 3);
+    Call<int> call(ReducedFamily(kron(7, mu)), 3);
     call.find(0.4);
     ASSERT_EQ(call.ierr, 0);
     const Transformed found(call);
@@ -305,7 +305,7 @@ TEST(Dnfotr, GivesWhatDnfredUses) {
 }
 
 TEST(Dnfotr, GivesIdentitiesForAnOde) {
-  Call<int> call(Family(rotated_ode(RowOperation::rotation)), 1);
+  Call<int> call(ReducedFamily(rotated_ode(RowOperation::rotation)), 1);
   call.find(0.4);
   ASSERT_EQ(call.ireq, 2);
   const Transformed found(call);
@@ -315,7 +315,7 @@ TEST(Dnfotr, GivesIdentitiesForAnOde) {
 }
 
 TEST(Dnfotr, RefusesShortWorkSpaceAndNaN) {
-  Call<int> call(Family(kron(5, 1)), 1);
+  Call<int> call(ReducedFamily(kron(5, 1)), 1);
   call.find(0.1);
   const Transformed refused(call, 3 * 5 + 2 * 10 + 2 * 100 - 1);
   EXPECT_EQ(refused.ierr, -5);
@@ -350,13 +350,13 @@ struct Fixed : Call<I> {
 // mu = 0 is reduced like any other index.
 TEST(Dnfix1, GivesTheReducedSystem) {
   for (int mu = 0; mu <= 2; ++mu) {
-    Fixed<std::int32_t> call(Family(kron(8, mu)), 3);
+    Fixed<std::int32_t> call(ReducedFamily(kron(8, mu)), 3);
     call.fix(0.4);
     ASSERT_EQ(call.ierr, 0);
     expect_projectors(call);
     expect_reduced_system(call, 0.4);
     EXPECT_GT(call.a, 0);
-    Fixed<std::int64_t> wide(Family(kron(8, mu)), 3);
+    Fixed<std::int64_t> wide(ReducedFamily(kron(8, mu)), 3);
     wide.fix(0.4, false, second_underscore_entries());
     ASSERT_EQ(wide.ierr, 0);
     EXPECT_EQ(distance(wide.A.block(8, 8), call.A.block(8, 8)), 0.0);
@@ -365,7 +365,7 @@ TEST(Dnfix1, GivesTheReducedSystem) {
 
 TEST(Dnfix1, UsesTransformationsAgainIfMatricesAreConstant) {
   for (int mu = 0; mu <= 2; ++mu) {
-    const Family family(kron(8, mu, 0.0));
+    const ReducedFamily family(kron(8, mu, 0.0));
     Fixed<std::int32_t> call(family, 3);
     call.fix(0.1);
     ASSERT_EQ(call.ierr, 0);
@@ -393,7 +393,7 @@ TEST(Dnfix1, UsesTransformationsAgainIfMatricesAreConstant) {
 }
 
 TEST(Dnfix1, ReportsValuesThatChanged) {
-  Fixed<std::int32_t> call(Family(kron(8, 1)), 3);
+  Fixed<std::int32_t> call(ReducedFamily(kron(8, 1)), 3);
   --call.known_d;
   call.fix(0.4);
   EXPECT_EQ(call.ierr, -26);
@@ -401,7 +401,7 @@ TEST(Dnfix1, ReportsValuesThatChanged) {
   EXPECT_EQ(call.d, call.known_d + 1);
   EXPECT_TRUE(call.E.is_untouched() && call.F.is_untouched());
 
-  Fixed<std::int32_t> higher(Family(kron(8, 2)), 1);
+  Fixed<std::int32_t> higher(ReducedFamily(kron(8, 2)), 1);
   higher.fix(0.4);
   EXPECT_EQ(higher.ierr, -26);
   EXPECT_EQ(higher.m, -1);
@@ -409,7 +409,7 @@ TEST(Dnfix1, ReportsValuesThatChanged) {
 
 TEST(Dnfix1, CallsAllFailuresOfDnfindBy22) {
   const auto expect_22 = [](auto change) {
-    Fixed<std::int32_t> call(Family(kron(5, 1)), 2);
+    Fixed<std::int32_t> call(ReducedFamily(kron(5, 1)), 2);
     change(call);
     call.fix(0.1);
     EXPECT_EQ(call.ierr, -22);

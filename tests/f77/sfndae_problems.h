@@ -58,7 +58,7 @@ inline KnownNonlinear path_control() {
 }
 
 // x1' = x2 - 1 - x1^2 with x2 free: held constant, x2 = 1 and x1 = 1 / (1 + t).
-inline KnownNonlinear free_component() {
+inline KnownNonlinear free_nonlinear_component() {
   return {std::make_shared<NonlinearEquations>(2,
                                                [](const Term&, const Term* x, const Term* xdot) -> std::vector<Term> {
                                                  return {xdot[0] + x[0] * x[0] - x[1] + 1.0};

@@ -19,7 +19,7 @@ namespace {
 class SfndaeState : public testing::TestWithParam<int> {
  protected:
   static std::vector<KnownNonlinear> problems() {
-    return {pendulum_problem(), path_control(), nonlinear_ode(), free_component(), redundant_equation()};
+    return {pendulum_problem(), path_control(), nonlinear_ode(), free_nonlinear_component(), redundant_equation()};
   }
   template <class I = std::int32_t>
   static SfndaeRun<I> run_of(const KnownNonlinear& problem) {
@@ -104,7 +104,8 @@ TEST_P(SfndaeState, WidthsOfIntegersGiveTheSameBits) {
 
 // A solver that is never taken apart: the state lacks nothing.
 TEST(SfndaeStateBdf, CallsGiveTheBitsOfOneLiveSolver) {
-  for (const KnownNonlinear& problem : {pendulum_problem(), path_control(), nonlinear_ode(), free_component()}) {
+  for (const KnownNonlinear& problem :
+       {pendulum_problem(), path_control(), nonlinear_ode(), free_nonlinear_component()}) {
     SCOPED_TRACE(testing::PrintToString(problem.characteristics));
     sfdae_nonlinear_problem equations;
     ASSERT_EQ(sfdae_nonlinear_problem_init(&equations, sizeof equations), SFDAE_OK);

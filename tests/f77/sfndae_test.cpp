@@ -59,7 +59,9 @@ TEST_P(SfndaeMethods, HighIndexWithoutDynamicsIsSolved) {
   expect_solved<std::int64_t>(path_control(), GetParam());
 }
 
-TEST_P(SfndaeMethods, FreeComponentsAreHeldAndWarnedOf) { expect_solved<std::int32_t>(free_component(), GetParam()); }
+TEST_P(SfndaeMethods, FreeComponentsAreHeldAndWarnedOf) {
+  expect_solved<std::int32_t>(free_nonlinear_component(), GetParam());
+}
 
 TEST_P(SfndaeMethods, RedundantEquationsAreAccepted) {
   expect_solved<std::int32_t>(redundant_equation(), GetParam());

@@ -23,9 +23,9 @@
 namespace {
 
 using namespace sfdae_test;
-using Vector = std::vector<double>;
+using OutputVector = std::vector<double>;
 
-constexpr int methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
+constexpr int both_methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
 constexpr int kinds[] = {SFDAE_OUTPUT_CONSISTENT, SFDAE_OUTPUT_INTERPOLATED};
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
@@ -49,7 +49,7 @@ struct Problem {
   virtual ~Problem() = default;
   virtual sfdae_solver* create(const sfdae_options& options) = 0;
   double t0 = 0.0, tf = 1.0;
-  Vector start;
+  OutputVector start;
 };
 
 struct LinearCase : Problem {
@@ -147,10 +147,10 @@ struct Course {
   Problem& problem;
   sfdae_solver* solver;
   double t;
-  Vector x, xdot;
+  OutputVector x, xdot;
 };
 
-double in_tolerances(const Vector& x, const Vector& exact, double tol) {
+double in_tolerances(const OutputVector& x, const OutputVector& exact, double tol) {
   double worst = 0.0;
   for (std::size_t i = 0; i < exact.size(); ++i)
     worst = std::max(worst, std::fabs(x[i] - exact[i]) / (tol * (1.0 + std::fabs(exact[i]))));
@@ -174,9 +174,11 @@ struct Angle {
     t = to;
   }
   // (q, v) and v'.
-  Vector state() const { return {std::cos(phi), std::sin(phi), -omega * std::sin(phi), omega * std::cos(phi)}; }
+  OutputVector state() const { return {std::cos(phi), std::sin(phi), -omega * std::sin(phi), omega * std::cos(phi)}; }
   double force() const { return omega * omega - Pendulum::gravity * std::sin(phi); }  // lambda of the raw equations
-  Vector accelerations() const { return {-force() * std::cos(phi), -force() * std::sin(phi) - Pendulum::gravity}; }
+  OutputVector accelerations() const {
+    return {-force() * std::cos(phi), -force() * std::sin(phi) - Pendulum::gravity};
+  }
   double t = 0.0, phi = 0.0, omega = 0.0;
 };
 
@@ -189,11 +191,11 @@ TEST(Outputs, OfLinearProblemsAreAsAccurateAsSteps) {
                                                                      kron(16, 2, 0.5), chain(10, 2)};
   for (const auto& family : families)
     for (double tol : {1e-4, 1e-6, 1e-9})
-      for (int method : methods)
+      for (int method : both_methods)
         for (int output : kinds) {
           LinearCase problem(family);
           Course run(problem, options_for(method, output, tol));
-          Vector exact(run.x.size()), slope(exact);
+          OutputVector exact(run.x.size()), slope(exact);
           double worst = 0.0, worst_slope = 0.0;
           run.integrate(300, true, [&] {
             family->exact(run.t, exact.data(), slope.data());
@@ -210,7 +212,7 @@ TEST(Outputs, OfLinearProblemsAreAsAccurateAsSteps) {
 
 TEST(Outputs, OfPendulumsAreAsAccurateAsSteps) {
   for (double tol : {1e-4, 1e-6, 1e-9})
-    for (int method : methods)
+    for (int method : both_methods)
       for (int output : kinds)
         for (bool is_raw : {true, false}) {
           RawPendulum raw;
@@ -222,11 +224,11 @@ TEST(Outputs, OfPendulumsAreAsAccurateAsSteps) {
           double worst = 0.0, worst_slope = 0.0;
           run.integrate(300, true, [&] {
             angle.advance(run.t);
-            Vector exact = angle.state();
+            OutputVector exact = angle.state();
             if (is_raw) exact.push_back(angle.force());
             worst = std::max(worst, in_tolerances(run.x, exact, tol));
             const double distance = std::min(1.0, 0.03 * std::fabs(run.statistics().last_step));
-            const Vector a = angle.accelerations(), slopes = {exact[2], exact[3], a[0], a[1]};
+            const OutputVector a = angle.accelerations(), slopes = {exact[2], exact[3], a[0], a[1]};
             worst_slope = std::max(worst_slope, distance * in_tolerances(run.xdot, slopes, tol));
           });
           EXPECT_LE(worst, 10.0) << is_raw << " " << tol << " " << name_of(method, output);
@@ -237,14 +239,14 @@ TEST(Outputs, OfPendulumsAreAsAccurateAsSteps) {
 // g = 0, g_q v = 0 and, for the raw equations, where the multiplier is known, |v|^2 + q a = 0.
 TEST(Outputs, ConsistentOnesFulfilAllConstraintsToRounding) {
   constexpr double rounding = 1e-13;  // values up to 30 and a dozen operations
-  for (int method : methods)
+  for (int method : both_methods)
     for (bool is_raw : {true, false}) {
       RawPendulum raw;
       MultibodyCase multibody("pendulum", raw.tf);
       Problem& problem = is_raw ? static_cast<Problem&>(raw) : multibody;
       Course run(problem, options_for(method, SFDAE_OUTPUT_CONSISTENT, 1e-5));
       run.integrate(300, false, [&] {
-        const Vector& x = run.x;
+        const OutputVector& x = run.x;
         EXPECT_LE(std::fabs(x[0] * x[0] + x[1] * x[1] - 1.0), rounding);
         EXPECT_LE(std::fabs(x[0] * x[2] + x[1] * x[3]), rounding);
         if (is_raw) {
@@ -308,10 +310,10 @@ TEST(Outputs, ConsistentOnesOfMultibodySystemsHaveTheirMultipliers) {
 TEST(Outputs, ConsistentOnesOfLinearProblemsFulfilTheirConstraintsToRounding) {
   const std::shared_ptr<const LinearFamily> family = chain(10, 2);
   const int n = family->n();
-  for (int method : methods) {
+  for (int method : both_methods) {
     LinearCase problem(family);
     Course run(problem, options_for(method, SFDAE_OUTPUT_CONSISTENT, 1e-5));
-    Vector E(index(n * n)), A(E), f(index(n));
+    OutputVector E(index(n * n)), A(E), f(index(n));
     run.integrate(100, false, [&] {
       family->matrix_coefficients(run.t, 0, E.data(), A.data());
       family->vector_coefficients(run.t, 0, f.data());
@@ -330,7 +332,7 @@ long reductions_of(const Course& run) { return run.statistics().reductions; }
 
 TEST(Outputs, DoNotChangeSteps) {
   const auto check = [](Problem& problem, const std::string& name) {
-    for (int method : methods)
+    for (int method : both_methods)
       for (int output : kinds) {
         const sfdae_options options = options_for(method, output, 1e-6);
         Course one(problem, options), many(problem, options);
@@ -355,7 +357,7 @@ TEST(Outputs, DoNotChangeSteps) {
 
 // To the last bit, though the structure is confirmed at each of them.
 TEST(Outputs, DoNotChangeStepsOfTheMinimalExtension) {
-  for (int method : methods)
+  for (int method : both_methods)
     for (int output : kinds)
       for (double tol : {1e-4, 1e-6}) {
         sfdae_options options = options_for(method, output, tol);
@@ -380,7 +382,7 @@ TEST(Outputs, AreAccurateWhereStepsAreTooLongForThePolynomial) {
       options.min_stages = options.max_stages = 3;
       Course one(problem, options), run(problem, options);
       one.integrate(1, false, [] {});
-      Vector exact(run.x.size());
+      OutputVector exact(run.x.size());
       double worst = 0.0;
       run.integrate(500, false, [&] {
         problem.callbacks.family().exact(run.t, exact.data(), nullptr);
@@ -396,12 +398,12 @@ TEST(Outputs, AreAccurateWhereStepsAreTooLongForThePolynomial) {
 // Stiff components: their slopes at the start say nothing about the polynomial.
 TEST(Outputs, OfStiffProblemsAreAccurate) {
   for (double rate : {-1e2, -1e4, -1e6})
-    for (int method : methods)
+    for (int method : both_methods)
       for (int output : kinds) {
         LinearCase problem(spin(rate, 1.0));
         const double tol = 1e-6;
         Course run(problem, options_for(method, output, tol));
-        Vector exact(run.x.size());
+        OutputVector exact(run.x.size());
         double worst = 0.0;
         run.integrate(300, false, [&] {
           problem.callbacks.family().exact(run.t, exact.data(), nullptr);
@@ -413,7 +415,7 @@ TEST(Outputs, OfStiffProblemsAreAccurate) {
 
 // Backward in time, and at earlier points of the last step again.
 TEST(Outputs, InterpolateTheLastStepInBothDirections) {
-  for (int method : methods)
+  for (int method : both_methods)
     for (int output : kinds) {
       const std::shared_ptr<const LinearFamily> family = kron(8, 1, 0.5);
       LinearCase problem(family);
@@ -422,7 +424,7 @@ TEST(Outputs, InterpolateTheLastStepInBothDirections) {
       family->exact(1.0, problem.start.data(), nullptr);
       const double tol = 1e-6;
       Course run(problem, options_for(method, output, tol));
-      Vector exact(run.x.size()), x(exact);
+      OutputVector exact(run.x.size()), x(exact);
       run.integrate(20, true, [&] {
         const sfdae_statistics statistics = run.statistics();
         for (double part : {0.0, 0.3, 0.9, 1.0}) {
@@ -440,7 +442,7 @@ TEST(Outputs, InterpolateTheLastStepInBothDirections) {
 // A run that is saved after every third output and goes on in another solver agrees in every bit.
 TEST(Outputs, AreTheSameAfterACheckpointWithinAStep) {
   const auto check = [](Problem& problem, const std::string& name) {
-    for (int method : methods)
+    for (int method : both_methods)
       for (int output : kinds)
         for (double tol : {1e-5, 1e-9}) {
           const sfdae_options options = options_for(method, output, tol);
@@ -456,7 +458,7 @@ TEST(Outputs, AreTheSameAfterACheckpointWithinAStep) {
             if (i % 3 != 0) continue;
             std::size_t length = 0;
             ASSERT_EQ(sfdae_get_checkpoint_length(broken.solver, &length), SFDAE_OK);
-            Vector saved(length);
+            OutputVector saved(length);
             ASSERT_EQ(sfdae_save_checkpoint(broken.solver, saved.data(), length), SFDAE_OK);
             sfdae_destroy(&broken.solver);
             broken.solver = problem.create(options);

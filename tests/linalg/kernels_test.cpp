@@ -30,14 +30,14 @@ using sfdae_test::rounding;
 using sfdae_test::size;
 using sfdae_test::times;
 
-struct Shape {
+struct KernelShape {
   int rows, cols;
 };
 
 // Around the crossovers (12 rows, 40 and 16 columns), around multiples of the widths of vectors, far from square.
-constexpr Shape shapes[] = {{13, 13},  {16, 16},  {17, 9},   {16, 40},   {24, 23},   {33, 20},
-                            {41, 41},  {48, 64},  {64, 48},  {65, 57},   {100, 100}, {100, 34},
-                            {34, 100}, {13, 130}, {130, 13}, {128, 128}, {13, 1},    {150, 143}};
+constexpr KernelShape kernel_shapes[] = {{13, 13},  {16, 16},  {17, 9},   {16, 40},   {24, 23},   {33, 20},
+                                         {41, 41},  {48, 64},  {64, 48},  {65, 57},   {100, 100}, {100, 34},
+                                         {34, 100}, {13, 130}, {130, 13}, {128, 128}, {13, 1},    {150, 143}};
 
 // The kinds of matrices, with their ranks if these are clear by many digits, else -1.
 struct Sample {
@@ -63,7 +63,7 @@ Matrix kahan(int rows, int cols) {
   return A;
 }
 
-std::vector<Sample> samples(Shape shape) {
+std::vector<Sample> samples(KernelShape shape) {
   const int m = shape.rows, n = shape.cols, full = std::min(m, n), half = (full + 1) / 2;
   std::vector<Sample> result;
   result.push_back({"random", random_matrix(m, n, 1), full});
@@ -134,7 +134,7 @@ class EveryInstructionSet : public testing::TestWithParam<InstructionSet> {
 // What is left of any column when r_kk is chosen is not longer than r_kk: r_kk^2 >= sum_{i=k}^{j} r_ij^2. Updated
 // squares are known to 1e-8 relative.
 TEST_P(EveryInstructionSet, PivotedFactorsAreThoseOfTheMatrix) {
-  for (const Shape shape : shapes)
+  for (const KernelShape shape : kernel_shapes)
     for (const Sample& sample : samples(shape)) {
       SCOPED_TRACE(sample.name + " " + std::to_string(shape.rows) + " x " + std::to_string(shape.cols));
       const int m = shape.rows, n = shape.cols;
@@ -172,7 +172,7 @@ TEST_P(EveryInstructionSet, PivotedFactorsAreThoseOfTheMatrix) {
 
 // What is left below the bound is taken for zero: the factors are those of a matrix that differs by no more than that.
 TEST_P(EveryInstructionSet, PivotedFactorsEndWhereNothingIsLeftThatCounts) {
-  for (const Shape shape : shapes)
+  for (const KernelShape shape : kernel_shapes)
     for (const Sample& sample : samples(shape)) {
       SCOPED_TRACE(sample.name + " " + std::to_string(shape.rows) + " x " + std::to_string(shape.cols));
       const int m = shape.rows, n = shape.cols;
@@ -200,7 +200,7 @@ TEST_P(EveryInstructionSet, PivotedFactorsEndWhereNothingIsLeftThatCounts) {
 }
 
 TEST_P(EveryInstructionSet, RanksAreThoseOfLapack) {
-  for (const Shape shape : shapes)
+  for (const KernelShape shape : kernel_shapes)
     for (const Sample& sample : samples(shape)) {
       SCOPED_TRACE(sample.name + " " + std::to_string(shape.rows) + " x " + std::to_string(shape.cols));
       const double threshold = largest(sample.A) * rounding(shape.rows + shape.cols);
@@ -217,7 +217,7 @@ TEST_P(EveryInstructionSet, RanksAreThoseOfLapack) {
 }
 
 TEST_P(EveryInstructionSet, QIsAppliedFromBothSides) {
-  for (const Shape shape : shapes) {
+  for (const KernelShape shape : kernel_shapes) {
     SCOPED_TRACE(std::to_string(shape.rows) + " x " + std::to_string(shape.cols));
     const Matrix A = random_matrix(shape.rows, shape.cols, 11);
     Factors f(A);

@@ -22,8 +22,7 @@ namespace sfdae::core {
 namespace {
 
 using sfdae_test::SparseMatrix;
-using sfdae_test::unit_roundoff;
-using Complex = std::complex<double>;
+using ComplexNumber = std::complex<double>;
 
 std::vector<SparseMethod> methods() {
   if (klu_is_available()) return {SparseMethod::dense, SparseMethod::band, SparseMethod::klu};
@@ -37,25 +36,25 @@ std::vector<int> random_permutation(int size, unsigned seed) {
   return places;
 }
 
-SparseMatrix shuffled(const SparseMatrix& matrix, unsigned seed) {
+SparseMatrix shuffled_rows(const SparseMatrix& matrix, unsigned seed) {
   const int n = matrix.pattern.size;
   return sfdae_test::permuted(matrix, random_permutation(n, seed), random_permutation(n, seed + 1));
 }
 
-struct Named {
+struct NamedSparse {
   std::string name;
   SparseMatrix matrix;
 };
 
-std::vector<Named> matrices() {
+std::vector<NamedSparse> sparse_matrices() {
   return {{"line", sfdae_test::reaction_diffusion(40)},
-          {"line, shuffled", shuffled(sfdae_test::reaction_diffusion(40), 3)},
+          {"line, shuffled", shuffled_rows(sfdae_test::reaction_diffusion(40), 3)},
           {"square", sfdae_test::laplacian(9, 7)},
           {"saddle point", sfdae_test::flow(6)},
-          {"saddle point, shuffled", shuffled(sfdae_test::flow(5), 8)},
+          {"saddle point, shuffled", shuffled_rows(sfdae_test::flow(5), 8)},
           {"arrow", sfdae_test::arrow(60, 2)},
           {"full", sfdae_test::arrow(30, 30)},
-          {"band", shuffled(sfdae_test::random_band(80, 2, 5, 0.0, 4), 5)},
+          {"band", shuffled_rows(sfdae_test::random_band(80, 2, 5, 0.0, 4), 5)},
           {"random", sfdae_test::random_sparse(70, 2, 6)},
           {"one", sfdae_test::random_band(1, 0, 0, 2.0, 1)},
           {"two", sfdae_test::sparse_matrix(2, {{0, 1, 3.0}, {1, 0, -2.0}})}};
@@ -83,8 +82,8 @@ template <class Number>
 std::vector<Number> values_of(const SparseMatrix& matrix) {
   std::minstd_rand generator(9);
   std::vector<Number> values(matrix.values.begin(), matrix.values.end());
-  if constexpr (std::is_same_v<Number, Complex>)
-    for (Complex& value : values) value *= std::polar(1.0, 0.3 * symmetric_random(generator));
+  if constexpr (std::is_same_v<Number, ComplexNumber>)
+    for (ComplexNumber& value : values) value *= std::polar(1.0, 0.3 * symmetric_random(generator));
   return values;
 }
 
@@ -121,19 +120,19 @@ void expect_solutions(SparseLu<Number>& lu, const SparseMatrix& matrix, const st
     // Growth of factors with threshold pivoting, and rows of small |A| |x|, are worth a factor of 1000.
     for (std::size_t c = 0; c < count; ++c)
       EXPECT_LE(backward_error(matrix.pattern, values, op, x.data() + c * n, b.data() + c * n),
-                1e3 * static_cast<double>(n) * unit_roundoff);
+                1e3 * static_cast<double>(n) * sfdae_test::unit_roundoff);
   }
 }
 
 template <class Number>
 class SparseLuOf : public testing::Test {};
-using Numbers = testing::Types<double, Complex>;
+using Numbers = testing::Types<double, ComplexNumber>;
 TYPED_TEST_SUITE(SparseLuOf, Numbers);
 
 }  // namespace
 
 TYPED_TEST(SparseLuOf, SolvesWithSmallBackwardErrors) {
-  for (const Named& named : matrices())
+  for (const NamedSparse& named : sparse_matrices())
     for (const SparseMethod method : methods()) {
       SCOPED_TRACE(named.name + ", method " + std::to_string(static_cast<int>(method)));
       SparseLu<TypeParam> lu;
@@ -165,7 +164,7 @@ TYPED_TEST(SparseLuOf, AgreesWithLapackOnFullMatrices) {
     ASSERT_TRUE(lu.factor(values.data()));
     std::vector<TypeParam> x = b;
     lu.solve(x.data());
-    const double bound = 100.0 * static_cast<double>(n) * unit_roundoff / lu.reciprocal_condition();
+    const double bound = 100.0 * static_cast<double>(n) * sfdae_test::unit_roundoff / lu.reciprocal_condition();
     double size = 0.0;
     for (const TypeParam& value : expected) size = std::max(size, std::abs(value));
     for (std::size_t i = 0; i < n; ++i) EXPECT_LE(std::abs(x[i] - expected[i]), bound * size) << i;
@@ -175,7 +174,7 @@ TYPED_TEST(SparseLuOf, AgreesWithLapackOnFullMatrices) {
 // Units of 1e-9 to 1e9 in rows and columns: powers of two do not round, so that solutions differ by rounding of the
 // pivots chosen only.
 TYPED_TEST(SparseLuOf, SolvesInAnyUnits) {
-  for (const Named& named : matrices())
+  for (const NamedSparse& named : sparse_matrices())
     for (const SparseMethod method : methods())
       for (const int range : {10, 20, 30}) {
         SCOPED_TRACE(named.name + ", method " + std::to_string(static_cast<int>(method)) + ", 2^" +
@@ -198,7 +197,7 @@ TYPED_TEST(SparseLuOf, SolvesInAnyUnits) {
         lu.solve(x.data());
         for (std::size_t j = 0; j < row.size(); ++j) x[j] = times_power_of_two(x[j], column[j]);
         EXPECT_LE(backward_error(pattern, plain, Op::plain, x.data(), b.data()),
-                  1e4 * static_cast<double>(pattern.size) * unit_roundoff);
+                  1e4 * static_cast<double>(pattern.size) * sfdae_test::unit_roundoff);
       }
 }
 
@@ -238,7 +237,7 @@ TYPED_TEST(SparseLuOf, RefusesStructurallySingularPatterns) {
 // After a failure good values are factored as if nothing had been.
 TYPED_TEST(SparseLuOf, RefusesSingularAndNonFiniteValues) {
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Named& named : matrices())
+  for (const NamedSparse& named : sparse_matrices())
     for (const SparseMethod method : methods()) {
       SCOPED_TRACE(named.name);
       SparseLu<TypeParam> lu;
@@ -328,13 +327,14 @@ TYPED_TEST(SparseLuOf, ScalesRightHandSidesWithoutOverflow) {
       const std::vector<TypeParam> values = values_of<TypeParam>(exponent > 0.0 ? large : matrix), right = b;
       lu.solve(b.data());
       EXPECT_TRUE(std::isfinite(std::abs(b[0])));
-      EXPECT_LE(backward_error(matrix.pattern, values, Op::plain, b.data(), right.data()), 100.0 * unit_roundoff);
+      EXPECT_LE(backward_error(matrix.pattern, values, Op::plain, b.data(), right.data()),
+                100.0 * sfdae_test::unit_roundoff);
     }
   }
 }
 
 TEST(SparseLu, EstimatesConditions) {
-  for (const Named& named : matrices()) {
+  for (const NamedSparse& named : sparse_matrices()) {
     const SparsePattern& pattern = named.matrix.pattern;
     const std::size_t n = index(pattern.size);
     // Entries scaled as the factorization does it.
@@ -416,7 +416,8 @@ TEST(SparseLu, DividesByDiagonalMatrices) {
     lu.solve_transposed(b.data() + 2 * n);
     other.solve(of_other.data(), 2);
     other.solve_transposed(of_other.data() + 2 * n);
-    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_NEAR(b[i], of_other[i], 4.0 * unit_roundoff * std::fabs(b[i]));
+    for (std::size_t i = 0; i < b.size(); ++i)
+      EXPECT_NEAR(b[i], of_other[i], 4.0 * sfdae_test::unit_roundoff * std::fabs(b[i]));
     EXPECT_NEAR(lu.reciprocal_condition(), other.reciprocal_condition(), 1e-12);
     EXPECT_NEAR(lu.determinant().log2, other.determinant().log2, 1e-9);
     if (method == SparseMethod::klu) {
@@ -435,7 +436,7 @@ TEST(SparseLu, DividesByDiagonalMatrices) {
 
 // Values may stand where the factorization scales them.
 TEST(SparseLu, TakesItsOwnValues) {
-  for (const Named& named : matrices())
+  for (const NamedSparse& named : sparse_matrices())
     for (const SparseMethod method : methods()) {
       SparseLu<double> lu, other;
       lu.analyze(named.matrix.pattern, method);

@@ -47,9 +47,9 @@ Dual sin(const Dual& a) { return chain(a, std::sin(a.value), std::cos(a.value));
 template <class Number>
 using Numbers = std::vector<Number>;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
-struct Bar {
+struct LinkageBar {
   int from, to;  // to = -1: an anchor
   double length;
 };
@@ -57,7 +57,7 @@ struct Bar {
 struct Linkage {
   int dimension = 2, bodies = 1;
   bool moves = false;  // the anchor
-  std::vector<Bar> bars;
+  std::vector<LinkageBar> bars;
   Numbers<double> masses;
   // Phi, S, and the constraints: units, and combinations of others, which come last.
   Numbers<double> enforce, frequency, phase, skew, units;
@@ -73,8 +73,9 @@ struct Linkage {
     Numbers<Number> p(s);
     const int n = size();
     for (int i = 0; i < n && !enforce.empty(); ++i)
-      p[at(i)] = p[at(i)] +
-                 Number(enforce[at(i)]) * sin(Number(frequency[at(i)]) * s[at((i + 1) % n)] + Number(phase[at(i)]));
+      p[as_index(i)] = p[as_index(i)] +
+                       Number(enforce[as_index(i)]) * sin(Number(frequency[as_index(i)]) * s[as_index((i + 1) % n)] +
+                                                          Number(phase[as_index(i)]));
     return p;
   }
 
@@ -83,13 +84,13 @@ struct Linkage {
     using std::sin;
     const Numbers<Number> p = position(s);
     Numbers<Number> g;
-    for (const Bar& bar : bars) {
+    for (const LinkageBar& bar : bars) {
       Number sum(-bar.length * bar.length);
       for (int k = 0; k < dimension; ++k) {
         Number other(0.0);
-        if (bar.to >= 0) other = p[at(bar.to * dimension + k)];
+        if (bar.to >= 0) other = p[as_index(bar.to * dimension + k)];
         else if (moves && k == 0) other = Number(0.1) * sin(Number(2.0) * t);
-        const Number difference = p[at(bar.from * dimension + k)] - other;
+        const Number difference = p[as_index(bar.from * dimension + k)] - other;
         sum = sum + difference * difference;
       }
       g.push_back(Number(0.5) * sum);
@@ -98,7 +99,7 @@ struct Linkage {
     for (int c = 0; c < copies; ++c) {
       Number sum(0.0);
       for (int k = 0; k < independent; ++k)
-        sum = sum + (Number(1.0 + 0.3 * k) + Number(0.3) * sin(s[0] + Number(c))) * g[at(k)];
+        sum = sum + (Number(1.0 + 0.3 * k) + Number(0.3) * sin(s[0] + Number(c))) * g[as_index(k)];
       g.push_back(sum);
     }
     for (std::size_t k = 0; k < g.size(); ++k) g[k] = Number(units[k]) * g[k];
@@ -110,11 +111,12 @@ struct Linkage {
   Numbers<Number> kinematics(const Numbers<Number>& s) const {
     using std::cos;
     const int n = size();
-    Numbers<Number> S(at(n * n), Number(0.0));
+    Numbers<Number> S(as_index(n * n), Number(0.0));
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
-        S[at(i + j * n)] = Number(i == j ? 1.0 : 0.0);
-        if (has_kinematics()) S[at(i + j * n)] = S[at(i + j * n)] + Number(skew[at(i + j * n)]) * cos(s[at(j)]);
+        S[as_index(i + j * n)] = Number(i == j ? 1.0 : 0.0);
+        if (has_kinematics())
+          S[as_index(i + j * n)] = S[as_index(i + j * n)] + Number(skew[as_index(i + j * n)]) * cos(s[as_index(j)]);
       }
     return S;
   }
@@ -126,24 +128,26 @@ struct Linkage {
     using std::sin;
     const int n = size();
     const Numbers<Number> S = kinematics(s);
-    Numbers<Number> W(S), rates(at(n), Number(0.0)), bends(at(n), Number(0.0)), accelerations;
+    Numbers<Number> W(S), rates(as_index(n), Number(0.0)), bends(as_index(n), Number(0.0)), accelerations;
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) rates[at(i)] = rates[at(i)] + S[at(i + j * n)] * u[at(j)];
+      for (int j = 0; j < n; ++j) rates[as_index(i)] = rates[as_index(i)] + S[as_index(i + j * n)] * u[as_index(j)];
     for (int i = 0; i < n && has_kinematics(); ++i)
       for (int j = 0; j < n; ++j)
-        bends[at(i)] = bends[at(i)] - Number(skew[at(i + j * n)]) * sin(s[at(j)]) * rates[at(j)] * u[at(j)];
+        bends[as_index(i)] = bends[as_index(i)] - Number(skew[as_index(i + j * n)]) * sin(s[as_index(j)]) *
+                                                      rates[as_index(j)] * u[as_index(j)];
     accelerations = bends;
     for (int i = 0; i < n && !enforce.empty(); ++i) {
       const int next = (i + 1) % n;
-      const Number w(frequency[at(i)]), angle = w * s[at(next)] + Number(phase[at(i)]);
-      const Number slope = Number(enforce[at(i)]) * w * cos(angle);
-      for (int j = 0; j < n; ++j) W[at(i + j * n)] = W[at(i + j * n)] + slope * S[at(next + j * n)];
-      accelerations[at(i)] = accelerations[at(i)] + slope * bends[at(next)] -
-                             Number(enforce[at(i)]) * w * w * sin(angle) * rates[at(next)] * rates[at(next)];
+      const Number w(frequency[as_index(i)]), angle = w * s[as_index(next)] + Number(phase[as_index(i)]);
+      const Number slope = Number(enforce[as_index(i)]) * w * cos(angle);
+      for (int j = 0; j < n; ++j) W[as_index(i + j * n)] = W[as_index(i + j * n)] + slope * S[as_index(next + j * n)];
+      accelerations[as_index(i)] =
+          accelerations[as_index(i)] + slope * bends[as_index(next)] -
+          Number(enforce[as_index(i)]) * w * w * sin(angle) * rates[as_index(next)] * rates[as_index(next)];
     }
     for (int i = 0; i < n; ++i) {
-      const double mass = masses[at(i / dimension)], weight = i % dimension == dimension - 1 ? -mass : 0.0;
-      force[at(i)] = Number(weight) - Number(mass) * accelerations[at(i)];
+      const double mass = masses[as_index(i / dimension)], weight = i % dimension == dimension - 1 ? -mass : 0.0;
+      force[as_index(i)] = Number(weight) - Number(mass) * accelerations[as_index(i)];
     }
     return W;
   }
@@ -151,14 +155,15 @@ struct Linkage {
   template <class Number>
   void equations(const Numbers<Number>& s, const Numbers<Number>& u, Numbers<Number>& M, Numbers<Number>& f) const {
     const int n = size();
-    Numbers<Number> force(at(n), Number(0.0));
+    Numbers<Number> force(as_index(n), Number(0.0));
     const Numbers<Number> W = directions(s, u, force);
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) {
-        f[at(j)] = f[at(j)] + W[at(k + j * n)] * force[at(k)];
+        f[as_index(j)] = f[as_index(j)] + W[as_index(k + j * n)] * force[as_index(k)];
         for (int i = 0; i < n; ++i)
-          M[at(i + j * n)] =
-              M[at(i + j * n)] + W[at(k + i * n)] * Number(masses[at(k / dimension)]) * W[at(k + j * n)];
+          M[as_index(i + j * n)] = M[as_index(i + j * n)] + W[as_index(k + i * n)] *
+                                                                Number(masses[as_index(k / dimension)]) *
+                                                                W[as_index(k + j * n)];
       }
   }
 };
@@ -171,20 +176,20 @@ int record(sfdae_record*, sfdae_expression t, const sfdae_expression* q, const s
   const Linkage& linkage = linkage_of(user);
   const int n = linkage.size();
   const Numbers<Expression> s(q, q + n), u(v, v + n);
-  Numbers<Expression> M(at(n * n)), f(at(n));
+  Numbers<Expression> M(as_index(n * n)), f(as_index(n));
   linkage.equations(s, u, M, f);
   const Numbers<Expression> g = linkage.residuals(Expression(t), s), S = linkage.kinematics(s);
-  for (int i = 0; i < n * n; ++i) formulas->M[i] = M[at(i)].c();
-  for (int i = 0; i < n * n && linkage.has_kinematics(); ++i) formulas->S[i] = S[at(i)].c();
-  for (int i = 0; i < n; ++i) formulas->f[i] = f[at(i)].c();
-  for (int i = 0; i < linkage.constraints(); ++i) formulas->g[i] = g[at(i)].c();
+  for (int i = 0; i < n * n; ++i) formulas->M[i] = M[as_index(i)].c();
+  for (int i = 0; i < n * n && linkage.has_kinematics(); ++i) formulas->S[i] = S[as_index(i)].c();
+  for (int i = 0; i < n; ++i) formulas->f[i] = f[as_index(i)].c();
+  for (int i = 0; i < linkage.constraints(); ++i) formulas->g[i] = g[as_index(i)].c();
   return 0;
 }
 
 Numbers<Dual> differentiated(const Linkage& linkage, double t, const double* q) {
   const int n = linkage.size();
   Numbers<Dual> s(q, q + n);
-  for (int i = 0; i < n; ++i) s[at(i)].slope[i] = 1.0;
+  for (int i = 0; i < n; ++i) s[as_index(i)].slope[i] = 1.0;
   Dual time(t);
   time.slope[most_unknowns] = 1.0;
   return linkage.residuals(time, s);
@@ -193,14 +198,14 @@ Numbers<Dual> differentiated(const Linkage& linkage, double t, const double* q) 
 void set_callbacks(sfdae_multibody_problem& problem, const Linkage& linkage) {
   problem.mass = [](double, const double* q, double* M, void* user) {
     const int n = linkage_of(user).size();
-    Numbers<double> result(at(n * n)), f(at(n));
-    linkage_of(user).equations(numbers(q, n), Numbers<double>(at(n)), result, f);
+    Numbers<double> result(as_index(n * n)), f(as_index(n));
+    linkage_of(user).equations(numbers(q, n), Numbers<double>(as_index(n)), result, f);
     std::copy(result.begin(), result.end(), M);
     return 0;
   };
   problem.forces = [](double, const double* q, const double* v, double* f, void* user) {
     const int n = linkage_of(user).size();
-    Numbers<double> M(at(n * n)), result(at(n));
+    Numbers<double> M(as_index(n * n)), result(as_index(n));
     linkage_of(user).equations(numbers(q, n), numbers(v, n), M, result);
     std::copy(result.begin(), result.end(), f);
     return 0;
@@ -213,7 +218,7 @@ void set_callbacks(sfdae_multibody_problem& problem, const Linkage& linkage) {
   problem.constraint_jacobian = [](double t, const double* q, double* g_q, void* user) {
     const Numbers<Dual> g = differentiated(linkage_of(user), t, q);
     for (std::size_t i = 0; i < g.size(); ++i)
-      for (int j = 0; j < linkage_of(user).size(); ++j) g_q[i + at(j) * g.size()] = g[i].slope[j];
+      for (int j = 0; j < linkage_of(user).size(); ++j) g_q[i + as_index(j) * g.size()] = g[i].slope[j];
     return 0;
   };
   if (linkage.moves)
@@ -243,17 +248,17 @@ Numbers<double> solution(Numbers<double> A, Numbers<double> b) {
   for (int k = 0; k < n; ++k) {
     int pivot = k;
     for (int i = k + 1; i < n; ++i)
-      if (std::fabs(A[at(i + k * n)]) > std::fabs(A[at(pivot + k * n)])) pivot = i;
-    for (int j = 0; j < n; ++j) std::swap(A[at(k + j * n)], A[at(pivot + j * n)]);
-    std::swap(b[at(k)], b[at(pivot)]);
+      if (std::fabs(A[as_index(i + k * n)]) > std::fabs(A[as_index(pivot + k * n)])) pivot = i;
+    for (int j = 0; j < n; ++j) std::swap(A[as_index(k + j * n)], A[as_index(pivot + j * n)]);
+    std::swap(b[as_index(k)], b[as_index(pivot)]);
     for (int i = 0; i < n; ++i) {
       if (i == k) continue;
-      const double factor = A[at(i + k * n)] / A[at(k + k * n)];
-      for (int j = k; j < n; ++j) A[at(i + j * n)] -= factor * A[at(k + j * n)];
-      b[at(i)] -= factor * b[at(k)];
+      const double factor = A[as_index(i + k * n)] / A[as_index(k + k * n)];
+      for (int j = k; j < n; ++j) A[as_index(i + j * n)] -= factor * A[as_index(k + j * n)];
+      b[as_index(i)] -= factor * b[as_index(k)];
     }
   }
-  for (int k = 0; k < n; ++k) b[at(k)] /= A[at(k + k * n)];
+  for (int k = 0; k < n; ++k) b[as_index(k)] /= A[as_index(k + k * n)];
   return b;
 }
 
@@ -281,16 +286,16 @@ Linkage plain_linkage(Draw& draw, Numbers<double>& p) {
     linkage.bars.push_back({i, draw.below(i + 1) - 1, 0.0});
   }
   if (linkage.bodies > 2 && draw.below(3) == 0) linkage.bars.push_back({linkage.bodies - 1, draw.below(2) - 1, 0.0});
-  const auto same = [&](const Bar& bar) {
+  const auto same = [&](const LinkageBar& bar) {
     return std::count_if(linkage.bars.begin(), linkage.bars.end(),
-                         [&](const Bar& other) { return other.from == bar.from && other.to == bar.to; }) > 1;
+                         [&](const LinkageBar& other) { return other.from == bar.from && other.to == bar.to; }) > 1;
   };
   if (same(linkage.bars.back())) linkage.bars.pop_back();
-  for (Bar& bar : linkage.bars) {
+  for (LinkageBar& bar : linkage.bars) {
     double sum = 0.0;
     for (int k = 0; k < linkage.dimension; ++k) {
-      const double other = bar.to < 0 ? 0.0 : p[at(bar.to * linkage.dimension + k)];
-      sum += std::pow(p[at(bar.from * linkage.dimension + k)] - other, 2);
+      const double other = bar.to < 0 ? 0.0 : p[as_index(bar.to * linkage.dimension + k)];
+      sum += std::pow(p[as_index(bar.from * linkage.dimension + k)] - other, 2);
     }
     bar.length = std::sqrt(sum);
   }
@@ -318,10 +323,10 @@ Linkage disguised(const Linkage& plain, Draw& draw) {
 Numbers<double> seen_from(const Linkage& linkage, const double* x) {
   const int n = linkage.size();
   const Numbers<double> p = numbers(x, n);
-  Numbers<double> s(p), force(at(n));
+  Numbers<double> s(p), force(as_index(n));
   for (int iteration = 0; iteration < 200; ++iteration) {
     const Numbers<double> there = linkage.position(s);
-    for (int i = 0; i < n; ++i) s[at(i)] += p[at(i)] - there[at(i)];
+    for (int i = 0; i < n; ++i) s[as_index(i)] += p[as_index(i)] - there[as_index(i)];
   }
   const Numbers<double> u = solution(linkage.directions(s, force, force), numbers(x + n, n));
   s.insert(s.end(), u.begin(), u.end());
@@ -352,7 +357,8 @@ TEST(RandomLinkages, MoveAsInCartesianCoordinates) {
     ASSERT_EQ(run.advance(end), SFDAE_OK) << run.message();
     const Numbers<double> p = linkage.position(numbers(run.x.data(), linkage.size()));
     double error = 0.0;
-    for (int i = 0; i < linkage.size(); ++i) error = std::max(error, std::fabs(p[at(i)] - reference.x[at(i)]));
+    for (int i = 0; i < linkage.size(); ++i)
+      error = std::max(error, std::fabs(p[as_index(i)] - reference.x[as_index(i)]));
     // The factor is that of neighbouring motions that part.
     EXPECT_LE(error, 1e3 * tol);
     EXPECT_LE(run.report().position_residual, 1e-12);

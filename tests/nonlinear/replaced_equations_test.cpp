@@ -15,7 +15,9 @@ namespace sfdae_test {
 
 namespace {
 
-sfdae_options required(int method = SFDAE_METHOD_BDF) { return options_of(SFDAE_STRUCTURE_REQUIRED, method); }
+sfdae_options structure_required(int method = SFDAE_METHOD_BDF) {
+  return options_of(SFDAE_STRUCTURE_REQUIRED, method);
+}
 
 // Nodal equations of a random network: resistors of kilo-ohms, capacitors of nanofarads, most of them between nodes,
 // and a source of voltage at the first node, whose current is the last unknown. Time constants are microseconds.
@@ -108,7 +110,7 @@ TEST(ReplacedEquations, SeeThroughSums) {
     SCOPED_TRACE(trial);
     const SparseSystem system(static_cast<unsigned>(trial + 5001), SparseSystem::Mixing::constant);
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-      NonlinearRun run(sfdae_test::equations_of(system), required(method));
+      NonlinearRun run(sfdae_test::equations_of(system), structure_required(method));
       const int status = run.start(0.2, 1.5, system.exact(0.2));
       if (!is_known(status)) {
         EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES) << run.message();
@@ -128,7 +130,7 @@ TEST(ReplacedEquations, AreNotConfirmedByRoundingErrors) {
   for (const unsigned seed : {4894u, 5010u, 7114u, 10090u, 11572u, 14442u, 14884u, 20374u, 127136u}) {
     SCOPED_TRACE(seed);
     const SparseSystem system(seed, SparseSystem::Mixing::any);
-    NonlinearRun run(sfdae_test::equations_of(system), required());
+    NonlinearRun run(sfdae_test::equations_of(system), structure_required());
     EXPECT_LT(run.analyze(0.2, 1.0, system.exact(0.2)), 0);
     NonlinearRun whole(sfdae_test::equations_of(system), options_of(SFDAE_STRUCTURE_AUTOMATIC));
     ASSERT_EQ(whole.analyze(0.2, 1.0, system.exact(0.2)), SFDAE_OK) << whole.message();
@@ -143,7 +145,7 @@ TEST(ReplacedEquations, AreThoseOfFloatingCapacitors) {
   for (int trial = 0; trial < count; ++trial) {
     SCOPED_TRACE(trial);
     const Network network(static_cast<unsigned>(trial + 1));
-    NonlinearRun run(equations_of(network), required()),
+    NonlinearRun run(equations_of(network), structure_required()),
         whole(equations_of(network), options_of(SFDAE_STRUCTURE_OFF));
     const std::vector<double> guess(static_cast<std::size_t>(network.n()), 0.0);
     const int status = run.integrate(0.0, Network::end, guess);
@@ -161,7 +163,8 @@ TEST(ReplacedEquations, FindTheConstraintOfADeltaLoad) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
     const auto equations = sfdae_test::equations_of(
         9, 9, [](const auto& t, const auto* x, const auto* xdot, auto* F) { delta_load(t, x, xdot, F); });
-    NonlinearRun run(equations, required(method)), whole(equations, options_of(SFDAE_STRUCTURE_OFF, method));
+    NonlinearRun run(equations, structure_required(method)),
+        whole(equations, options_of(SFDAE_STRUCTURE_OFF, method));
     const std::vector<double> guess = {3.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     ASSERT_TRUE(is_known(run.integrate(0.0, 0.02, guess))) << run.message();
     ASSERT_TRUE(is_known(whole.integrate(0.0, 0.02, guess))) << whole.message();
@@ -181,7 +184,7 @@ TEST(ReplacedEquations, LeaveOutWhatIsZero) {
                                               F[1] = x[1] * (2.0 * xdot[2] - (xdot[2] + xdot[2])) + x[0] - xdot[1];
                                               F[2] = xdot[2] + x[2] * x[0];
                                             }),
-                   required());
+                   structure_required());
   ASSERT_TRUE(is_known(run.integrate(0.0, 1.0, {1.0, 0.0, 1.0}))) << run.message();
   EXPECT_EQ(run.values(), (CharacteristicValues{1, 1, 2, 0, 0}));
   EXPECT_NEAR(run.x[0], std::cos(1.0), 1e-5);
@@ -196,7 +199,7 @@ TEST(ReplacedEquations, AreGivenUpWhereNothingCancelsAnyMore) {
         F[0] = slope - 1.0;
         F[1] = slope + max(x[0] - 1.0, 0.0 * t) * xdot[0] - 1.0 + (x[1] - 0.5 * x[0]);
       }};
-  NonlinearRun run(equations, required());
+  NonlinearRun run(equations, structure_required());
   const int start = run.start(0.0, 4.0, {0.0, 0.0});
   ASSERT_TRUE(is_known(start)) << run.message();
   EXPECT_EQ(run.values(), (CharacteristicValues{0, 1, 1, 0, 0}));
@@ -212,7 +215,7 @@ TEST(ReplacedEquations, GoOnFromCheckpoints) {
   const auto equations = sfdae_test::equations_of(
       9, 9, [](const auto& t, const auto* x, const auto* xdot, auto* F) { delta_load(t, x, xdot, F); });
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-    NonlinearRun first(equations, required(method)), second(equations, required(method));
+    NonlinearRun first(equations, structure_required(method)), second(equations, structure_required(method));
     ASSERT_TRUE(is_known(first.integrate(0.0, 0.005, std::vector<double>(9, 0.0)))) << first.message();
     const std::vector<double> checkpoint = checkpoint_of(first.solver());
     ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), checkpoint.size()), SFDAE_OK)
@@ -224,7 +227,7 @@ TEST(ReplacedEquations, GoOnFromCheckpoints) {
     for (std::size_t k = 0; k < checkpoint.size(); k += 7) {
       std::vector<double> damaged(checkpoint);
       damaged[k] = damaged[k] == 0.0 ? 3.0 : -damaged[k];
-      NonlinearRun third(equations, required(method));
+      NonlinearRun third(equations, structure_required(method));
       EXPECT_LT(sfdae_restore_checkpoint(third.solver(), damaged.data(), damaged.size()), 0) << k;
     }
   }

@@ -26,13 +26,13 @@ using sfdae_test::TransformedSystem;
 
 // ---- A pendulum in SI units, index raw -------------------------------------------------------------------------
 
-constexpr double gravity = 9.81, mass = 2.0;
+constexpr double gravity_of_pendulum = 9.81, mass = 2.0;
 
 // (px, py, vx, vy, force), a rod of length L.
 sfdae::Solver pendulum(const sfdae::Options& options) {
   sfdae::NonlinearProblem problem(5, 5);
   problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
-    const Expression g = sfdae::parameter(t, "g", gravity), L = sfdae::parameter(t, "L", 1.0),
+    const Expression g = sfdae::parameter(t, "g", gravity_of_pendulum), L = sfdae::parameter(t, "L", 1.0),
                      m = sfdae::parameter(t, "m", mass);
     F[0] = xdot[0] - x[2];
     F[1] = xdot[1] - x[3];
@@ -47,7 +47,8 @@ sfdae::Solver pendulum(const sfdae::Options& options) {
 std::vector<double> scaling_law(const Point& point) {
   const double own[] = {0.0, 0.0, 0.5, 0.5, 1.0};
   std::vector<double> S(5);
-  for (std::size_t i = 0; i < 5; ++i) S[i] = (own[i] * point.x[i] + 0.5 * point.t * point.xdot[i]) / gravity;
+  for (std::size_t i = 0; i < 5; ++i)
+    S[i] = (own[i] * point.x[i] + 0.5 * point.t * point.xdot[i]) / gravity_of_pendulum;
   return S;
 }
 
@@ -79,8 +80,8 @@ TEST_P(PendulumSensitivities, ObeyTheScalingLawAndHiddenConstraints) {
   wanted.parameters = {"g", "m", "L"};
   wanted.directions = Matrix(5, 3);
   // Speeds go with sqrt(g).
-  wanted.directions(2, 0) = 0.8 * speed / (2 * gravity);
-  wanted.directions(3, 0) = 0.6 * speed / (2 * gravity);
+  wanted.directions(2, 0) = 0.8 * speed / (2 * gravity_of_pendulum);
+  wanted.directions(3, 0) = 0.6 * speed / (2 * gravity_of_pendulum);
   solver.set_sensitivities(wanted);
   Point point{0.0, {0.6, -0.8, 0.8 * speed, 0.6 * speed, 0.0}, {}};
   solver.start(point, 10);
@@ -323,7 +324,7 @@ TEST(EventSensitivities, GiveTheTimeOfAFallAndGoOnAfterAJump) {
   sfdae::NonlinearProblem problem(2, 2);
   problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
     F[0] = xdot[0] - x[1];
-    F[1] = xdot[1] + sfdae::parameter(t, "g", gravity) + 0.0 * x[0] * x[1];
+    F[1] = xdot[1] + sfdae::parameter(t, "g", gravity_of_pendulum) + 0.0 * x[0] * x[1];
   };
   constexpr double height = 2.0, restitution = 0.8;
   sfdae::Solver solver(problem, solver_options(1e-10, SFDAE_METHOD_BDF));
@@ -336,15 +337,16 @@ TEST(EventSensitivities, GiveTheTimeOfAFallAndGoOnAfterAJump) {
   Point point{0.0, {height, 0.0}, {}};
   solver.start(point, 10);
   ASSERT_EQ(solver.advance(10, point), SFDAE_EVENT);
-  const double fall = std::sqrt(2 * height / gravity);
+  const double fall = std::sqrt(2 * height / gravity_of_pendulum);
   const std::vector<double> dt = solver.event_sensitivities(point.t, 0.0, {1.0, 0.0});
-  EXPECT_NEAR(dt[0], -fall / (2 * gravity), 1e-8);
-  EXPECT_NEAR(dt[1], 1 / (gravity * fall), 1e-8);
+  EXPECT_NEAR(dt[0], -fall / (2 * gravity_of_pendulum), 1e-8);
+  EXPECT_NEAR(dt[1], 1 / (gravity_of_pendulum * fall), 1e-8);
   // h(x) = (x1, -e x2): directions of the new start.
   const Matrix before = solver.sensitivities(point.t).S;
   for (int j = 0; j < 2; ++j) {
     wanted.directions(0, j) = before(0, j) + (point.x[1] + restitution * point.x[1]) * dt[std::size_t(j)];
-    wanted.directions(1, j) = -restitution * before(1, j) + (restitution * gravity + gravity) * dt[std::size_t(j)];
+    wanted.directions(1, j) =
+        -restitution * before(1, j) + (restitution * gravity_of_pendulum + gravity_of_pendulum) * dt[std::size_t(j)];
   }
   solver.set_sensitivities(wanted);
   point.x[1] *= -restitution;
@@ -352,12 +354,12 @@ TEST(EventSensitivities, GiveTheTimeOfAFallAndGoOnAfterAJump) {
   solver.start(point, 10);
   solver.advance(t_e + 0.5, point);
   // x1 = v s - g s^2 / 2 with v = e sqrt(2 g height), s = t - sqrt(2 height / g).
-  const double s = 0.5, v = restitution * std::sqrt(2 * gravity * height);
-  const double dv[] = {v / (2 * gravity), v / (2 * height)};
-  const double ds[] = {fall / (2 * gravity), -fall / (2 * height)};
+  const double s = 0.5, v = restitution * std::sqrt(2 * gravity_of_pendulum * height);
+  const double dv[] = {v / (2 * gravity_of_pendulum), v / (2 * height)};
+  const double ds[] = {fall / (2 * gravity_of_pendulum), -fall / (2 * height)};
   const Matrix after = solver.sensitivities(point.t).S;
   for (int j = 0; j < 2; ++j)
-    EXPECT_NEAR(after(0, j), dv[j] * s + (v - gravity * s) * ds[j] - (j == 0 ? s * s / 2 : 0.0), 1e-7);
+    EXPECT_NEAR(after(0, j), dv[j] * s + (v - gravity_of_pendulum * s) * ds[j] - (j == 0 ? s * s / 2 : 0.0), 1e-7);
 }
 
 // 0 = x1^2 - p and 0 = 2 x1^2 - 2 p^k: redundant for every p if k = 1, else for p = 1 alone.

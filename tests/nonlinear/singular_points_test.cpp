@@ -22,7 +22,7 @@ unsigned count_of_systems(int usual) {
   return static_cast<unsigned>(wanted != nullptr ? std::atoi(wanted) : sfdae_test::scaled_count(usual, usual / 4));
 }
 
-struct Outcome {
+struct SingularOutcome {
   int started = 0, status = 0;
   bool has_change = false;
   double t = 0.0, named = 0.0;
@@ -31,8 +31,8 @@ struct Outcome {
 };
 
 template <class Run>
-Outcome outcome_of(Run& run, double start, double end, const std::vector<double>& guess) {
-  Outcome outcome;
+SingularOutcome outcome_of(Run& run, double start, double end, const std::vector<double>& guess) {
+  SingularOutcome outcome;
   outcome.started = run.created < 0 ? run.created : run.start(start, end, guess);
   outcome.status = outcome.started < 0 ? outcome.started : run.advance(end);
   outcome.t = run.t;
@@ -45,22 +45,23 @@ Outcome outcome_of(Run& run, double start, double end, const std::vector<double>
   return outcome;
 }
 
-Outcome run_equations(const NonlinearEquations& equations, int method, double tolerance, double start, double end,
-                      const std::vector<double>& guess, int most_steps = 2000) {
+SingularOutcome run_equations(const NonlinearEquations& equations, int method, double tolerance, double start,
+                              double end, const std::vector<double>& guess, int most_steps = 2000) {
   sfdae_options options = options_with(tolerance, method);
   options.max_steps = most_steps;
   NonlinearRun run(equations, options);
   return outcome_of(run, start, end, guess);
 }
 
-constexpr int methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
-constexpr double tolerances[] = {1e-3, 1e-5, 1e-8};
+constexpr int both_methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
+constexpr double run_tolerances[] = {1e-3, 1e-5, 1e-8};
 
 // Expected at the time given, to a hundred tolerances; the point returned lies just before what is named.
-void expect_named(const NonlinearEquations& equations, double end, const std::vector<double>& guess, double time) {
-  for (const int method : methods)
-    for (const double tolerance : tolerances) {
-      const Outcome o = run_equations(equations, method, tolerance, 0.0, end, guess);
+void expect_singular_point(const NonlinearEquations& equations, double end, const std::vector<double>& guess,
+                           double time) {
+  for (const int method : both_methods)
+    for (const double tolerance : run_tolerances) {
+      const SingularOutcome o = run_equations(equations, method, tolerance, 0.0, end, guess);
       SCOPED_TRACE(testing::Message() << "method " << method << ", tolerance " << tolerance << ": " << o.text);
       EXPECT_EQ(o.status, SFDAE_CHARACTERISTICS_CHANGED);
       ASSERT_TRUE(o.has_change);
@@ -76,7 +77,7 @@ TEST(SingularPoints, OfTheCircleAreNamed) {
     F[0] = xdot[0] - x[1];
     F[1] = x[0] * x[0] + x[1] * x[1] - 1.0;
   });
-  expect_named(circle, 3.0, {0.0, 1.0}, 0.5 * std::acos(-1.0));
+  expect_singular_point(circle, 3.0, {0.0, 1.0}, 0.5 * std::acos(-1.0));
 }
 
 // x' = y, y = cos t - x: x = (sin t + cos t - exp(-t)) / 2 passes 0.37.
@@ -95,7 +96,7 @@ TEST(SingularPoints, OfDifferentialEquationsThatVanishAreNamed) {
     F[0] = (x[0] - 0.37) * (xdot[0] - x[1]);
     F[1] = x[1] + x[0] - 1.0 * cos(t);
   });
-  expect_named(equations, 3.0, {0.0, 1.0}, time_of_factor());
+  expect_singular_point(equations, 3.0, {0.0, 1.0}, time_of_factor());
 }
 
 TEST(SingularPoints, OfConstraintsThatVanishAreNamed) {
@@ -104,7 +105,7 @@ TEST(SingularPoints, OfConstraintsThatVanishAreNamed) {
     F[0] = xdot[0] - x[1];
     F[1] = (x[0] - 0.37) * (x[1] + x[0] - 1.0 * cos(t));
   });
-  expect_named(equations, 3.0, {0.0, 1.0}, time_of_factor());
+  expect_singular_point(equations, 3.0, {0.0, 1.0}, time_of_factor());
 }
 
 // y^2 = x = 1 - t ends at t = 1, where steps become small.
@@ -113,7 +114,7 @@ TEST(SingularPoints, WhereSolutionsEndAreNamed) {
     F[0] = xdot[0] + 1.0;
     F[1] = x[1] * x[1] - x[0];
   });
-  expect_named(equations, 2.0, {1.0, 1.0}, 1.0);
+  expect_singular_point(equations, 2.0, {1.0, 1.0}, 1.0);
 }
 
 // sin(x3) x1' = x2, x3' = 1, x1 = sin t: x2 is smooth and unique where sin x3 = 0, and mu = 1 holds there, too.
@@ -124,9 +125,9 @@ TEST(SingularPoints, ThatAreNoneForTheHypothesisArePassed) {
     F[1] = x[0] - 1.0 * sin(t);
     F[2] = xdot[2] - 1.0;
   });
-  for (const int method : methods)
-    for (const double tolerance : tolerances) {
-      const Outcome o = run_equations(equations, method, tolerance, 0.0, 3.0, {0.0, -0.9, -1.0});
+  for (const int method : both_methods)
+    for (const double tolerance : run_tolerances) {
+      const SingularOutcome o = run_equations(equations, method, tolerance, 0.0, 3.0, {0.0, -0.9, -1.0});
       EXPECT_EQ(o.status, SFDAE_OK) << o.text;
     }
 }
@@ -140,9 +141,9 @@ TEST(SingularPoints, AreNotSeenInSmoothSystems) {
     F[1] = x[1] * x[1] - (1.05 + cos(3.0 * t)) * (1.05 + cos(3.0 * t));
     F[2] = x[2] - x[0] * x[1];
   });
-  for (const int method : methods)
-    for (const double tolerance : tolerances) {
-      const Outcome o = run_equations(equations, method, tolerance, 0.0, 6.0, {1.0, 2.05, 2.05});
+  for (const int method : both_methods)
+    for (const double tolerance : run_tolerances) {
+      const SingularOutcome o = run_equations(equations, method, tolerance, 0.0, 6.0, {1.0, 2.05, 2.05});
       EXPECT_EQ(o.status, SFDAE_OK) << o.text;
     }
 }
@@ -158,9 +159,9 @@ TEST(SingularPoints, AreNotSeenWhereUnknownsAreInOtherUnits) {
       F[1] = xdot[1] - x[2];
       F[2] = (1.0 + part * cos(t)) * x[2] - 100.0 * (1.0 - x[0] * x[0]) * x[1] + x[0];
     });
-    for (const int method : methods)
-      for (const double tolerance : tolerances) {
-        const Outcome o = run_equations(equations, method, tolerance, 0.0, 200.0, {2.0, 0.0, -2.0}, 10000);
+    for (const int method : both_methods)
+      for (const double tolerance : run_tolerances) {
+        const SingularOutcome o = run_equations(equations, method, tolerance, 0.0, 200.0, {2.0, 0.0, -2.0}, 10000);
         EXPECT_EQ(o.status, SFDAE_OK) << part << ": " << o.text;
       }
   }
@@ -174,7 +175,7 @@ NonlinearEquations recorded(const SingularSystem& system) {
   });
 }
 
-struct Counts {
+struct SingularCounts {
   int all = 0, named = 0, near = 0, stopped = 0, passed = 0, wrong = 0;
 };
 
@@ -186,15 +187,15 @@ double largest_error(const std::vector<double>& x, const std::vector<double>& ex
   return error;
 }
 
-Counts integrate_all(unsigned systems, bool is_singular) {
-  Counts counts;
+SingularCounts integrate_all(unsigned systems, bool is_singular) {
+  SingularCounts counts;
   const bool prints = std::getenv("SFDAE_SINGULAR_PRINT") != nullptr;
   for (unsigned seed = 0; seed < systems; ++seed) {
     const SingularSystem system(seed, is_singular);
-    for (const int method : methods)
+    for (const int method : both_methods)
       for (const double tolerance : {1e-4, 1e-8}) {
-        const Outcome o = run_equations(recorded(system), method, tolerance, system.start(), system.end(),
-                                        system.exact(system.start()));
+        const SingularOutcome o = run_equations(recorded(system), method, tolerance, system.start(), system.end(),
+                                                system.exact(system.start()));
         if (o.started < 0) continue;  // an analysis that says that it is not sure
         ++counts.all;
         const double distance = std::fabs(o.named - system.time()) / system.unit();
@@ -217,7 +218,7 @@ Counts integrate_all(unsigned systems, bool is_singular) {
 
 // docs/decisions/31-nonlinear-singular-points.md has the shares of a large campaign.
 TEST(RandomSingularPoints, AreNamed) {
-  const Counts counts = integrate_all(count_of_systems(80), true);
+  const SingularCounts counts = integrate_all(count_of_systems(80), true);
   EXPECT_GE(counts.named, 0.7 * counts.all);
   EXPECT_GE(counts.near, 0.8 * counts.named);
   // What only touches zero may be passed, on the solution chosen.
@@ -236,7 +237,7 @@ TEST(RandomSingularPoints, AreNotSeenInInterpolatedDerivatives) {
                          Run{1033, SFDAE_METHOD_BDF}, Run{1355, SFDAE_METHOD_RADAU}, Run{1481, SFDAE_METHOD_BDF},
                          Run{1630, SFDAE_METHOD_BDF}}) {
     const SingularSystem system(run.seed, false);
-    const Outcome o =
+    const SingularOutcome o =
         run_equations(recorded(system), run.method, 1e-4, system.start(), system.end(), system.exact(system.start()));
     EXPECT_GE(o.started, 0) << run.seed;
     EXPECT_FALSE(o.has_change) << run.seed << ": " << o.text;
@@ -246,14 +247,14 @@ TEST(RandomSingularPoints, AreNotSeenInInterpolatedDerivatives) {
 // At its output within a long step an iteration from the linearization there leads to derivatives of another solution.
 TEST(RandomSingularPoints, OutputsKeepToTheirSolution) {
   const SingularSystem system(787, false);
-  const Outcome o = run_equations(recorded(system), SFDAE_METHOD_RADAU, 1e-8, system.start(), system.end(),
-                                  system.exact(system.start()));
+  const SingularOutcome o = run_equations(recorded(system), SFDAE_METHOD_RADAU, 1e-8, system.start(), system.end(),
+                                          system.exact(system.start()));
   ASSERT_EQ(o.status, SFDAE_OK) << o.text;
   EXPECT_LE(largest_error(o.x, system.exact(system.end())), 1e-7);
 }
 
 TEST(RandomSingularPoints, AreNotSeenWhereThereAreNone) {
-  const Counts counts = integrate_all(count_of_systems(160), false);
+  const SingularCounts counts = integrate_all(count_of_systems(160), false);
   // 2 of 3820 runs: systems whose integrations end with an error anyway. One of 160 may be.
   EXPECT_LE(counts.named, 0.002 * counts.all + 1.0);
   EXPECT_LE(counts.stopped, 0.02 * counts.all + 1.0);

@@ -18,7 +18,7 @@ namespace {
 using namespace sfdae_test;
 
 using Numbers = std::vector<double>;
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
 struct Model {
   int n, mu;
@@ -47,7 +47,7 @@ Numbers exact_cylinder(double t) {
 // Pipes between four nodes and a reservoir: pressures in Pa, flows in m3/s, demands given: strangeness index 1.
 Model water_network() {
   Model model{10, 1, Numbers(10, 2e5), Numbers(10, 1e5), 100.0, {}};
-  for (int k = 4; k < 10; ++k) model.guess[at(k)] = model.sizes[at(k)] = 0.01;
+  for (int k = 4; k < 10; ++k) model.guess[as_index(k)] = model.sizes[as_index(k)] = 0.01;
   model.residual = [](const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
     constexpr int from[] = {-1, 0, 0, 1, 2, 1}, to[] = {0, 1, 2, 3, 3, 2};
     constexpr double length[] = {1.0, 2.0, 1.5, 1.0, 0.7, 0.4};
@@ -64,10 +64,10 @@ Model water_network() {
 
 // A bar that hangs by one end: masses, lengths, angles and forces in one block of the system Jacobian. Unknowns: the
 // centre, the angle, their velocities, the forces at the joint.
-constexpr double gravity = 9.81;
-double period(double length) { return std::sqrt(length / gravity); }
+constexpr double gravity_in_units = 9.81;
+double period(double length) { return std::sqrt(length / gravity_in_units); }
 Model bar(double length, double mass) {
-  const double half = 0.5 * length, force = mass * gravity, T = period(length), angle = -1.0;
+  const double half = 0.5 * length, force = mass * gravity_in_units, T = period(length), angle = -1.0;
   Model model{8, 2, {half * std::cos(angle), half * std::sin(angle), angle}, {}, 10.0 * T, {}};
   model.guess.resize(8);
   model.sizes = {length, length, 1.0, length / T, length / T, 1.0 / T, force, force};
@@ -90,7 +90,7 @@ struct Units {
 
 Units random_units(int n, unsigned seed) {
   Random random(seed);
-  Units units{Numbers(at(n), 1.0), Numbers(at(n), 1.0)};
+  Units units{Numbers(as_index(n), 1.0), Numbers(as_index(n), 1.0)};
   if (seed == 0) return units;
   for (double& unit : units.of_x) unit = std::pow(10.0, random.real(-3.0, 3.0));
   for (double& unit : units.of_F) unit = std::pow(10.0, random.real(-3.0, 3.0));
@@ -102,11 +102,11 @@ NonlinearEquations in_units(const Model& model, const Units& units) {
   return equations_of(model.n, model.n, [model, units](const auto& t, const auto* y, const auto* slope, auto* F) {
     std::vector<Expression> x, xdot;
     for (int i = 0; i < model.n; ++i) {
-      x.push_back(units.of_x[at(i)] * y[i]);
-      xdot.push_back(units.of_x[at(i)] / units.of_time * slope[i]);
+      x.push_back(units.of_x[as_index(i)] * y[i]);
+      xdot.push_back(units.of_x[as_index(i)] / units.of_time * slope[i]);
     }
     model.residual(units.of_time * t, x.data(), xdot.data(), F);
-    for (int i = 0; i < model.n; ++i) F[i] = units.of_F[at(i)] * F[i];
+    for (int i = 0; i < model.n; ++i) F[i] = units.of_F[as_index(i)] * F[i];
   });
 }
 
@@ -115,14 +115,15 @@ Numbers solution(const Model& model, const Units& units, const sfdae_options& wa
   sfdae_options options = wanted;
   const double tolerance = options.rtol;
   Numbers atol = model.sizes, guess = model.guess;
-  for (int i = 0; i < model.n; ++i) atol[at(i)] *= tolerance / units.of_x[at(i)], guess[at(i)] /= units.of_x[at(i)];
+  for (int i = 0; i < model.n; ++i)
+    atol[as_index(i)] *= tolerance / units.of_x[as_index(i)], guess[as_index(i)] /= units.of_x[as_index(i)];
   options.atol_vector = atol.data();
   NonlinearRun run(in_units(model, units), options);
   const int status = run.created < 0 ? run.created : run.integrate(0.0, model.end / units.of_time, guess);
   EXPECT_GE(status, SFDAE_OK) << what << ": " << status_text(run, status);
   if (status < 0) return {};
   EXPECT_EQ(run.values().mu, model.mu) << what;
-  for (int i = 0; i < model.n; ++i) run.x[at(i)] *= units.of_x[at(i)];
+  for (int i = 0; i < model.n; ++i) run.x[as_index(i)] *= units.of_x[as_index(i)];
   return run.x;
 }
 
@@ -137,7 +138,7 @@ double error_of(const Model& model, const Numbers& x, const Numbers& reference, 
 
 void expect_solved(const Model& model, const Numbers& reference, int structure, double most_tolerances = 10.0) {
   constexpr unsigned seeds = 20;
-  ASSERT_EQ(reference.size(), at(model.n));
+  ASSERT_EQ(reference.size(), as_index(model.n));
   for (unsigned seed = 0; seed < seeds; ++seed)
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
       constexpr double tolerance = 1e-6;
@@ -192,13 +193,14 @@ TEST(UnevenUnits, OfABarAreSolvedOrRefusedByTheArray) {
     sfdae_options options = options_with(1e-6, SFDAE_METHOD_RADAU);
     options.structure = SFDAE_STRUCTURE_OFF;
     Numbers atol = model.sizes, guess = model.guess;
-    for (int i = 0; i < model.n; ++i) atol[at(i)] *= 1e-6 / units.of_x[at(i)], guess[at(i)] /= units.of_x[at(i)];
+    for (int i = 0; i < model.n; ++i)
+      atol[as_index(i)] *= 1e-6 / units.of_x[as_index(i)], guess[as_index(i)] /= units.of_x[as_index(i)];
     options.atol_vector = atol.data();
     NonlinearRun run(in_units(model, units), options);
     const int status = run.created < 0 ? run.created : run.integrate(0.0, model.end / units.of_time, guess);
     if (status < 0) continue;
     ++solved;
-    for (int i = 0; i < model.n; ++i) run.x[at(i)] *= units.of_x[at(i)];
+    for (int i = 0; i < model.n; ++i) run.x[as_index(i)] *= units.of_x[as_index(i)];
     EXPECT_EQ(run.values().d, 2) << seed;
     EXPECT_LE(error_of(model, run.x, reference, 1e-6), 50.0) << seed;
   }

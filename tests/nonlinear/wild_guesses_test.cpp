@@ -33,16 +33,16 @@ sfdae::NonlinearProblem rectifier(double amplitude) {
 }
 
 // Status, and the largest residual of the first two equations at ends of steps, in amperes.
-struct Outcome {
+struct GuessOutcome {
   bool has_ended = false;
   double residual = 0.0;
 };
-Outcome integrate(double amplitude, int method, int structure) {
+GuessOutcome integrate(double amplitude, int method, int structure) {
   sfdae::Options options = solver_options(1e-3, method);
   options.structure = structure;
   sfdae::Solver solver(rectifier(amplitude), options);
   sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
-  Outcome outcome;
+  GuessOutcome outcome;
   const double end = 0.0289;
   try {
     solver.start(point, end);
@@ -68,7 +68,7 @@ TEST_P(WildGuesses, DoNotPassForSolutions) {
   const auto [method, structure] = GetParam();
   int failed = 0, wrong = 0;
   for (int k = 0; k < 40; ++k) {
-    const Outcome outcome = integrate(5.0 + 0.2 * k, method, structure);
+    const GuessOutcome outcome = integrate(5.0 + 0.2 * k, method, structure);
     failed += outcome.has_ended ? 0 : 1;
     wrong += outcome.residual > 0.1 ? 1 : 0;
   }

@@ -18,16 +18,16 @@ using sfdae_test::factorial;
 using sfdae_test::size;
 using sfdae_test::unit_roundoff;
 
-constexpr int points = DifferenceFormula::points;
+constexpr int formula_points = DifferenceFormula::points;
 
 // k-th derivative of x^p.
-double power_derivative(double x, int p, int k) {
+double derivative_of_power(double x, int p, int k) {
   return k > p ? 0.0 : factorial(p) / factorial(p - k) * std::pow(x, p - k);
 }
 
 std::vector<double> sine_samples(double t, double step, int shift, double speed) {
   std::vector<double> samples;
-  for (int i = 0; i < points; ++i) samples.push_back(std::sin(speed * (t + (i - shift) * step)));
+  for (int i = 0; i < formula_points; ++i) samples.push_back(std::sin(speed * (t + (i - shift) * step)));
   return samples;
 }
 
@@ -51,7 +51,7 @@ TEST(DifferenceWeights, AreExactForPolynomials) {
             value += w[size(k) * nodes.size() + i] * std::pow(nodes[i], p);
             terms += std::fabs(w[size(k) * nodes.size() + i] * std::pow(nodes[i], p));
           }
-          EXPECT_NEAR(value, power_derivative(at, p, k), 100.0 * unit_roundoff * (terms + factorial(degree)));
+          EXPECT_NEAR(value, derivative_of_power(at, p, k), 100.0 * unit_roundoff * (terms + factorial(degree)));
         }
     }
 }
@@ -69,18 +69,18 @@ TEST(DifferenceWeights, OfOrdersWithTooFewNodesAreZero) {
 }
 
 TEST(DifferenceFormula, IsExactForPolynomialsFromEveryPositionOfThePoint) {
-  for (int shift = 0; shift < points; ++shift) {
+  for (int shift = 0; shift < formula_points; ++shift) {
     const DifferenceFormula formula(shift, 3);
     const double t = 0.4, step = 0.25;
     std::vector<double> samples;
-    for (int i = 0; i < points; ++i) {  // two rows: t^3 and 1
+    for (int i = 0; i < formula_points; ++i) {  // two rows: t^3 and 1
       samples.push_back(std::pow(t + (i - shift) * step, 3));
       samples.push_back(1.0);
     }
     for (int k = 0; k <= 3; ++k) {
       double derivative[2], error = -1.0;
       formula.apply(k, step, samples.data(), 2, derivative, &error);
-      EXPECT_LE(std::fabs(derivative[0] - power_derivative(t, 3, k)), error);
+      EXPECT_LE(std::fabs(derivative[0] - derivative_of_power(t, 3, k)), error);
       EXPECT_LE(std::fabs(derivative[1] - (k == 0 ? 1.0 : 0.0)), error);
       // Degree 3 leaves rounding errors alone: weights of 9 points at most 2^9 k!-fold, values at most 2.4^3.
       EXPECT_LE(error, 512.0 * factorial(k) * 14.0 * 100.0 * unit_roundoff / std::pow(step, k));

@@ -18,7 +18,7 @@ namespace {
 
 // Entry e: size sin(rate t + phase), or something that is not smooth, not finite, zero or constant; its derivative
 // times `factor`.
-struct Entry {
+struct LineEntry {
   int kind;
   double size, rate, phase, factor;
   double value(double t) const {
@@ -43,9 +43,9 @@ struct Entry {
   }
 };
 
-std::vector<Entry> random_entries(int count, unsigned seed) {
+std::vector<LineEntry> random_entries(int count, unsigned seed) {
   std::minstd_rand generator(seed);
-  std::vector<Entry> entries;
+  std::vector<LineEntry> entries;
   for (int e = 0; e < count; ++e) {
     const int kind = static_cast<int>(generator() % 40);
     const double size = std::exp2(20.0 * symmetric_random(generator));
@@ -57,7 +57,7 @@ std::vector<Entry> random_entries(int count, unsigned seed) {
 }
 
 // terms: the size of values is given for each entry, which are then looked at one by one; none is larger than a value.
-std::vector<int> unconfirmed(const std::vector<Entry>& entries, double origin, double reach, bool with_terms) {
+std::vector<int> unconfirmed(const std::vector<LineEntry>& entries, double origin, double reach, bool with_terms) {
   const int count = static_cast<int>(entries.size());
   SuppliedLine line{count, count, origin, reach, {}, std::vector<double>(2 * entries.size())};
   line.evaluate = [&](double offset, double* values) {
@@ -79,9 +79,9 @@ TEST(SuppliedLine, EntriesAtOnceAreJudgedAsOneByOne) {
   for (unsigned seed = 1; seed <= 60; ++seed)
     for (int count : {1, 7, 513, 1500}) {
       // Numbers that are not finite do not share a block with all others.
-      std::vector<Entry> entries = random_entries(count, seed);
+      std::vector<LineEntry> entries = random_entries(count, seed);
       if (seed % 2 == 0)
-        for (Entry& entry : entries) entry.kind = entry.kind == 2 || entry.kind == 3 ? 5 : entry.kind;
+        for (LineEntry& entry : entries) entry.kind = entry.kind == 2 || entry.kind == 3 ? 5 : entry.kind;
       const double origin = seed % 3 == 0 ? 0.0 : 0.3, reach = seed % 5 == 0 ? -2.0 : 1.0;
       const std::vector<int> at_once = unconfirmed(entries, origin, reach, false);
       EXPECT_EQ(at_once, unconfirmed(entries, origin, reach, true)) << "seed " << seed << ", " << count;

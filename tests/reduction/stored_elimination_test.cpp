@@ -62,17 +62,17 @@ TaylorData data_with_small_pivot(int n, int level, double p, std::uint64_t seed)
   return data;
 }
 
-struct Case {
+struct StoredCase {
   std::string name;
   TaylorData data;
   int level;
 };
 
-std::vector<Case> cases() {
+std::vector<StoredCase> stored_cases() {
   struct Shape {
     int m, n, rank;
   };
-  std::vector<Case> all;
+  std::vector<StoredCase> all;
   // 12 unknowns are the most whose equations are solved for y beforehand.
   for (const Shape s : {Shape{1, 1, 0},
                         {1, 1, 1},
@@ -108,7 +108,7 @@ std::vector<Case> cases() {
 }  // namespace
 
 TEST(StoredElimination, TransformsAsTheEliminationDoes) {
-  for (const Case& c : cases()) {
+  for (const StoredCase& c : stored_cases()) {
     SCOPED_TRACE(c.name);
     Stored stored(c.data, c.level);
     const int rows = (c.level + 1) * c.data.m;
@@ -133,7 +133,7 @@ TEST(StoredElimination, TransformsAsTheEliminationDoes) {
 
 // f := M y - N x for any x and y: then A^ x + f^ = 0, and what is recovered for x solves M y = N x + f.
 TEST(StoredElimination, RecoversDerivativesOfEveryConsistentX) {
-  for (const Case& c : cases()) {
+  for (const StoredCase& c : stored_cases()) {
     SCOPED_TRACE(c.name);
     Stored stored(c.data, c.level);
     const int n = c.data.n, rows = (c.level + 1) * c.data.m, last = (c.level + 1) * n;
@@ -155,7 +155,7 @@ TEST(StoredElimination, RecoversDerivativesOfEveryConsistentX) {
 
 // As many components as the kernel of M has dimensions stay 0; those determined by random data do not vanish.
 TEST(StoredElimination, LeavesComponentsZeroThatNothingDetermines) {
-  for (const Case& c : cases()) {
+  for (const StoredCase& c : stored_cases()) {
     SCOPED_TRACE(c.name);
     Stored stored(c.data, c.level);
     const int rows = (c.level + 1) * c.data.m, unknowns = (c.level + 1) * c.data.n;

@@ -22,9 +22,9 @@ namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-std::size_t size(int i) { return static_cast<std::size_t>(i); }
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
-double max_abs(const std::vector<double>& x) {
+double largest_entry(const std::vector<double>& x) {
   double largest = 0.0;
   for (double value : x) largest = std::max(largest, std::isnan(value) ? INFINITY : std::abs(value));
   return largest;
@@ -55,7 +55,7 @@ std::vector<double> inner_points(const LinearTestProblem& p) {
 
 std::vector<double> matrix(const LinearFamily& p, void (LinearFamily::*which)(double, int, double*) const, double t,
                            int k, int columns) {
-  std::vector<double> values(size(p.m() * columns), NAN);
+  std::vector<double> values(as_size(p.m() * columns), NAN);
   (p.*which)(t, k, values.data());
   return values;
 }
@@ -97,19 +97,20 @@ TEST(Families, ExactSolutionsSatisfyTheEquations) {
     for (double t : inner_points(p)) {
       const auto E = matrix(family, &LinearFamily::E, t, 0, n), A = matrix(family, &LinearFamily::A, t, 0, n);
       const auto f = matrix(family, &LinearFamily::f, t, 0, 1);
-      std::vector<double> x(size(n)), xdot(size(n));
+      std::vector<double> x(as_size(n)), xdot(as_size(n));
       family.exact(t, x.data(), xdot.data());
       for (int i = 0; i < m; ++i) {
-        double residual = -f[size(i)], terms = std::abs(f[size(i)]);
+        double residual = -f[as_size(i)], terms = std::abs(f[as_size(i)]);
         for (int j = 0; j < n; ++j) {
-          const double Ex = E[size(i + j * m)] * xdot[size(j)], Ax = A[size(i + j * m)] * x[size(j)];
+          const double Ex = E[as_size(i + j * m)] * xdot[as_size(j)], Ax = A[as_size(i + j * m)] * x[as_size(j)];
           residual += Ex - Ax;
           terms += std::abs(Ex) + std::abs(Ax);
         }
         // Cancelled terms: at least a row of E or A times the solution.
         double row = 0.0;
-        for (int j = 0; j < n; ++j) row = std::max({row, std::abs(E[size(i + j * m)]), std::abs(A[size(i + j * m)])});
-        EXPECT_LE(std::abs(residual), rounding(n) * (terms + row * max_abs(x))) << "t = " << t << ", row " << i;
+        for (int j = 0; j < n; ++j)
+          row = std::max({row, std::abs(E[as_size(i + j * m)]), std::abs(A[as_size(i + j * m)])});
+        EXPECT_LE(std::abs(residual), rounding(n) * (terms + row * largest_entry(x))) << "t = " << t << ", row " << i;
       }
     }
   }
@@ -118,7 +119,7 @@ TEST(Families, ExactSolutionsSatisfyTheEquations) {
 TEST(Families, XdotIsTheDerivativeOfX) {
   for (const LinearTestProblem& p : every_kind()) {
     SCOPED_TRACE(p.family->name());
-    const std::size_t n = size(p.family->n());
+    const std::size_t n = as_size(p.family->n());
     for (double t : inner_points(p)) {
       const double h = 1e-4;
       std::vector<double> x_left(n), x_right(n), left(n), right(n), middle(n), x(n);
@@ -128,9 +129,9 @@ TEST(Families, XdotIsTheDerivativeOfX) {
       // Simpson's rule x(t+h) - x(t-h) = h/3 (x'(t-h) + 4 x'(t) + x'(t+h)) errs by h^5 x^(5)/90; x^(5) is at most
       // 100^4 times as large as x' here (spin(-50, 1): 51^4).
       for (std::size_t j = 0; j < n; ++j) {
-        const double slope = std::abs(left[j]) + std::abs(middle[j]) + std::abs(right[j]) + max_abs(middle);
+        const double slope = std::abs(left[j]) + std::abs(middle[j]) + std::abs(right[j]) + largest_entry(middle);
         EXPECT_NEAR(x_right[j] - x_left[j], h / 3.0 * (left[j] + 4.0 * middle[j] + right[j]),
-                    std::pow(h, 5) / 90.0 * 1e8 * slope + rounding(static_cast<int>(n)) * max_abs(x))
+                    std::pow(h, 5) / 90.0 * 1e8 * slope + rounding(static_cast<int>(n)) * largest_entry(x))
             << "t = " << t << ", component " << j;
       }
     }
@@ -159,10 +160,11 @@ TEST(Families, DerivativesAreThoseOfTheOrderBelow) {
           const double difference = (far_left[i] - 8 * left[i] + 8 * right[i] - far_right[i]) / (12 * h);
           error = std::max(error, std::abs(supplied[i] - difference));
         }
-        const double truncation = std::pow(h, 4) / 30 * max_abs(matrix(family, D, t, k + 4, columns));
-        const double noise = rounding(family.n()) * (max_abs(left) + max_abs(right)) / h;
+        const double truncation = std::pow(h, 4) / 30 * largest_entry(matrix(family, D, t, k + 4, columns));
+        const double noise = rounding(family.n()) * (largest_entry(left) + largest_entry(right)) / h;
         EXPECT_LE(error, 2 * truncation + noise) << "EAf"[which] << ", order " << k;
-        EXPECT_LT(truncation, 1e-3 * (max_abs(supplied) + max_abs(left) + 1)) << "no test at all: smaller h";
+        EXPECT_LT(truncation, 1e-3 * (largest_entry(supplied) + largest_entry(left) + 1))
+            << "no test at all: smaller h";
       }
     }
   }
@@ -230,11 +232,11 @@ TEST(Random, RowScalingMultipliesEAndAAndFAlike) {
   const auto f = matrix(*plain, &LinearFamily::f, 0.2, 0, 1);
   const auto f_scaled = matrix(*scaled, &LinearFamily::f, 0.2, 0, 1);
   for (int i = 0; i < m; ++i) {
-    const double factor = f_scaled[size(i)] / f[size(i)];
+    const double factor = f_scaled[as_size(i)] / f[as_size(i)];
     EXPECT_NEAR(std::log10(factor), std::round(std::log10(factor)), rounding(1));
     for (int j = 0; j < n; ++j)
-      EXPECT_NEAR(E_scaled[size(i + j * m)], factor * E[size(i + j * m)],
-                  rounding(1) * std::abs(E_scaled[size(i + j * m)]));
+      EXPECT_NEAR(E_scaled[as_size(i + j * m)], factor * E[as_size(i + j * m)],
+                  rounding(1) * std::abs(E_scaled[as_size(i + j * m)]));
   }
 }
 
@@ -278,7 +280,7 @@ TEST(FamilyProblem, CallbacksGiveTheDerivativesOfTheFamilyInWhateverOrderTheyAre
     ASSERT_EQ(p.problem.num_equations, family->m());
     ASSERT_EQ(p.problem.num_unknowns, family->n());
     const int n = family->n();
-    std::vector<double> values(size(family->m() * n)), f(size(family->m()));
+    std::vector<double> values(as_size(family->m() * n)), f(as_size(family->m()));
     RandomNumbers random(1);
     for (int i = 0; i < 60; ++i) {
       const double t = 0.1 * random.integer(0, 6);

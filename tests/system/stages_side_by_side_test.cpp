@@ -18,7 +18,7 @@ namespace sfdae::core {
 namespace {
 
 using namespace sfdae_test;
-using Vector = std::vector<double>;
+using Values = std::vector<double>;
 
 // The same equations, for which there are no lanes.
 class OneByOne final : public NonlinearProblem {
@@ -45,19 +45,19 @@ class OneByOne final : public NonlinearProblem {
   TaylorEvaluator evaluator_;
 };
 
-struct Case {
+struct StageCase {
   std::string name;
   RecordPointer record;
-  Vector x0;
+  Values x0;
   double h;
   int mu;
 };
 
 // Pendula of mass `mass`, each pulled by the next one: mu = 2, 5 unknowns each. Light ones have large multipliers.
-Case pendula(int count, double mass) {
+StageCase pendula(int count, double mass) {
   Recording r(5 * count);
   std::vector<Term> F;
-  Case result{std::to_string(count) + " pendula of mass " + std::to_string(mass), nullptr, {}, 0.04, 2};
+  StageCase result{std::to_string(count) + " pendula of mass " + std::to_string(mass), nullptr, {}, 0.04, 2};
   for (int k = 0; k < count; ++k) {
     const auto x = [&](int i) { return r.x[index((5 * k + i) % (5 * count))]; };
     const auto slope = [&](int i) { return r.xdot[index(5 * k + i)]; };
@@ -74,7 +74,7 @@ Case pendula(int count, double mass) {
 }
 
 // x1 = sin t through the second derivative of a constraint: no differential equations.
-Case without_dynamics() {
+StageCase without_dynamics() {
   Recording r(3);
   return {"no dynamics",
           r.finish({r.xdot[0] - r.x[1], r.xdot[1] - r.x[2] - r.x[0] * r.x[1], r.x[0] - sin(r.t)}),
@@ -83,7 +83,7 @@ Case without_dynamics() {
           2};
 }
 
-std::vector<Case> cases() {
+std::vector<StageCase> stage_cases() {
   return {{"hyperbola", record_of_hyperbola(), {1.0, 1.0}, 0.3, 0},
           without_dynamics(),
           pendula(1, 1.0),
@@ -94,23 +94,23 @@ std::vector<Case> cases() {
 
 struct Solved {
   PointStatus status;
-  Vector x;
+  Values x;
   long evaluations;
   bool has_reflections = false;
 };
 
 // Two steps of size h from constant guesses.
-Solved solve(const Case& given, std::unique_ptr<NonlinearProblem> problem, int stages) {
+Solved solve(const StageCase& given, std::unique_ptr<NonlinearProblem> problem, int stages) {
   NonlinearExample e(given.record);
   if (problem) e.problem = std::move(problem);
   e.analyze(0.0, 1.0, given.x0);
   EXPECT_EQ(e.analysis.values.mu, given.mu) << given.name;
   const std::size_t block = e.system->jet().x.size(), n = given.x0.size(), s = index(stages);
   const long before = e.problem->evaluations();
-  Solved result{PointStatus::ok, Vector(n * s), 0};
+  Solved result{PointStatus::ok, Values(n * s), 0};
   for (int k = 0; k < 2 && result.status == PointStatus::ok; ++k) {
-    const Vector start(e.system->jet().x.begin(), e.system->jet().x.end());
-    Vector taylor, weights(n, 1e10), w(n * s);
+    const Values start(e.system->jet().x.begin(), e.system->jet().x.end());
+    Values taylor, weights(n, 1e10), w(n * s);
     for (std::size_t i = 0; i < s; ++i) taylor.insert(taylor.end(), start.begin(), start.end());
     taylor.resize(block * s);
     double reached = 0.0;
@@ -133,11 +133,11 @@ Solved solve(const Case& given, std::unique_ptr<NonlinearProblem> problem, int s
 // Iterations end by the same decisions, so that rounding is all that is left; multipliers are divided by masses.
 TEST(StagesSideBySide, AreThoseOneByOne) {
   bool has_reflections = false;
-  for (const Case& given : cases())
+  for (const StageCase& given : stage_cases())
     for (const int stages : {3, 5, 7}) {
       const Solved expected = solve(given, std::make_unique<OneByOne>(given.record), stages);
       ASSERT_EQ(expected.status, PointStatus::ok) << given.name << ", " << stages;
-      Vector first;
+      Values first;
       for_each_instruction_set([&](InstructionSet) {
         const Solved found = solve(given, nullptr, stages);
         ASSERT_EQ(found.status, PointStatus::ok) << given.name << ", " << stages;
@@ -157,7 +157,7 @@ TEST(StagesSideBySide, AreThoseOneByOne) {
 TEST(StagesSideBySide, AreLeftWhereLanesCannotBeEvaluated) {
   Recording r(2);
   // x1 = 1 - 20 t leaves the domain of the logarithm within the step.
-  const Case given{
+  const StageCase given{
       "logarithm", r.finish({r.xdot[0] + 20.0, r.x[1] - log(r.x[0] - 0.5)}), {1.0, std::log(0.5)}, 0.1, 0};
   EXPECT_EQ(solve(given, nullptr, 3).status, PointStatus::callback_error);
   EXPECT_EQ(solve(given, std::make_unique<OneByOne>(given.record), 3).status, PointStatus::callback_error);
