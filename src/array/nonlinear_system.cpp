@@ -469,6 +469,14 @@ PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
   return status;
 }
 
+// Where ranks are not those known, as near singular points, there is no linearization.
+bool NonlinearSystem::find_differentiated(char* flags) {
+  TaylorData data;
+  if (problem_.linearize(history_.accepted(), nullptr, data) != PointStatus::ok) return false;
+  mark_differentiated(data, flags);
+  return true;
+}
+
 // ---- x' --------------------------------------------------------------------------------------------------------
 
 bool NonlinearSystem::exact_derivative(const double* x, double* xdot) {

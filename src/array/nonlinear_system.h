@@ -96,6 +96,7 @@ class NonlinearSystem final : public DaeSystem {
     if (!linearization_.is_usable()) return {};
     return differentiated_change(linearization_.data(), units(), dx, tolerances);
   }
+  bool find_differentiated(char* flags) override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;

@@ -449,6 +449,11 @@ bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdo
   return false;
 }
 
+bool ExtensionSystem::find_differentiated(char* flags) {
+  for (int j = 0; j < unknowns(); ++j) flags[j] = extension_.offsets().d[index(j)] != 0 ? 1 : 0;
+  return true;
+}
+
 DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
   DifferentiatedChange largest;
   for (int j = 0; j < unknowns(); ++j) {

@@ -149,7 +149,7 @@ class Integration {
   bool passes_singular_points() const;
   void refine_steps(double h);
   double fine_step(double size);
-  CourseData course_data() const;
+  CourseData course_data();
   std::optional<CallResult> meet_change();
   bool has_passed_obstacle();
   bool pass(const CourseData& data, const SmoothCourse& course, SingularPoint& point);

@@ -134,21 +134,20 @@ double Integration::fine_step(double size) {
 
 // ---- At the point ----------------------------------------------------------------------------------------------
 
-CourseData Integration::course_data() const {
+CourseData Integration::course_data() {
   const std::vector<double>& x = integrator_.stepper->x();
   CourseData data{branches_.trail, change_->t, integrator_.direction, std::vector<double>(x.size()),
                   std::vector<char>(x.size(), 0)};
-  std::vector<double> dx(x.size(), 0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
     data.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
     if (!(data.tolerances[i] > 0.0)) data.tolerances[i] = unit_roundoff * std::max(std::fabs(x[i]), 1.0);
   }
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    dx[i] = data.tolerances[i];
-    data.is_differentiated[i] =
-        integrator_.system.change_of_differentiated(dx.data(), data.tolerances.data()).size > 0.0 ? 1 : 0;
-    dx[i] = 0.0;
-  }
+  // Nothing may go unchecked: where too few are known, which is so at points where E loses rank, all have to be smooth.
+  std::vector<char>& flags = data.is_differentiated;
+  const bool is_known = integrator_.system.find_differentiated(flags.data());
+  const auto found = std::count(flags.begin(), flags.end(), char{1});
+  if (!is_known || found == 0 || found < integrator_.system.differential())
+    std::fill(flags.begin(), flags.end(), char{1});
   return data;
 }
 

@@ -68,6 +68,10 @@ class LinearSystem final : public DaeSystem {
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override {
     return differentiated_change(point().data, problem_.units(), dx, tolerances);
   }
+  bool find_differentiated(char* flags) override {
+    mark_differentiated(point().data, flags);
+    return true;
+  }
   bool has_difference_errors() const override { return point().data.has_errors(); }
   void difference_errors(const double* x, double* errors) override;
 

@@ -81,6 +81,10 @@ class MultibodySystem final : public DaeSystem {
     std::copy_n(xdot, leading_size(), wdot);
   }
   // Of positions and velocities.
+  bool find_differentiated(char* flags) override {
+    std::fill_n(flags, leading_size(), char{1});
+    return true;
+  }
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   SingularPart vanishing_part() const override { return SingularPart::constraints; }
   void archive(Archive& archive) override;

@@ -89,6 +89,9 @@ class DaeSystem : public StrangenessFreeSystem {
   // depend on stays as it is.
   virtual PointStatus check_ranks() { return PointStatus::ok; }
 
+  // Sets the flags of unknowns (n, all 0 before) with derivatives in the equations near the point accepted last; false:
+  // not known.
+  virtual bool find_differentiated(char* flags) = 0;
   // Of x, from the point accepted last to the current one.
   virtual DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const = 0;
 

@@ -23,10 +23,25 @@ ValueChange largest_change(const double* given, const double* changes, const std
   return largest;
 }
 
+namespace {
+
+// Of the largest entry of a row of [E A]: what is smaller is what users' arithmetic leaves of zeros. (Chosen.)
+constexpr double few = 1e-10;
+
+}  // namespace
+
+void mark_differentiated(const TaylorData& data, char* flags) {
+  const ConstView E = data.E(0), A = data.A(0);
+  for (int i = 0; i < data.m; ++i) {
+    double size = 0.0;
+    for (int j = 0; j < data.n; ++j) size = std::max({size, std::fabs(E(i, j)), std::fabs(A(i, j))});
+    for (int j = 0; j < data.n; ++j)
+      if (std::fabs(E(i, j)) > few * size) flags[j] = 1;
+  }
+}
+
 DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
                                            const double* tolerances) {
-  // Of the largest entry of a row of [E A]: what is smaller is what users' arithmetic leaves of zeros. (Chosen.)
-  constexpr double few = 1e-10;
   const ConstView E = data.E(0), A = data.A(0);
   DifferentiatedChange largest;
   for (int i = 0; i < data.m; ++i) {

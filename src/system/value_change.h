@@ -30,6 +30,8 @@ struct DifferentiatedChange {
   double size = 0.0;
   int component = 0;
 };
+// Sets the flags of unknowns (n) with derivatives in the equations.
+void mark_differentiated(const TaylorData& data, char* flags);
 DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
                                            const double* tolerances);
 
