@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "linalg/index.h"
 #include "reduction/usual_units.h"
@@ -23,7 +24,7 @@ struct LogEntry {
 constexpr double negligible_entry = 1e-14;
 // The sweeps converge linearly, and exponents are rounded to integers in the end; by judgement.
 constexpr int sweeps = 100;
-// Units from 2^-300 to 2^300: products of three of them are finite. Sizes of -2 times that stand for zero.
+// Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_fast_exponent = 300.0;
 
 // Each unknown of a group in turn takes the mean of what is left (Gauss-Seidel on the normal equations).
@@ -39,28 +40,33 @@ void relax(std::vector<double>& unknowns, const std::vector<double>& r, const st
     if (count[k] > 0.0) unknowns[k] -= sum[k] / count[k];
 }
 
-// Unknowns that no differential equation contains: as large as the others in the equation where they are largest.
-void scale_others(const TaylorData& data, const std::vector<char>& is_differential,
-                  const std::vector<char>& is_scaled, std::vector<double>& c) {
+// Unknowns that no differential equation contains: as large as the others in the equation where they are largest. An
+// equation says so once one of its unknowns has a unit; unknowns that no equation ties to others keep theirs.
+void scale_others(const TaylorData& data, const std::vector<char>& is_differential, std::vector<char> is_scaled,
+                  std::vector<double>& c) {
   const ConstView A = data.A(0);
-  const double threshold = negligible_entry * data.time_scale;
-  std::vector<double> largest(index(A.rows), 0.0);
+  const double threshold = negligible_entry * data.time_scale, none = -std::numeric_limits<double>::infinity();
   const auto size = [&](int i, int j) {
     const double a = std::fabs(A(i, j));
-    return a > threshold ? std::log2(a) + c[index(j)] : -2.0 * largest_fast_exponent;
+    return a > threshold ? std::log2(a) + c[index(j)] : none;
   };
-  for (int i = 0; i < A.rows; ++i) {
-    largest[index(i)] = -2.0 * largest_fast_exponent;
+  for (bool has_found = true; has_found;) {
+    has_found = false;
+    std::vector<double> largest(index(A.rows), none);
     for (int j = 0; j < A.cols; ++j)
-      if (is_scaled[index(j)] != 0) largest[index(i)] = std::max(largest[index(i)], size(i, j));
-  }
-  for (int j = 0; j < A.cols; ++j) {
-    if (is_scaled[index(j)] != 0) continue;
-    double ratio = -2.0 * largest_fast_exponent;
-    for (int i = 0; i < A.rows; ++i)
-      if (is_differential[index(i)] == 0 && std::fabs(A(i, j)) > threshold)
-        ratio = std::max(ratio, size(i, j) - std::max(largest[index(i)], -largest_fast_exponent));
-    if (ratio > -largest_fast_exponent) c[index(j)] -= ratio;
+      for (int i = 0; i < A.rows && is_scaled[index(j)] != 0; ++i)
+        largest[index(i)] = std::max(largest[index(i)], size(i, j));
+    for (int j = 0; j < A.cols; ++j) {
+      if (is_scaled[index(j)] != 0) continue;
+      double ratio = none;
+      for (int i = 0; i < A.rows; ++i)
+        if (is_differential[index(i)] == 0 && largest[index(i)] > none)
+          ratio = std::max(ratio, size(i, j) - largest[index(i)]);
+      if (!(ratio > none)) continue;
+      c[index(j)] -= ratio;
+      is_scaled[index(j)] = 1;
+      has_found = true;
+    }
   }
 }
 

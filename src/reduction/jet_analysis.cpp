@@ -53,6 +53,9 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
   std::optional<UnitsResult> best;
   int agreeing = 0, clear = 0;
   double tau = 1.0;
+  const auto counts = [&] {
+    return best && agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept;
+  };
   for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
     UnitsResult found;
     AnalysisSettings scaled = settings;
@@ -76,9 +79,9 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
     const bool is_best = !best || gap > smallest_gap(best->decisions);
     if (is_best) best = std::move(found);
     // After the clearest one faster units have nothing to add.
-    if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
+    if (counts() && !is_best) return best;
   }
-  return std::nullopt;
+  return counts() ? best : std::nullopt;
 }
 
 }  // namespace
