@@ -109,12 +109,23 @@ ErrorTerms SensitivityErrorEstimate::estimate(SensitivitySystem& system, const S
   return terms;
 }
 
+// The embedded error falls as h^(s+1). One that falls more slowly than h is a jump between S at the start and at the
+// stages, which know x only as its iterations do: no step is short enough for it. (Jumps of 0.03 tolerances, where
+// seven stages allow 0.01, ended 38 of 280 random runs at 1e-7 to 1e-10 with a step of 1e-15.)
+bool SensitivityErrorEstimate::is_jump_at_start(const Attempt& attempt) const {
+  const double ratio = std::fabs(attempt.h / last_.h);
+  return attempt.t == last_.t && ratio < 1.0 && attempt.embedded > ratio * last_.embedded;
+}
+
 // The embedded errors have been mapped.
 void SensitivityErrorEstimate::judge_several_stages(SensitivitySystem& system, const Step& step,
                                                     const std::vector<ErrorWeights>& weights, ErrorTerms& terms) {
   const int s = step.method.s();
   const bool has_difference = count_ >= s;
-  const double guard = norm(weights, (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
+  double guard = norm(weights, (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
+  const Attempt attempt{nodes_[0].t, step.h, guard};
+  if (is_jump_at_start(attempt)) guard = norm(weights);
+  last_ = attempt;
   double by_difference = 0.0;
   if (has_difference) {
     ChosenNodes chosen;

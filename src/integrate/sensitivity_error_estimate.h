@@ -53,6 +53,13 @@ class SensitivityErrorEstimate {
   void reserve(std::size_t size);
   std::size_t size() const { return end_.w.size(); }
 
+  // The attempt judged last: from where, its size and embedded error.
+  struct Attempt {
+    double t = 0.0, h = 0.0, embedded = 0.0;
+  };
+  bool is_jump_at_start(const Attempt& attempt) const;
+
+  Attempt last_;
   std::vector<RadauNode> nodes_;  // the newest first; w is S
   int count_ = 0;
   RadauNode end_;
