@@ -117,8 +117,8 @@ void RadauOutput::interpolate(const RadauHistory& history, HermiteTable& table, 
 
 // A step from the start of the last one, or a few shorter ones if it has no solution.
 PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeights& weights,
-                                      const RadauHistory& history, RadauWorkspace& workspace, double& t) {
-  const double target = t;
+                                      const RadauHistory& history, RadauWorkspace& workspace, double target) {
+  double reached = target;
   const RadauMethod& method = radau_method(history.last_stages());
   const std::size_t n = history.newest().x.size();
   const bool needs_guess = !system.is_linear();
@@ -140,7 +140,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
       prediction.taylor_at_start = workspace.guess.at_start(predictor, system.taylor_order());
     }
     PointStatus status = system.solve_stages({method.stages, from.t, end.t, from.w.data(), from.x.data(), prediction},
-                                             stages.x.data(), stages.w.data(), t);
+                                             stages.x.data(), stages.w.data(), reached);
     if (status == PointStatus::ok && !all_finite(stages.x.data(), n * index(method.s())))
       status = PointStatus::not_converged;
     if (status == PointStatus::ok) {
@@ -169,11 +169,8 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   workspace.scales.update(weights, history.node(1), history.newest());
   const double limit = system.is_linear() ? hermite_error : nonlinear_hermite_error;
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
-  double reached = t;
-  const PointStatus stages = solve_within(system, weights, history, workspace, reached);
-  if (stages == PointStatus::callback_error && reached == t) return stages;
-  // A stage may fail where the point itself does not: then the polynomial has to do.
-  if (stages != PointStatus::ok) return system.move_to(t);
+  const PointStatus stages = solve_within(system, weights, history, workspace, t);
+  if (stages != PointStatus::ok) return stages;
   copy_to(history.insert(within_.end), point);
   return PointStatus::ok;
 }

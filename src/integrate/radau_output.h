@@ -55,7 +55,7 @@ class RadauOutput {
  private:
   // Sets within_.end at t. Where that fails t is the stage that does.
   PointStatus solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, const RadauHistory& history,
-                           RadauWorkspace& workspace, double& t);
+                           RadauWorkspace& workspace, double target);
 
   bool is_linear_ = true;
   bool interpolates_well_ = false;

@@ -87,13 +87,11 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
   Vector& error = events_.rough_error;
   for (const double place : places) {
     const double t = state.t - place * state.last.h;
-    Events::Point& now = events_.now;
     const Vector &rough = events_.g_rough, &g = events_.g_now;
     // Where nothing is known of errors yet, there is no approximation only if g is not defined there.
     const bool has_rough = approximate(t, events_.g_now.data());
     if (!has_rough && place != places.front()) continue;
-    step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
-    if (events_.evaluate(t, now, events_.g_now) != 0 || !are_finite(g)) continue;
+    evaluate_consistently(t, events_.g_now);
     if (!has_rough || is_misleading(rough)) {
       distrust();
       return;
@@ -104,6 +102,20 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
       if (matters) error[i] = std::max(error[i], difference);
     }
   }
+}
+
+// g at a consistent point of the step. Rough slopes will do, unless g is not defined for them; it has to be for those
+// of the solution.
+void StepEventValues::evaluate_consistently(double t, Vector& g) {
+  Events::Point& now = events_.now;
+  int status = 0;
+  for (const Slopes slopes : {Slopes::rough, Slopes::wanted}) {
+    step_.output.evaluate(step_.integrator, {t, false, slopes}, step_.options, now.x.data(), now.xdot.data());
+    status = events_.evaluate(t, now, g);
+    stop_if_asked(t);
+    if (status == 0 && are_finite(g)) return;
+  }
+  throw failure_of(status, t, g);
 }
 
 void StepEventValues::distrust() {
@@ -126,19 +138,13 @@ bool StepEventValues::is_misleading(const Vector& rough) const {
 void StepEventValues::look_at_rates() {
   const LastStep last = step_.integrator.stepper->state().last;
   const double t_end = step_.integrator.stepper->state().t, delta = rate_part * last.h;
-  Events::Point& now = events_.now;
-  const auto is_known_at = [&](double t, Vector& g) {
-    step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
-    const bool is_known = events_.evaluate(t, now, g) == 0 && are_finite(g);
-    stop_if_asked(t);
-    return is_known;
-  };
   EventResolution& resolution = events_.resolution;
   resolution.start_rates();
   for (const double place : rate_places) {
     const double t = t_end - place * last.h;
-    if (is_known_at(t, events_.g_now) && is_known_at(t + delta, events_.g_rough))
-      resolution.add_rate(delta, events_.g_now, events_.g_rough);
+    evaluate_consistently(t, events_.g_now);
+    evaluate_consistently(t + delta, events_.g_rough);
+    resolution.add_rate(delta, events_.g_now, events_.g_rough);
   }
   resolution.take_rates(last.h);
 }

@@ -43,6 +43,7 @@ class StepEventValues final : public EventValues {
   bool is_expected(double t_end);
 
  private:
+  void evaluate_consistently(double t, std::vector<double>& g);
   bool is_misleading(const std::vector<double>& rough) const;
   void look_at_rates();
   bool determine_without_slopes(double t, bool may_improve, double* g);

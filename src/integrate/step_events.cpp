@@ -56,14 +56,10 @@ std::size_t places_to_measure(const SearchedStep& step, StepEventValues& values)
 void refine_polynomial(const SearchedStep& step) {
   const StepState state = step.integrator.stepper->state();
   if (state.interpolates_well) return;
-  const DaeSystem& system = step.integrator.system;
   Events::Point& rough = step.events.rough;
   int refined = state.refined_points;
   for (double part : {0.5, 0.25, 0.75}) {
-    const PointStatus status =
-        step.output.refine(step.integrator, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
-    if (status == PointStatus::callback_error && !system.callback_error().is_recoverable())
-      system.callback_error().raise();
+    step.output.refine(step.integrator, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
     const int now = step.integrator.stepper->state().refined_points;
     if (now == refined) return;
     refined = now;

@@ -13,8 +13,38 @@ namespace sfdae::core {
 
 namespace {
 
+// Evaluates twice where the user's function failed for reasons that may have passed: there is no other point to try.
+template <class Evaluate>
+PointStatus evaluate_or_raise(DaeSystem& system, Evaluate evaluate) {
+  PointStatus status = evaluate();
+  if (status == PointStatus::callback_error && system.callback_error().is_recoverable()) status = evaluate();
+  if (status == PointStatus::callback_error) system.callback_error().raise();
+  return status;
+}
+
+// Moves the system to t, or throws Failure.
+template <class Move>
+void demand_point(DaeSystem& system, double t, Move move) {
+  const PointStatus status = evaluate_or_raise(system, move);
+  if (status == PointStatus::changed)
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  format("the characteristic values do not hold at t = %.15g, an isolated point: choose another "
+                         "output time.",
+                         t));
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("the solution could not be evaluated at t = %.15g: the polynomial of the last step is not "
+                         "accurate enough there, and the equations of a step that ends there have no solution.",
+                         t));
+}
+
 void check_ranks(Integrator& integrator, double t) {
-  if (integrator.system.check_ranks() != PointStatus::changed) return;
+  DaeSystem& system = integrator.system;
+  const PointStatus status = evaluate_or_raise(system, [&] { return system.check_ranks(); });
+  if (status == PointStatus::ok) return;
+  if (status != PointStatus::changed)
+    throw Failure(SFDAE_RANK_UNCLEAR,
+                  format("it could not be checked whether the characteristic values known hold at t = %.15g.", t));
   const StepState state = integrator.stepper->state();
   throw Failure(
       SFDAE_CHARACTERISTICS_CHANGED,
@@ -58,10 +88,11 @@ void StepOutput::interpolate(Stepper& stepper, double t, double* x, double* xdot
   stepper.interpolate({t, nullptr, x, xdot});
 }
 
-PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, double* xdot) {
+void StepOutput::refine(Integrator& integrator, double t, double* x, double* xdot) {
   const PointValues point{t, w_.data(), x, xdot};
   integrator.stepper->interpolate(point);
-  return integrator.stepper->refine(integrator.system, integrator.weights, point);
+  demand_point(integrator.system, t,
+               [&] { return integrator.stepper->refine(integrator.system, integrator.weights, point); });
 }
 
 void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
@@ -143,15 +174,7 @@ void StepOutput::move_to(Integrator& integrator, const PointRequest& request, co
     return at_step || !request.may_refine ? system.move_to(request.t)
                                           : integrator.stepper->refine(system, integrator.weights, point);
   };
-  PointStatus status = move();
-  // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
-  if (status == PointStatus::callback_error && system.callback_error().is_recoverable()) status = move();
-  if (status == PointStatus::callback_error) system.callback_error().raise();
-  if (status == PointStatus::changed)
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  format("the characteristic values do not hold at t = %.15g, an isolated point: choose another "
-                         "output time.",
-                         request.t));
+  demand_point(system, request.t, move);
 }
 
 // x with its constraints, from what the polynomials say.

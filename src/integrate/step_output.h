@@ -36,9 +36,10 @@ class StepOutput {
     slopes_.resize(x_free_.size());
     return slopes_.data();
   }
-  // The polynomials of the last step as they are, or made accurate first where they are not.
+  // The polynomials of the last step as they are, or made accurate first where they are not; that throws Failure where
+  // it cannot be done.
   void interpolate(Stepper& stepper, double t, double* x, double* xdot);
-  PointStatus refine(Integrator& integrator, double t, double* x, double* xdot);
+  void refine(Integrator& integrator, double t, double* x, double* xdot);
 
   // The last point as the error test saw it; with its constraints fulfilled to rounding, or as it is where that
   // fails.
