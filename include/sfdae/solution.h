@@ -47,8 +47,8 @@ SFDAE_API int sfdae_get_solution_range(const sfdae_solution* solution, int* num_
 SFDAE_API int sfdae_evaluate_solution(const sfdae_solution* solution, double t, double* x, double* xdot);
 
 /** The largest difference to what sfdae_interpolate returns that is to be expected, in tolerances (rtol |x_i| +
- * atol), and the beginning of the part of a step where that is. Above 1 only where a step has a jump or a kink.
- * Either pointer may be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
+ * atol), and the beginning of the part of a step where that is. Above 1 only where a step has a jump or a kink; 1e300
+ * where a function failed. Either pointer may be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
 SFDAE_API int sfdae_get_solution_accuracy(const sfdae_solution* solution, double* accuracy, double* t);
 
 /** Forgets what was recorded after t, where an event ended a run within its last step, say; t = start leaves nothing.

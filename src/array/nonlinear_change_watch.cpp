@@ -123,10 +123,16 @@ bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
   return false;
 }
 
-std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
+StepSearch NonlinearChangeWatch::find(double t_last) {
   search_.course().set_attempt(system_.jet(), system_.stages());
+  // Where the point accepted last could not be measured before it is tried once more.
+  if (samples_ == 0 && search_.measure(search_.course().newest(), last_)) samples_ = 1;
   take_samples();
-  if (samples_ == 0) return std::nullopt;
+  if (samples_ == 0) return {};
+  return {find_in_samples(t_last)};
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find_in_samples(double t_last) {
   search_.set_dip(is_short(t_last) ? confirmed_dip : first_dip);
   const SingularitySample* older = samples_ < 2 ? nullptr : &older_;
   const SingularitySample* last = &last_;
@@ -181,6 +187,9 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
   if (older == nullptr) return std::nullopt;
   for (std::size_t i = 0; i < now.values.size(); ++i) {
     const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
+    // A point of the integration may be the singular one, which a search between points would miss.
+    const bool has_vanished = here.value <= confirmed_dip * std::min(before.value, after.value);
+    if (has_vanished && search_.vanishes_at(last.t, older->t, now.t)) return last.t;
     if (would_vanish(before, here, after))
       if (auto t = search_.find_dip({last.t, now.t, i, here.value, after.value})) return t;
     // What has gone down and up again since the sample before the last one.

@@ -24,7 +24,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   explicit NonlinearChangeWatch(NonlinearSystem& system)
       : system_(system), search_(system.analyzed_equations(), system.linearization(), system.callback_error()) {}
   void start(double direction) override;
-  std::optional<LocatedChange> find(double t_last) override;
+  StepSearch find(double t_last) override;
   void accept() override;
   // x is not known in between: steps that become short locate it.
   std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
@@ -43,6 +43,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
 
   bool is_after(double t, double then) const { return (t - then) * direction_ > 0.0; }
   void take_samples();
+  std::optional<LocatedChange> find_in_samples(double t_last);
   bool is_suspicious(const SingularitySample& now);
   bool is_short(double t_last) const;
   std::optional<LocatedChange> find_passed(bool is_turned);

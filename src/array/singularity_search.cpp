@@ -219,13 +219,17 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   const double left = suspicion.left, right = suspicion.right;
   range_ = {.span = std::fabs(right - left)};
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
-  // What has been measured in the same interval for another value often tells as much.
+  // What has been measured in the same interval for another value often tells as much: a value that is zero at the
+  // crossing is that large there.
+  is_measured_ = is_measured_ && measured_from_ == left && measured_to_ == right;
   const auto is_dismissed = [&] {
-    return middle_.values[suspicion.number] > falls * std::min(suspicion.before, suspicion.after);
+    const double beside = (suspicion.before + suspicion.after) * std::fabs(middle_.t - crossing) / range_.span;
+    return middle_.values[suspicion.number] > beside + falls * std::min(suspicion.before, suspicion.after);
   };
   const double nearby = 0.1 * range_.span;
   if (is_measured_ && std::fabs(middle_.t - crossing) <= nearby && is_dismissed()) return std::nullopt;
   is_measured_ = measure_at(crossing, middle_);
+  measured_from_ = left, measured_to_ = right;
   if (is_measured_ && is_dismissed()) return std::nullopt;
   is_measured_ = false;
   course_.interpolate(left, jet_);
@@ -246,6 +250,13 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   const double t = smallest(left, middle, right, kept);
   if (range_.has_failed || kept > dip_ * level) return std::nullopt;
   return t;
+}
+
+bool SingularitySearch::vanishes_at(double t, double before, double after) {
+  range_ = {.span = std::fabs(after - before)};
+  if (!set_reference(interpolated(before))) return false;
+  const double kept = kept_at(t), level = std::min(1.0, kept_at(after));
+  return !range_.has_failed && kept <= dip_ * level;
 }
 
 // Steps may fail long before a singular point: what falls is compared with points farther and farther back.

@@ -46,6 +46,8 @@ class SingularitySearch {
     double before, after;
   };
   std::optional<double> find_dip(const Suspicion& suspicion);
+  // Whether something has vanished at t, a point of the integration, as between the others.
+  bool vanishes_at(double t, double before, double after);
   // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
   // step that has failed.
   std::optional<double> find_ahead(double h);
@@ -101,7 +103,8 @@ class SingularitySearch {
   } reference_;
   std::vector<double> transformed_, dy_;
   double dip_ = 0.0;
-  bool is_measured_ = false;  // middle_ is a sample of the last suspicion
+  bool is_measured_ = false;  // middle_ is a sample of the last suspicion, in this interval
+  double measured_from_ = 0.0, measured_to_ = 0.0;
   // The search that goes on: the length of its interval, the largest size of x at interpolated points that is credible,
   // and whether a point could not be evaluated.
   struct Range {

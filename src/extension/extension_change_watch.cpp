@@ -68,13 +68,19 @@ void ExtensionChangeWatch::accept() {
     if (last_.values[k].sign != 0) highest_[k] = std::max(highest_[k], last_.values[k].log2);
 }
 
-std::optional<LocatedChange> ExtensionChangeWatch::find(double) {
-  has_now_ = determinants_.count() > 0 && samples_ > 0 && measure(system_.jet(), now_);
-  if (!has_now_) return std::nullopt;
-  if (const std::optional<int> block = turned_block(now_)) return change_at(find_turn(*block), *block);
-  if (const std::optional<int> block = dipping_block())
-    if (const std::optional<double> t = find_dip(*block)) return change_at(*t, *block);
-  return std::nullopt;
+// Of the point accepted last; where it could not be measured before it is tried once more.
+bool ExtensionChangeWatch::has_sample() {
+  if (samples_ == 0 && measure(system_.accepted_jet(), last_)) samples_ = 1;
+  return samples_ > 0;
+}
+
+StepSearch ExtensionChangeWatch::find(double) {
+  if (determinants_.count() == 0) return {};
+  has_now_ = has_sample() && measure(system_.jet(), now_);
+  if (!has_now_) return {std::nullopt, false};
+  if (const std::optional<int> block = turned_block(now_)) return {change_at(find_turn(*block), *block)};
+  if (const std::optional<int> block = dipping_block()) return find_dip(*block);
+  return {};
 }
 
 std::optional<int> ExtensionChangeWatch::turned_block(const Sample& now) const {
@@ -122,11 +128,15 @@ double ExtensionChangeWatch::find_turn(int block) {
 }
 
 // By golden section.
-std::optional<double> ExtensionChangeWatch::find_dip(int block) {
+StepSearch ExtensionChangeWatch::find_dip(int block) {
   constexpr double golden = 0.3819660112501051;
   constexpr int most = 40;
+  bool is_complete = true;
   const auto size_at = [&](double part) {
-    if (!measure_between(part)) return HUGE_VAL;
+    if (!measure_between(part)) {
+      is_complete = false;
+      return HUGE_VAL;
+    }
     const BlockDeterminants::Value& value = between_.values[index(block)];
     return value.sign == 0 ? -HUGE_VAL : value.log2;
   };
@@ -140,8 +150,8 @@ std::optional<double> ExtensionChangeWatch::find_dip(int block) {
     else here = next;
   }
   const double ends = std::min(last_.values[index(block)].log2, now_.values[index(block)].log2);
-  if (!(least < ends + std::log2(dip))) return std::nullopt;
-  return last_.t() + middle * (now_.t() - last_.t());
+  if (!(least < ends + std::log2(dip))) return {std::nullopt, is_complete};
+  return {change_at(last_.t() + middle * (now_.t() - last_.t()), block)};
 }
 
 // At t, in the step to the point tried: to be confirmed by a shorter step, or reported, or dismissed as a jump.

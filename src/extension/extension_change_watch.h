@@ -20,7 +20,7 @@ class ExtensionChangeWatch final : public ChangeWatch {
   explicit ExtensionChangeWatch(ExtensionSystem& system);
   bool may_find() const override { return determinants_.count() > 0; }
   void start(double direction) override;
-  std::optional<LocatedChange> find(double t_last) override;
+  StepSearch find(double t_last) override;
   void accept() override;
   // Steps that become short locate it.
   std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
@@ -41,11 +41,12 @@ class ExtensionChangeWatch final : public ChangeWatch {
   };
 
   bool measure(const Jet& jet, Sample& sample);
+  bool has_sample();
   bool measure_between(double part);
   std::optional<int> turned_block(const Sample& now) const;
   std::optional<int> dipping_block() const;
   double find_turn(int block);
-  std::optional<double> find_dip(int block);
+  StepSearch find_dip(int block);
   std::optional<LocatedChange> change_at(double t, int block);
 
   ExtensionSystem& system_;

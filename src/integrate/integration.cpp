@@ -203,7 +203,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     return result;
   }
   if (target.is_cut_short(h)) stepper.set_next_step(target.uncut);
-  return accept_step(h, state.next_step);
+  return accept_step(h, state.next_step, tout);
 }
 
 // For the points of the system at present.
@@ -230,7 +230,7 @@ std::optional<double> Integration::limit_of_step(double t, double tout) const {
 }
 
 // wanted: the step that was to be tried, before limits made it one of size h.
-std::optional<CallResult> Integration::accept_step(double h, double wanted) {
+std::optional<CallResult> Integration::accept_step(double h, double wanted, double tout) {
   DaeSystem& system = integrator_.system;
   Contradictions& contradictions = integrator_.contradictions;
   const MethodChoice choice = choice_;
@@ -242,6 +242,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
   const bool is_across_kink = crosses_kink(options_, integrator_.stepper->state().t, h);
+  bool is_searched = true;
   try {
     if (is_across_kink) {
       if (auto obstacle = obstacle_at_kink(integrator_)) {
@@ -249,14 +250,24 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
         return obstacle;
       }
     }
-    if (!is_across_kink && has_found_change(h)) return std::nullopt;
-    integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
+    if (!is_across_kink && watch_ && !change_) {
+      const StepSearch search = watch_->find(integrator_.stepper->state().t);
+      if (has_found_change(search, h)) return std::nullopt;
+      is_searched = search.is_complete;
+    }
+    if (is_searched)
+      integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
     // The next call tries this step again.
     withdraw();
     integrator_.stepper->set_next_step(wanted);
     choice_ = choice;
     throw;
+  }
+  if (!is_searched) {
+    withdraw();
+    note(AttemptEnd::failed);
+    return handle_failure(StepOutcome::not_searched, h, tout);
   }
   if (watch_) watch_->accept();
   IntegrationCounts& counts = counts_.own;
@@ -277,7 +288,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   return call_monitor(h);
 }
 
-// What interpolate() would return with outputs that may be interpolated; the polynomial as it is where that fails.
+// What interpolate() would return with outputs that may be interpolated. Where that fails the polynomial is recorded as
+// it is, with an accuracy that is not known.
 void Integration::record_step(double from) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution) return;
@@ -286,9 +298,11 @@ void Integration::record_step(double from) {
   const auto sample = [&](double at, double* x) {
     try {
       output_.evaluate_aside(integrator_, {at, true, Slopes::none, true}, options_, x, nullptr);
+      return true;
     } catch (const Failure& failure) {
       if (ends_everything(failure.status())) throw;
       output_.interpolate(stepper, at, x, nullptr);
+      return false;
     }
   };
   const bool continues = std::exchange(is_recorded_, false);
@@ -301,8 +315,9 @@ void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step)
   const int count = options_.recorded > 0 ? options_.recorded : integrator_.system.unknowns();
   std::vector<double> all(index(integrator_.system.unknowns()));
   const auto sample = [&](double t, double* x) {
-    step.sample(t, all.data());
+    const bool is_accurate = step.sample(t, all.data());
     std::copy_n(all.begin(), count, x);
+    return is_accurate;
   };
   const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
   solution.add(count, {step.a, step.b, step.continues, sample, tolerance});
@@ -310,9 +325,8 @@ void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step)
 }
 
 // Then the step, of size h, is tried again up to the change.
-bool Integration::has_found_change(double h) {
-  if (change_ || !watch_) return false;
-  const std::optional<LocatedChange> found = watch_->find(integrator_.stepper->state().t);
+bool Integration::has_found_change(const StepSearch& search, double h) {
+  const std::optional<LocatedChange>& found = search.change;
   if (!found) return false;
   withdraw();
   integrator_.stepper->set_next_step(h);

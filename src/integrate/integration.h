@@ -135,8 +135,8 @@ class Integration {
   std::optional<double> limit_of_step(double t, double tout) const;
   double noticing_step(double t);
   void resize_workspace();
-  std::optional<CallResult> accept_step(double h, double wanted);
-  bool has_found_change(double h);
+  std::optional<CallResult> accept_step(double h, double wanted, double tout);
+  bool has_found_change(const StepSearch& search, double h);
   void look_closer(const LocatedChange& suspect, double h);
   void record_step(double from);
   void add_piece(SolutionPieces& solution, SolutionPieces::Step step);

@@ -36,7 +36,10 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
 void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution || !is_recorded_) return;
-  const auto sample = [&](double, double* x) { std::copy(after.begin(), after.end(), x); };
+  const auto sample = [&](double, double* x) {
+    std::copy(after.begin(), after.end(), x);
+    return true;
+  };
   add_piece(*solution, {solution->end(), gap.far_end(integrator_.direction), true, sample, {}});
 }
 

@@ -239,7 +239,10 @@ void Integration::go_on_from(const ConsistentPoint& after, const SmoothCourse& c
 void Integration::record_passage(double t_after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution || !is_recorded_) return;
-  const auto sample = [&](double t, double* x) { branches_.passage->evaluate(t, x, nullptr); };
+  const auto sample = [&](double t, double* x) {
+    branches_.passage->evaluate(t, x, nullptr);
+    return true;
+  };
   add_piece(*solution, {solution->end(), t_after, true, sample, {}});
 }
 

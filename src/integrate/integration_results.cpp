@@ -99,6 +99,12 @@ CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integr
               format("the nonlinear equations of the step have no solution near the predicted one beyond t = %.15g, "
                      "however small the step. The solution may end or have a singularity there.",
                      t)};
+    case StepOutcome::not_searched:
+      return {
+          SFDAE_STEP_TOO_SMALL,
+          format("beyond t = %.15g it cannot be decided whether the characteristic values change, as the equations "
+                 "cannot be evaluated between the points of a step, however short.",
+                 t)};
     case StepOutcome::not_finite:
       return {SFDAE_STEP_TOO_SMALL, format("the solution overflows beyond t = %.15g.", t)};
     default: return result_of_error_test(integrator);

@@ -19,6 +19,8 @@ constexpr int max_chebyshev_degree = 16;
 // What the last two coefficients may amount to, in tolerances: they bound what is left out, as coefficients of smooth
 // functions decrease. The integrator's own polynomials err by up to half a tolerance.
 constexpr double tail = 0.3;
+// Of a piece: tolerances that stand for an error that is not known.
+constexpr double unknown = 1e300;
 // Steps of problems without differential equations are as long as the interval.
 constexpr int most_interval_halvings = 10;
 
@@ -46,6 +48,7 @@ struct SolutionPieces::Samples {
   std::vector<double> x;  // (max_degree + 1) n
   int degree = 0;
   std::vector<double> coefficients;  // (degree + 1) n
+  bool is_accurate = true;           // as far as they are known
 
   double time(int j) const {
     if (j == 0) return b;
@@ -103,8 +106,9 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
   for (int degree : chebyshev_degrees) {
     const int stride = max_chebyshev_degree / degree;
     for (int j = 0; j <= max_chebyshev_degree; j += stride) {
-      if (!samples.known[index(j)]) step.sample(samples.time(j), samples.x.data() + index(j) * n);
+      if (samples.known[index(j)]) continue;
       samples.known[index(j)] = true;
+      samples.is_accurate &= step.sample(samples.time(j), samples.x.data() + index(j) * n);
     }
     samples.degree = degree;
     samples.coefficients.assign(index(degree + 1) * n, 0.0);
@@ -128,8 +132,10 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
       const double allowed =
           std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
                    step.tolerance(static_cast<int>(i), samples.x.data() + max_chebyshev_degree * n));
-      largest = std::max(largest, allowed > 0.0 ? left_out / allowed : 1e300);
+      // Unknown: NaN as well.
+      largest = left_out / unknown < allowed ? std::max(largest, left_out / allowed) : unknown;
     }
+    if (!samples.is_accurate) largest = unknown;
     if (largest <= tail) break;
   }
   return largest;

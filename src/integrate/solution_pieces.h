@@ -18,8 +18,9 @@ class SolutionPieces {
   struct Step {
     double a, b;
     bool continues;
-    // Writes x at a time from a to b, and tolerances of x there: n values each.
-    std::function<void(double t, double* x)> sample;
+    // Writes x at a time from a to b; false if it is not known to be accurate.
+    std::function<bool(double t, double* x)> sample;
+    // Tolerances of x there.
     std::function<double(int i, const double* x)> tolerance;
   };
 
@@ -31,7 +32,7 @@ class SolutionPieces {
   double start() const { return start_; }  // where there are pieces
   double end() const { return end_; }
   // The piece that differs most from what it was made of, and by how many tolerances, about: what the last two of its
-  // coefficients amount to.
+  // coefficients amount to; 1e300 if one of its values is not known to be accurate.
   struct Accuracy {
     double in_tolerances, t;
   };

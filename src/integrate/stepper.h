@@ -22,7 +22,8 @@ enum class StepOutcome {
   not_finite,     // overflow on the way
   callback_error,
   changed,
-  leading_changed  // as PointStatus
+  leading_changed,  // as PointStatus
+  not_searched      // points within could not be evaluated when changes of the characteristic values were looked for
 };
 
 // nullopt for PointStatus::ok.

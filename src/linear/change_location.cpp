@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "problem/failure.h"
 #include "system/location_accuracy.h"
@@ -129,11 +130,10 @@ std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right)
   return change;
 }
 
-// Nothing where a point in between could not be evaluated, or the values are the same on closer inspection.
-std::optional<LocatedChange> confirmed(const Probe& probe, std::optional<LocatedChange> change,
-                                       const CharacteristicValues& known) {
-  if (probe.has_failed() || (change && change->new_values == known)) return std::nullopt;
-  return change;
+// Nothing is found with a point that could not be evaluated, or if the values are the same on closer inspection.
+StepSearch confirmed(const Probe& probe, std::optional<LocatedChange> change, const CharacteristicValues& known) {
+  if (probe.has_failed() || (change && change->new_values == known)) change.reset();
+  return {std::move(change), !probe.has_failed()};
 }
 
 }  // namespace
@@ -141,10 +141,10 @@ std::optional<LocatedChange> confirmed(const Probe& probe, std::optional<Located
 std::optional<LocatedChange> locate_change(LinearSystem& system, double left, double right) {
   Probe probe(system, left, right);
   if (probe.holds_at(right)) return std::nullopt;
-  return confirmed(probe, probe.bisect_failure(left, right), system.analysis().values);
+  return confirmed(probe, probe.bisect_failure(left, right), system.analysis().values).change;
 }
 
-std::optional<LocatedChange> locate_isolated_change(LinearSystem& system, double left, double right) {
+StepSearch locate_isolated_change(LinearSystem& system, double left, double right) {
   Probe probe(system, left, right);
   // The orientation is that of the point accepted last, `left`.
   std::optional<LocatedChange> change = follow_orientation(probe, left, right);

@@ -12,8 +12,7 @@ namespace sfdae::core {
 // Between left, where the values known hold, and right, where others do. The points of the system stay.
 std::optional<LocatedChange> locate_change(LinearSystem& system, double left, double right);
 
-// A point in between, although the values known hold at both ends; left: the point accepted last. Nothing if none is
-// found.
-std::optional<LocatedChange> locate_isolated_change(LinearSystem& system, double left, double right);
+// A point in between, although the values known hold at both ends; left: the point accepted last.
+StepSearch locate_isolated_change(LinearSystem& system, double left, double right);
 
 }  // namespace sfdae::core

@@ -67,8 +67,8 @@ bool LinearChangeWatch::breaks_trend(const Sample& older, const Sample& last, co
   return false;
 }
 
-std::optional<LocatedChange> LinearChangeWatch::find(double t_last) {
-  if (system_.is_constant()) return std::nullopt;
+StepSearch LinearChangeWatch::find(double t_last) {
+  if (system_.is_constant()) return {};
   now_.take(system_.point(), system_.orientation_kept());
   const Sample* older = samples_ < 2 ? nullptr : &older_;
   const Sample* last = samples_ < 1 ? nullptr : &last_;
@@ -80,15 +80,15 @@ std::optional<LocatedChange> LinearChangeWatch::find(double t_last) {
     orientation_kept = now.orientation_kept;
     if (last != nullptr && now.t == last->t) continue;
     if (has_turned || (older != nullptr && breaks_trend(*older, *last, now))) {
-      auto change = locate_isolated_change(system_, t_last, now.t);
-      if (change) return change;
+      StepSearch search = locate_isolated_change(system_, t_last, now.t);
+      if (search.change || !search.is_complete) return search;
     }
     Sample& sample = trend_[i % 2];
     keep(now, sample);
     older = last;
     last = &sample;
   }
-  return std::nullopt;
+  return {};
 }
 
 void LinearChangeWatch::accept() {

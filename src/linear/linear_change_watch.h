@@ -21,7 +21,7 @@ class LinearChangeWatch final : public ChangeWatch {
  public:
   explicit LinearChangeWatch(LinearSystem& system);
   void start(double direction) override;
-  std::optional<LocatedChange> find(double t_last) override;
+  StepSearch find(double t_last) override;
   void accept() override;
   std::optional<LocatedChange> locate(double left, double right) override {
     return locate_change(system_, left, right);

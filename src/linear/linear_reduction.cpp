@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "linalg/dense.h"
@@ -18,6 +19,11 @@ namespace {
 
 // Errors of other signs are rarely larger than the largest of these by much. Chosen.
 constexpr int error_samples = 4;
+
+// std::max would drop an error that is not a number.
+double larger_error(double a, double b) {
+  return std::isnan(b) ? std::numeric_limits<double>::infinity() : std::max(a, b);
+}
 
 // Values that are nothing but rounding errors.
 bool has_vanished(const LinearPoint& point) {
@@ -186,11 +192,13 @@ void LinearReduction::errors_of_x(const KnownForm& known, const LinearPoint& poi
   const Arena::Frame frame(arena_);
   double* Ex = arena_.take(index(problem_.m()));
   multiply(1.0, Op::plain, point.data.E(0), x, 0.0, Ex);
+  int counted = 0;
   for (int sample = 0; sample < error_samples; ++sample) {
     changed = point.data;
     changed.change_by_errors(generator);
-    // Where the ranks are others, they are unclear, which is said elsewhere.
+    // A sample with other ranks has no solution to compare with.
     if (!build_changed_form(known, point, changed, form)) continue;
+    ++counted;
     double* q = arena_.take(index(form.d) + 1);
     double* z = arena_.take(index(form.unknowns()) + 1);
     double* moved = arena_.take(index(n));
@@ -207,8 +215,9 @@ void LinearReduction::errors_of_x(const KnownForm& known, const LinearPoint& poi
     }
     std::copy_n(form.xp(), n, moved);
     multiply(1.0, Op::plain, form.T2(), z, 1.0, moved);
-    for (int i = 0; i < n; ++i) errors[i] = std::max(errors[i], std::fabs(moved[i] - x[i]));
+    for (int i = 0; i < n; ++i) errors[i] = larger_error(errors[i], std::fabs(moved[i] - x[i]));
   }
+  if (counted == 0) std::fill_n(errors, n, std::numeric_limits<double>::infinity());
 }
 
 // With the ranks of the point.

@@ -19,6 +19,13 @@ struct LocatedChange {
   SingularPart part = SingularPart::unknown;
 };
 
+// What a search of the points of a step has come to. Not complete: some of them could not be evaluated, and a change
+// may have been missed.
+struct StepSearch {
+  std::optional<LocatedChange> change;
+  bool is_complete = true;
+};
+
 class ChangeWatch {
  public:
   virtual ~ChangeWatch() = default;
@@ -28,7 +35,7 @@ class ChangeWatch {
   virtual void start(double direction) = 0;
   // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step
   // went through.
-  virtual std::optional<LocatedChange> find(double t_last) = 0;
+  virtual StepSearch find(double t_last) = 0;
   // The current point of the system is accepted.
   virtual void accept() = 0;
   // Looks for the change between left, where the values known hold, and right, where others do.
