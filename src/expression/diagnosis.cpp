@@ -37,7 +37,7 @@ class Search {
   }
 
   EvaluationFailure result() {
-    const std::vector<int> nodes = chosen_nodes();
+    const std::vector<int> nodes = chosen_nodes(record_.residual(failed_.equation));
     for (int i : nodes) {
       const int k = first_bad_order(slots_[slots_of_.v[index(i)]], order_);
       if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
@@ -59,10 +59,10 @@ class Search {
     return true;
   }
 
-  // Nodes that the equation depends on, branches that were not chosen left out; operands first.
-  std::vector<int> chosen_nodes() const {
+  // The node `top` and those it depends on, branches that were not chosen left out; operands first.
+  std::vector<int> chosen_nodes(int top) const {
     std::set<int> found;
-    std::vector<int> stack{record_.residual(failed_.equation)};
+    std::vector<int> stack{top};
     while (!stack.empty()) {
       const int i = stack.back();
       stack.pop_back();
@@ -149,8 +149,36 @@ class Search {
   EvaluationFailure not_smooth(int i, int order) const {
     if (auto refused = refusal(i)) return std::move(*refused);
     const Node node = record_.node(i);
-    return {Kind::not_smooth, failed_.equation, name_of(node.operation),
-            application(node) + format(" has no finite derivative of order %d", order) + in_equation()};
+    return {
+        Kind::not_smooth, failed_.equation, name_of(node.operation),
+        application(node) + format(" has no finite derivative of order %d", order) + in_equation() + remedy(node)};
+  }
+
+  // For operations at the boundary of their domain, as far as they depend on unknowns.
+  std::string remedy(const Node& node) const {
+    const bool is_angle = node.operation == Operation::asin || node.operation == Operation::acos;
+    const bool is_root = node.operation == Operation::sqrt || node.operation == Operation::power;
+    const std::string unknowns = is_angle || is_root ? unknowns_of(node.a) : "";
+    if (unknowns.empty()) return "";
+    const char* const way = is_angle ? "at an argument between -1 and 1" : "at a small positive argument";
+    const char* const other = is_root ? ", or add a small number to it, as in sqrt(h + 1e-12)" : "";
+    return format(". It depends on %s and has to be differentiated to find hidden constraints: start %s%s",
+                  unknowns.c_str(), way, other);
+  }
+
+  // The first ones that a node depends on.
+  std::string unknowns_of(int node) const {
+    constexpr std::size_t most = 3;
+    std::set<int> unknowns;
+    for (int i : chosen_nodes(node)) {
+      const Operation operation = record_.node(i).operation;
+      if (operation == Operation::unknown || operation == Operation::derivative) unknowns.insert(record_.node(i).a);
+    }
+    std::string list;
+    std::size_t count = 0;
+    for (int j : unknowns)
+      if (count++ < most) list += format(list.empty() ? "x[%d]" : ", x[%d]", j);
+    return count > most ? list + ", ..." : list;
   }
 
   const Record& record_;

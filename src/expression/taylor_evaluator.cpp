@@ -90,9 +90,10 @@ bool TaylorEvaluator::values_of(const std::vector<int>& equations, double t, con
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
-  run(t, order, false);
-  return write_values_of(
-      static_cast<int>(equations.size()), [&equations](int k) { return equations[index(k)]; }, order, F);
+  return write_or_diagnose({t, order, false, {}}, [&] {
+    return write_values_of(
+        static_cast<int>(equations.size()), [&equations](int k) { return equations[index(k)]; }, order, F);
+  });
 }
 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
@@ -106,8 +107,8 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
-  run(t, order, orders.of_gradients() >= 0);
-  return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits);
+  return write_or_diagnose({t, order, orders.of_gradients() >= 0, {}},
+                           [&] { return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits); });
 }
 
 bool TaylorEvaluator::entries(double t, const double* jet, int order, const std::vector<int>& limits,
@@ -116,8 +117,7 @@ bool TaylorEvaluator::entries(double t, const double* jet, int order, const std:
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
-  run(t, order, true);
-  return write_entries(order, limits, values);
+  return write_or_diagnose({t, order, true, {}}, [&] { return write_entries(order, limits, values); });
 }
 
 bool TaylorEvaluator::values_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
@@ -128,9 +128,12 @@ bool TaylorEvaluator::values_within(double t, const double* jet, const std::shar
   const QuietArithmetic quiet;
   reserve(order, limits);
   if (!load_within(t, jet, more)) return false;
-  run_within(t, more, false);
+  return write_or_diagnose({t, order, false, more}, [&] { return write_values_within(more, F); });
+}
+
+bool TaylorEvaluator::write_values_within(int more, double* F) {
   const int m = record_->m();
-  const int* const limit = limits->of_equations.data();
+  const int* const limit = limits_->of_equations.data();
   bool finite = true;
   for (int i = 0; i < m; ++i) {
     const double* const from = slots_.data() + index(tape_.residuals[index(i)]) * index(stride_);
@@ -151,8 +154,7 @@ bool TaylorEvaluator::entries_within(double t, const double* jet, const std::sha
   const QuietArithmetic quiet;
   reserve(order, limits);
   if (!load_within(t, jet, 0)) return false;
-  run_within(t, 0, true);
-  return write_entries(order, limits->of_equations, values);
+  return write_or_diagnose({t, order, true, 0}, [&] { return write_entries(order, limits->of_equations, values); });
 }
 
 bool TaylorEvaluator::entries(double t, const double* jet, VaryingEntries& varying, double* values) {
@@ -269,24 +271,39 @@ bool TaylorEvaluator::note_not_finite() {
   return false;
 }
 
-void TaylorEvaluator::run(double t, int order, bool with_slopes) {
-  run_before_state(t, order);
-  const auto execute = [&](const InstructionList& list) {
-    if (with_slopes) execute_all<true>(list, slots_.data(), order);
-    else execute_all<false>(list, slots_.data(), order);
-  };
-  if (stride_ > 1 && limits_) program_.by_order.for_each([&](const InstructionList& list, int) { execute(list); });
-  else execute(instructions(&Tape::of_state, &Program::of_state));
+// Lists of instructions in their order, with the order of the coefficients: execute(list, order).
+template <class Execute>
+void TaylorEvaluator::run_state(const Pass& pass, Execute execute) const {
+  if (stride_ == 1 || !limits_) return execute(instructions(&Tape::of_state, &Program::of_state), pass.order);
+  program_.by_order.for_each([&](const InstructionList& list, int order) {
+    const int own = pass.more ? order + *pass.more : pass.order;
+    if (own >= 0) execute(list, own);
+  });
 }
 
-void TaylorEvaluator::run_within(double t, int more, bool with_slopes) {
-  if (stride_ == 1) return run(t, 0, with_slopes);
-  run_before_state(t, limits_->highest + more);
-  program_.by_order.for_each([&](const InstructionList& list, int order) {
-    if (order + more < 0) return;
-    if (with_slopes) execute_all<true>(list, slots_.data(), order + more);
-    else execute_all<false>(list, slots_.data(), order + more);
+void TaylorEvaluator::run(const Pass& pass) {
+  run_before_state(pass.t, pass.order);
+  run_state(pass, [&](const InstructionList& list, int order) {
+    if (pass.with_slopes) execute_all<true>(list, slots_.data(), order);
+    else execute_all<false>(list, slots_.data(), order);
   });
+}
+
+// False: no operation is at the boundary of its domain, nothing has changed.
+bool TaylorEvaluator::run_at_boundary(const Pass& pass) {
+  BoundarySweep sweep(tape_, movement_, slots_, stride_);
+  sweep.execute(instructions(&Tape::of_time, &Program::of_time), pass.order, false);
+  run_state(pass, [&](const InstructionList& list, int order) { sweep.execute(list, order, pass.with_slopes); });
+  return sweep.has_found_boundary();
+}
+
+// write() is false if anything is not finite, after fail().
+template <class Write>
+bool TaylorEvaluator::write_or_diagnose(const Pass& pass, Write write) {
+  run(pass);
+  if (write() || (run_at_boundary(pass) && write())) return true;
+  failure_ = diagnose(*record_, {slots_.data(), stride_}, failed_);
+  return false;
 }
 
 void TaylorEvaluator::run_before_state(double t, int order) {
@@ -464,7 +481,7 @@ bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F
 }
 
 bool TaylorEvaluator::fail(int equation, int order, int order_of_gradients) {
-  failure_ = diagnose(*record_, {slots_.data(), stride_}, {equation, order, order_of_gradients});
+  failed_ = {equation, order, order_of_gradients};
   return false;
 }
 

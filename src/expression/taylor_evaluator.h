@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "expression/diagnosis.h"
+#include "expression/domain_boundary.h"
 #include "expression/equation_source.h"
 #include "expression/order_limits.h"
 #include "expression/record.h"
@@ -83,6 +84,9 @@ class TaylorEvaluator {
   // After false.
   const EvaluationFailure& failure() const { return failure_; }
 
+  // Infinite derivatives at the boundary of a domain are replaced by those of a point about so far inside.
+  void set_movement(Movement movement) { movement_ = std::move(movement); }
+
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
   std::optional<int> find_parameter(const std::string& name) const;
   double parameter(int i) const { return parameters_[index(i)]; }
@@ -108,11 +112,22 @@ class TaylorEvaluator {
   bool load(double t, const double* jet, int order);
   bool load_within(double t, const double* jet, int more);
   bool note_not_finite();
-  void run(double t, int order, bool with_slopes);
-  void run_within(double t, int more, bool with_slopes);
+  struct Pass {
+    double t;
+    int order;
+    bool with_slopes;
+    std::optional<int> more;  // than the limit of each equation; none: all to the same order
+  };
+  void run(const Pass& pass);
+  template <class Execute>
+  void run_state(const Pass& pass, Execute execute) const;
   void run_before_state(double t, int order);
+  bool run_at_boundary(const Pass& pass);
+  template <class Write>
+  bool write_or_diagnose(const Pass& pass, Write write);
   bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
   bool write_values(int order, double* F);
+  bool write_values_within(int more, double* F);
   // Of equation(0), equation(1), ..., equation(count - 1).
   template <class EquationAt>
   bool write_values_of(int count, EquationAt equation, int order, double* F);
@@ -144,6 +159,8 @@ class TaylorEvaluator {
   long changes_of_parameters_ = 0;
   double time_ = 0.0;    // at which values that depend on t alone are known,
   int time_order_ = -1;  // to this order
+  Movement movement_;
+  FailedEquation failed_{};
   EvaluationFailure failure_;
 };
 

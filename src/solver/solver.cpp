@@ -92,6 +92,12 @@ std::size_t end_of_identity(const Solver& solver, const SavedCheckpoint& saved) 
   return archive.size();
 }
 
+void use_tolerances(Model& model, const Tolerances& tolerances) {
+  TaylorEvaluator* const evaluator = model.evaluator();
+  if (evaluator != nullptr && tolerances.rtol.size() > 0)
+    evaluator->set_movement({tolerances.rtol.different(), tolerances.atol.different()});
+}
+
 constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
 
 }  // namespace
@@ -103,6 +109,7 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
   use_breakpoints(options.integration);
+  use_tolerances(model, options.integration.tolerances);
 }
 
 void Solver::forget_analysis() {
@@ -153,6 +160,7 @@ void Solver::set_options(SolverOptions fresh) {
   if (goes_on) integration->set_options(fresh.integration);
   // Nothing fails from here on.
   options = std::move(fresh);
+  use_tolerances(model, options.integration.tolerances);
   if (!same_analysis) forget_analysis();
   if (goes_on) set_limits(integration->start(), integration->direction());
 }

@@ -213,7 +213,7 @@ TEST(RecordedProblem, NamesTheEquationThatCannotBeEvaluated) {
     }
     TaylorData data;
     EXPECT_EQ(problem.linearize(0.25, jet.data(), {0, order, order}, {}, data).status == SFDAE_OK,
-              error.status == SFDAE_OK && x2 > 0.0);
+              error.status == SFDAE_OK);
     return error.status;
   };
   EXPECT_EQ(status_at(1.0, 1.0, 1), SFDAE_OK);
