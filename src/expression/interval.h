@@ -1,4 +1,6 @@
-// Intervals: all values of an expression over an interval of its arguments. Rounding errors are not enclosed.
+// Intervals: all values of an expression over an interval of its arguments, rounding errors included. Results are
+// rounded outward by one unit in the last place, those of elementary functions, which libraries compute to less than
+// one unit, by two; sums that are exact stay exact. What underflows counts as 0.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -23,6 +25,25 @@ struct Interval {
   double magnitude() const { return std::max(std::fabs(low), std::fabs(high)); }
 };
 
+// By a unit in the last place or a little more; infinite numbers and 0 stay as they are.
+inline double below(double x) {
+  const double less = x - std::fabs(x) * std::numeric_limits<double>::epsilon();
+  return std::isnan(less) ? x : less;
+}
+inline double above(double x) { return -below(-x); }
+inline Interval outward(Interval a) { return {below(a.low), above(a.high)}; }
+
+// [Knu98] D. E. Knuth: The Art of Computer Programming, vol. 2. Addison-Wesley, 1998. Section 4.2.2, theorem B.
+inline bool is_exact_sum(double a, double b, double sum) {
+  const double part = sum - a;
+  return (a - (sum - part)) + (b - part) == 0.0;
+}
+inline double sum_below(double a, double b) {
+  const double sum = a + b;
+  return is_exact_sum(a, b, sum) ? sum : below(sum);
+}
+inline double sum_above(double a, double b) { return -sum_below(-a, -b); }
+
 // Anything, if one of them is not a number.
 inline Interval between(double a, double b) {
   if (a <= b) return {a, b};
@@ -34,7 +55,9 @@ inline Interval limited(Interval a, double low, double high) {
 }
 
 inline Interval operator-(Interval a) { return {-a.high, -a.low}; }
-inline Interval operator+(Interval a, Interval b) { return between(a.low + b.low, a.high + b.high); }
+inline Interval operator+(Interval a, Interval b) {
+  return between(sum_below(a.low, b.low), sum_above(a.high, b.high));
+}
 inline Interval operator-(Interval a, Interval b) { return a + -b; }
 
 inline Interval operator*(Interval a, Interval b) {
@@ -42,26 +65,26 @@ inline Interval operator*(Interval a, Interval b) {
   const auto product = [](double x, double y) { return x == 0.0 || y == 0.0 ? 0.0 : x * y; };
   const double p = product(a.low, b.low), q = product(a.low, b.high), r = product(a.high, b.low),
                s = product(a.high, b.high);
-  return {std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s))};
+  return outward({std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s))});
 }
 inline Interval operator*(double factor, Interval a) { return Interval::of(factor) * a; }
 
 inline Interval square(Interval a) {
   const double p = a.low * a.low, q = a.high * a.high;
-  return a.contains(0.0) ? Interval{0.0, std::max(p, q)} : between(p, q);
+  return a.contains(0.0) ? Interval{0.0, above(std::max(p, q))} : outward(between(p, q));
 }
 
 inline Interval reciprocal(Interval a) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   if (a.is_zero() || (a.low < 0.0 && a.high > 0.0)) return Interval::entire();
-  return {a.high == 0.0 ? -infinity : 1.0 / a.high, a.low == 0.0 ? infinity : 1.0 / a.low};
+  return outward({a.high == 0.0 ? -infinity : 1.0 / a.high, a.low == 0.0 ? infinity : 1.0 / a.low});
 }
 inline Interval operator/(Interval a, Interval b) { return a * reciprocal(b); }
 
-// The values of a monotone function.
+// The values of a monotone function that a library computes.
 template <class Function>
 Interval monotone(Function function, Interval a) {
-  return between(function(a.low), function(a.high));
+  return outward(outward(between(function(a.low), function(a.high))));
 }
 
 inline Interval exp(Interval a) {
@@ -82,29 +105,30 @@ inline Interval power(Interval a, double exponent) {
   if (exponent < 0.0) return reciprocal(power(a, -exponent));
   const double p = std::pow(a.low, exponent), q = std::pow(a.high, exponent);
   const bool is_even = std::fmod(exponent, 2.0) == 0.0;
-  return is_even && a.contains(0.0) ? Interval{0.0, std::max(p, q)} : between(p, q);
+  return outward(outward(is_even && a.contains(0.0) ? Interval{0.0, std::max(p, q)} : between(p, q)));
 }
 
-// True if first + k period is in it for some integer k.
+// True if first + k period is in it for some integer k, or a few roundings beside it.
 inline bool contains_any(Interval a, double first, double period) {
-  return first + std::ceil((a.low - first) / period) * period <= a.high;
+  const double few = 4.0 * std::numeric_limits<double>::epsilon() * (1.0 + a.magnitude() / period);
+  return first + std::ceil((a.low - first) / period - few) * period <= a.high + few * period;
 }
 
 inline Interval sin(Interval a) {
   constexpr double period = 2.0 * std::numbers::pi;
   if (!(a.high - a.low < period)) return {-1.0, 1.0};
-  Interval result = between(std::sin(a.low), std::sin(a.high));
+  Interval result = outward(outward(between(std::sin(a.low), std::sin(a.high))));
   if (contains_any(a, 0.25 * period, period)) result.high = 1.0;
   if (contains_any(a, -0.25 * period, period)) result.low = -1.0;
-  return result;
+  return limited(result, -1.0, 1.0);
 }
 inline Interval cos(Interval a) {
   constexpr double period = 2.0 * std::numbers::pi;
   if (!(a.high - a.low < period)) return {-1.0, 1.0};
-  Interval result = between(std::cos(a.low), std::cos(a.high));
+  Interval result = outward(outward(between(std::cos(a.low), std::cos(a.high))));
   if (contains_any(a, 0.0, period)) result.high = 1.0;
   if (contains_any(a, 0.5 * period, period)) result.low = -1.0;
-  return result;
+  return limited(result, -1.0, 1.0);
 }
 inline Interval tan(Interval a) {
   constexpr double period = std::numbers::pi;
@@ -112,7 +136,7 @@ inline Interval tan(Interval a) {
   return monotone([](double x) { return std::tan(x); }, a);
 }
 inline Interval cosh(Interval a) {
-  const Interval ends = between(std::cosh(a.low), std::cosh(a.high));
+  const Interval ends = outward(outward(between(std::cosh(a.low), std::cosh(a.high))));
   return a.contains(0.0) ? Interval{1.0, ends.high} : ends;
 }
 
