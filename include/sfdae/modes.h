@@ -27,8 +27,8 @@ extern "C" {
 #define SFDAE_BREAKPOINT_JUMP 1 /**< data jump so that x may jump: values are found anew by the rule of sfdae_jump */
 
 /** Sets the times at which data have kinks or jumps: steps end there, and the integrator starts anew with short steps
- * of low order, in both directions of integration. Kinks of tables and of conditions on t in recorded equations are
- * known without.
+ * of low order, in both directions of integration. Times at which tables and conditions on t in recorded equations
+ * switch are found without, however near to each other they are; there x jumps if it has to.
  *
  * count: 0 ... 1000000 (0: none any more). t: count times, finite and increasing. kinds: NULL (all are kinks) or count
  * numbers SFDAE_BREAKPOINT_KINK or _JUMP.
@@ -40,8 +40,8 @@ extern "C" {
  * calls in between; at a jump there are none. (A start at a breakpoint itself calls them there: they decide which
  * side it is.)
  *
- *  - At a kink E x has to be continuous. If it is not, the call ends with SFDAE_STEP_TOO_SMALL, which names the
- *    component: it is a jump then.
+ *  - At a kink what is differentiated goes on continuously. If it does not, or no step leads across, it is a jump
+ *    (with sensitivities the call ends there).
  *  - At a jump t_k the values before are those at t_k - delta, and those after are what sfdae_jump makes of them with
  *    the functions at t_k + delta; sfdae_get_jump has both, and the impulses. The index and d, a, u, v have to be the
  *    same on both sides, else the call ends with SFDAE_CHARACTERISTICS_CHANGED or with what sfdae_jump fails with,

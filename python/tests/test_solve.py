@@ -273,12 +273,38 @@ def test_dense_output_without_differential_equations():
 
 def test_a_jump_within_a_step_is_reported():
     def equations(t, x, xdot):
-        return [x[0] - np.where(t > np.pi, 1.0, 0.0)]
+        return [x[0] - np.where(x[1] > np.pi, 1.0, 0.0), xdot[1] - 1.0]
 
     with pytest.warns(sfdae.IntegrationWarning, match="dense output differs .* jump or a kink"):
-        sol = sfdae.solve(equations, (0, 7), [0.0])
+        sol = sfdae.solve(equations, (0, 7), [0.0, 0.0])
     assert sol.dense.accuracy > 10
     assert sol([1.0, 3.1, 3.2])[0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+
+
+def test_a_step_of_t_is_no_jump_within_a_step():
+    sol = sfdae.solve(lambda t, x, xdot: [x[0] - np.where(t > np.pi, 1.0, 0.0)], (0, 7), [0.0])
+    assert sol([1.0, 3.1, 3.2])[0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+
+
+# Two equal capacitors in a divider, the lower one with a resistor: half of the step gets through, in no time.
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda t: np.where(t > 1, 1, 0),
+        lambda t: np.clip(np.floor(t), 0, 1),
+        lambda t: np.where((t % 2 >= 1) & (t < 2), 1, 0),
+        lambda t: np.clip((t - 1) / 1e-6, 0, 1),
+        lambda t: (1 + np.sign(t - 1)) / 2,
+    ],
+)
+def test_steps_that_are_differentiated_jump_by_impulses(step, method):
+    def divider(t, x, xdot):
+        (i, vs, vm), (_, dvs, dvm) = x, xdot
+        return [i - (dvs - dvm), (dvs - dvm) - dvm - vm, vs - step(t)]
+
+    sol = sfdae.solve(divider, (0, 1.9), [0, 0, 0], method=method)
+    assert sol.x[2][-1] == pytest.approx(0.5 * np.exp(-0.45), abs=2e-5)
 
 
 @pytest.mark.parametrize("t", [-0.1, 1.1, np.nan, [0.5, 2.0]])

@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "expression/taylor_evaluator.h"
+#include "expression/switching_times.h"
 
 namespace sfdae::core {
 
-// Of tables whose argument is t, a linear function of t with coefficients that depend on parameters alone, such a
-// function modulo a period, one of several of these as conditions on t choose, or a linear function of any of that.
+// Where what recorded equations compute from t alone switches to another branch (switching_times.h), and where the user
+// says so.
 class TimeBreakpoints {
  public:
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
@@ -28,18 +28,23 @@ class TimeBreakpoints {
   bool has_times() const { return !times_.empty(); }
   std::size_t num_times() const { return times_.size(); }
   // Of times of an integration, where 0 is the only one of these.
-  void set_size(double size) { size_of_times_ = size; }
+  void set_size(double size);
   // Where the gap of the next one of these begins beyond t and any gap that holds t; infinite: there is none.
   double end_of_piece(double t, double direction) const;
 
   // Unknowns depend on derivatives up to this order; those up to the first count in any case.
   void set_differentiations(int count) { differentiations_ = count; }
 
-  // Where a step has to end: the next one after t in a direction, +1 or -1, farther away than rounding errors of t. In
-  // place of a kink, where values, first derivatives or what unknowns depend on may jump (of tables of degree 1 or a
-  // degree that is not above the number of differentiations, where a condition changes, where a period ends), both
-  // ends of its gap. Nothing is allocated.
-  std::optional<double> next(double t, double direction);
+  // Where a step from t toward another time has to end: the next one between them that is farther away than rounding
+  // errors of t; another one may be found that is beyond. In place of a kink both ends of its gap: where values, first
+  // derivatives or what unknowns depend on may jump, as a condition changes, a period ends, or a table has a knot, and
+  // its degree is 1 or not above the number of differentiations. t itself: nothing can be said of times next to it, as
+  // rounding errors alone decide about a condition. Nothing is allocated.
+  struct End {
+    double t;
+    double slack = 0.0;  // where nothing but derivatives of higher order jumps: times so near are as good
+  };
+  std::optional<End> next(double t, double toward);
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
   struct Gap {
     double start, end;
@@ -50,62 +55,19 @@ class TimeBreakpoints {
   };
   // That holds t; its ends belong to it.
   std::optional<Gap> gap_at(double t);
+  // Both are within one gap of no kink: one time, that is.
+  bool are_one(double t, double other);
 
  private:
-  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   struct Search;
 
-  // What a node is near the time of a search, by the branches of choices and the periods that hold then.
-  struct Curve {
-    double value = unknown;                     // at that time
-    double offset = unknown, slope = unknown;   // of a linear function of t
-    double size = 0.0;                          // of its terms
-    bool has_choice = false;                    // it may be another function elsewhere
-    double first = -infinity, last = infinity;  // of the period
-
-    bool is_rising_or_falling() const { return std::fabs(slope) > 0.0; }
-    double size_in_time() const { return std::max(size, std::fabs(offset)) / std::fabs(slope); }
-  };
-
-  // The tables of one evaluator. Every part of their arguments is looked at once, however often it is used.
-  class Inputs {
-   public:
-    explicit Inputs(const TaylorEvaluator& evaluator);
-    void search(Search& search);
-
-   private:
-    struct Table {
-      int node;
-      std::vector<char> has_jump;  // of the derivative of `order`, at each of its breakpoints
-      int order;
-      double size;  // of its arguments
-    };
-
-    const Curve& curve(int node) const;
-    // Notes where conditions change and periods end.
-    Curve curve_of(int node, Search& search) const;
-    Curve curve_of_choice(const Node& node, Search& search) const;
-    double value_of(int node) const;
-    void search_table(const Table& table, Search& search) const;
-    static Curve constant(double value);
-    static Curve multiple(const Curve& a, double factor);
-    static Curve sum(const Curve& a, const Curve& b);
-    static Curve remainder(const Curve& a, const Curve& b, Search& search);
-
-    const TaylorEvaluator& evaluator_;
-    const Record& record_;
-    std::vector<Table> tables_;
-    std::vector<int> nodes_;     // that arguments of tables consist of, operands first
-    std::vector<int> place_;     // of each node of the record among these
-    std::vector<Curve> curves_;  // of these, about the time of the last search
-  };
-
-  Search search(double t, double direction);
+  Search search(double t, double toward);
+  void search_inputs(Search& search, double toward);
 
   void search_times(Search& search) const;
 
-  std::vector<Inputs> inputs_;
+  SwitchingTimes inputs_;
   std::vector<double> times_;
   std::vector<char> jumps_;
   double size() const;  // the largest of these

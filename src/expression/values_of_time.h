@@ -15,6 +15,8 @@ class ValuesOfTime {
   explicit ValuesOfTime(const TaylorEvaluator& evaluator);
 
   const Tape& tape() const { return evaluator_->tape(); }
+  // Another one after a change of parameters.
+  long version() const { return evaluator_->changes_of_parameters(); }
   // Slots of all values: of constants, parameters and what depends on t alone there; others stay as they are. Not
   // finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
   double* at(double t);

@@ -186,12 +186,14 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
-  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout),
+  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout, size),
                           options_.never_pass_output || adjoint() != nullptr};
   StepTarget target = choose_target(state, size, bounds);
   if (const double seen = noticing_step(target.t); seen < std::fabs(target.t - state.t))
     target = choose_target(state, std::max(seen, smallest), bounds);
   const double h = target.t - state.t;
+  std::optional<JumpTest> jumps;
+  if (crosses_kink(options_, state.t, h)) jumps.emplace(index(integrator_.system.unknowns()));
   if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted)
@@ -203,7 +205,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     return result;
   }
   if (target.is_cut_short(h)) stepper.set_next_step(target.uncut);
-  return accept_step(h, state.next_step, tout);
+  return accept_step(h, state.next_step, tout, jumps);
 }
 
 // For the points of the system at present.
@@ -212,25 +214,28 @@ void Integration::resize_workspace() {
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
 }
 
-// The size of a step toward t that notices what inputs do.
+// The size of a step toward t that notices what inputs do; in gaps they switch.
 double Integration::noticing_step(double t) {
   const StepState state = integrator_.stepper->state();
   const double h = t - state.t;
-  const bool is_watched = options_.inputs != nullptr && integrator_.system.differential() > 0 && h != 0.0;
+  const bool is_watched = options_.inputs != nullptr && integrator_.system.differential() > 0 && h != 0.0 &&
+                          !crosses_kink(options_, state.t, h);
   return std::fabs(is_watched ? inputs_.noticing_step(integrator_, *options_.inputs, h) : h);
 }
 
-// What the next step from t must not go beyond.
-std::optional<double> Integration::limit_of_step(double t, double tout) const {
+// What the next step from t, which may end at tout or be of that size, must not go beyond.
+std::optional<double> Integration::limit_of_step(double t, double tout, double size) const {
+  constexpr double longer = 1.001;  // than steps become so that they end at tout (step_target.cpp)
   std::optional<double> limit = options_.stop_time;
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
-  const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction});
+  const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction}, longer * size);
   return kink && (!limit || (*limit - *kink) * integrator_.direction > 0.0) ? kink : limit;
 }
 
-// wanted: the step that was to be tried, before limits made it one of size h.
-std::optional<CallResult> Integration::accept_step(double h, double wanted, double tout) {
+// wanted: the step that was to be tried, before limits made it one of size h. jumps: where it leads across a gap.
+std::optional<CallResult> Integration::accept_step(double h, double wanted, double tout,
+                                                   std::optional<JumpTest>& jumps) {
   DaeSystem& system = integrator_.system;
   Contradictions& contradictions = integrator_.contradictions;
   const MethodChoice choice = choice_;
@@ -241,21 +246,16 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
     return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message()};
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
-  const bool is_across_kink = crosses_kink(options_, integrator_.stepper->state().t, h);
-  bool is_searched = true;
+  const bool is_across_kink = jumps.has_value();
+  bool is_searched = true, is_jump = false;
   try {
-    if (is_across_kink) {
-      if (auto obstacle = obstacle_at_kink(integrator_)) {
-        withdraw();
-        return obstacle;
-      }
-    }
+    is_jump = jumps && jumps->has_jump(integrator_);
     if (!is_across_kink && watch_ && !change_) {
       const StepSearch search = watch_->find(integrator_.stepper->state().t);
       if (has_found_change(search, h)) return std::nullopt;
       is_searched = search.is_complete;
     }
-    if (is_searched)
+    if (is_searched && !is_jump)
       integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
     // The next call tries this step again.
@@ -263,6 +263,11 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
     integrator_.stepper->set_next_step(wanted);
     choice_ = choice;
     throw;
+  }
+  if (is_jump) {
+    withdraw();
+    cross_gap(tout);
+    return std::nullopt;
   }
   if (!is_searched) {
     withdraw();
@@ -283,7 +288,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   if (approach_ && approach_->is_reached) approach_.reset();
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
-  record_step(from);
+  if (is_across_kink) record_gap(from, integrator_.stepper->state().t, integrator_.stepper->x());
+  else record_step(from);
   extend_trail(from);
   return call_monitor(h);
 }
@@ -360,12 +366,16 @@ std::optional<CallResult> Integration::call_monitor(double h) const {
 std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, double h, double tout) {
   DaeSystem& system = integrator_.system;
   IntegrationCounts& counts = counts_.own;
+  if (outcome == StepOutcome::callback_error && !system.callback_error().is_recoverable())
+    return CallResult{system.callback_error().status, system.callback_error().message()};
+  if (outcome != StepOutcome::changed && crosses_kink(options_, integrator_.stepper->state().t, h)) {
+    cross_gap(tout);
+    return std::nullopt;
+  }
   if (outcome == StepOutcome::error_too_large) {
     ++counts.error_failures;
     return std::nullopt;
   }
-  if (outcome == StepOutcome::callback_error && !system.callback_error().is_recoverable())
-    return CallResult{system.callback_error().status, system.callback_error().message()};
   if (outcome == StepOutcome::leading_changed) {
     // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
     integrator_.must_restart = true;

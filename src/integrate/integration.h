@@ -16,6 +16,7 @@
 #include "integrate/input_watch.h"
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
+#include "integrate/kinks.h"
 #include "integrate/method_choice.h"
 #include "integrate/passage.h"
 #include "integrate/sensitivities.h"
@@ -101,6 +102,7 @@ class Integration {
   Method method() const { return integrator_.method; }     // at present: bdf or radau
   Method chosen_method() const { return choice_.chosen; }  // at the start
   double direction() const { return integrator_.direction; }
+  double span() const { return span_; }  // of interest
   double size_of_times() const { return std::max(std::fabs(start_), std::fabs(integrator_.stepper->state().t)); }
   double start() const { return start_; }  // of a checkpoint that is short: 0
   const std::optional<LocatedChange>& change() const { return change_; }
@@ -127,15 +129,17 @@ class Integration {
     note(AttemptEnd::withdrawn);
   }
   void restart_at_kink();
+  bool move(std::vector<double>& x, double h, const std::vector<double>& xdot);
+  void cross_gap(double tout);
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
-  void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after);
+  void record_gap(double from, double to, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout);
   std::optional<CallResult> attempt_step(double tout);
-  std::optional<double> limit_of_step(double t, double tout) const;
+  std::optional<double> limit_of_step(double t, double tout, double size) const;
   double noticing_step(double t);
   void resize_workspace();
-  std::optional<CallResult> accept_step(double h, double wanted, double tout);
+  std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
   bool has_found_change(const StepSearch& search, double h);
   void look_closer(const LocatedChange& suspect, double h);
   void record_step(double from);

@@ -11,6 +11,20 @@
 
 namespace sfdae::core {
 
+// x += h xdot; true: by more than what does not matter.
+bool Integration::move(std::vector<double>& x, double h, const std::vector<double>& xdot) {
+  constexpr double much = 0.1;  // of the tolerances
+  std::vector<double> change(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += change[i] = h * xdot[i];
+  integrator_.weights.update(x.data());
+  return integrator_.weights.norm(change.data()) > much;
+}
+
+// From a point in it.
+void Integration::cross_gap(double tout) {
+  cross_jump(*options_.breakpoints->gap_at(integrator_.stepper->state().t), tout);
+}
+
 // The point before stays the last one where that throws.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
@@ -20,27 +34,35 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
         format("sensitivities cannot be carried over the jump at t = %.15g: stop there (stop_time), and start "
                "anew with the directions that they have after it.",
                integrator_.stepper->state().t));
-  const std::vector<double> before = integrator_.stepper->x();
   const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
-  const ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
+  std::vector<double> before(integrator_.stepper->x().size()), slopes(before);
+  const double start = integrator_.stepper->state().t, half = 0.5 * (t - start);
+  integrator_.stepper->interpolate({start, nullptr, before.data(), slopes.data()});
+  before = integrator_.stepper->x();
+  const auto values_after = [&] { return options_.jumps->values_after({t, toward, before.data()}); };
+  // Both halves of the gap as far as slopes lead: those after it are known when its end is.
+  const bool moves = move(before, half, slopes);
+  ConsistentPoint after = values_after();
+  if (move(before, half, after.xdot) || moves) after = values_after();
   resize_workspace();
   integrator_.start(t, after.x, after.xdot, options_);
   integrator_.must_restart = false;
   approach_.reset();
   if (watch_) watch_->start(direction);
   start_trail();
-  record_jump(gap, after.x);
+  record_gap(start, t, after.x);
 }
 
-// Within the gap the values are those after it.
-void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after) {
+// Within the gap, which begins there, the values are those after it.
+void Integration::record_gap(double from, double to, const std::vector<double>& after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
-  if (!solution || !is_recorded_) return;
+  if (!solution) return;
   const auto sample = [&](double, double* x) {
     std::copy(after.begin(), after.end(), x);
     return true;
   };
-  add_piece(*solution, {solution->end(), gap.far_end(integrator_.direction), true, sample, {}});
+  const bool continues = std::exchange(is_recorded_, false);
+  add_piece(*solution, {from, to, continues, sample, {}});
 }
 
 }  // namespace sfdae::core

@@ -190,7 +190,7 @@ bool Integration::pass(const CourseData& data, const SmoothCourse& course, Singu
   const auto go_to = [&](double t) {
     const double toward = t + direction * course.width;
     if (!((t - t_last) * direction >= 0.0)) return false;
-    const std::optional<double> kink = next_kink(options_, {t_last, t, direction});
+    const std::optional<double> kink = next_kink(options_, {t_last, t, direction}, std::fabs(t - t_last));
     if ((options_.stop_time && (*options_.stop_time - t) * direction < 0.0) ||
         (kink && (*kink - t) * direction < 0.0)) {
       branches_.refusal = "stop_time or a breakpoint is too near";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "linalg/index.h"
+#include "problem/failure.h"
 
 namespace sfdae::core {
 
@@ -17,21 +18,8 @@ constexpr double about_a_gap = 1.5;
 // Of the tolerances: what is differentiated jumps by more. Iterations leave less. (Chosen.)
 constexpr double clear_jump = 10.0;
 
-// Of what slopes on both sides of a gap explain: more is a jump. (Chosen.)
+// Of what slopes at both ends explain: more is a jump. (Chosen.)
 constexpr double clear_of_slopes = 2.0;
-
-// Where t is large a gap is so wide that what changes fast changes by more than tolerances within it.
-void leave_out_slopes(const Integrator& integrator, std::vector<double>& jump) {
-  const std::size_t n = jump.size();
-  const StepState state = integrator.stepper->state();
-  std::vector<double> x(n), before(n), after(n, 0.0);
-  integrator.stepper->interpolate({state.t, nullptr, x.data(), before.data()});
-  integrator.system.exact_derivative(integrator.stepper->tried_x().data(), after.data());
-  const double h = std::fabs(state.tried_t - state.t);
-  for (std::size_t i = 0; i < n; ++i)
-    if (std::fabs(jump[i]) <= clear_of_slopes * h * std::max(std::fabs(before[i]), std::fabs(after[i])))
-      jump[i] = 0.0;
-}
 
 // Nothing is evaluated after the jump.
 bool has_end_in(const IntegrationOptions& options, const TimeBreakpoints::Gap& gap, double direction) {
@@ -40,12 +28,18 @@ bool has_end_in(const IntegrationOptions& options, const TimeBreakpoints::Gap& g
 
 }  // namespace
 
-std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step) {
+std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step, double longest) {
   if (options.breakpoints == nullptr) return std::nullopt;
-  const std::optional<double> kink = options.breakpoints->next(step.t, step.direction);
+  const auto kink = options.breakpoints->next(step.t, step.t + step.direction * longest);
+  if (!kink) return std::nullopt;
+  if (kink->t == step.t)
+    throw Failure(SFDAE_STEP_TOO_SMALL,
+                  format("from t = %.15g on rounding errors alone decide about a condition on t, or about what is "
+                         "rounded down or up: write it so that it is not next to its border all the time.",
+                         step.t));
   // The end of the data, as the user's arithmetic has it.
-  if (kink && std::fabs(step.tout - *kink) <= Integrator::resolution(step.t, step.tout)) return step.tout;
-  return kink;
+  const double same = std::max(kink->slack, Integrator::resolution(step.t, step.tout));
+  return std::fabs(step.tout - kink->t) <= same ? step.tout : kink->t;
 }
 
 bool is_at_kink(const IntegrationOptions& options, const StepState& state) {
@@ -66,8 +60,10 @@ double beside_kink(const IntegrationOptions& options, const Integrator& integrat
   if (options.breakpoints == nullptr) return t;
   const double reached = integrator.stepper->state().t;
   if (std::fabs(t - reached) <= Integrator::resolution(reached, t)) return reached;
+  if (options.breakpoints->are_one(reached, t)) return reached;
   const auto gap = options.breakpoints->gap_at(t);
-  if (!gap || gap->ends_at(t)) return t;
+  if (!gap) return t;
+  if (gap->ends_at(t)) return t - gap->start < gap->end - t ? gap->start : gap->end;
   if (gap->is_jump && has_end_in(options, *gap, integrator.direction)) return gap->far_end(-integrator.direction);
   return options.stop_time && integrator.direction > 0.0 ? std::min(gap->end, *options.stop_time) : gap->end;
 }
@@ -98,28 +94,28 @@ void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const S
   system.set_limits(std::min(from, to), std::max(from, to));
 }
 
-std::optional<CallResult> obstacle_at_kink(const Integrator& integrator) {
-  const std::vector<double>& before = integrator.stepper->x();
+bool JumpTest::has_jump(const Integrator& integrator) {
+  const StepState state = integrator.stepper->state();
   const std::vector<double>& after = integrator.stepper->tried_x();
-  const std::size_t n = index(integrator.system.unknowns());
-  std::vector<double> jump(n), tolerances(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    jump[i] = after[i] - before[i];
-    tolerances[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
+  for (std::size_t i = 0; i < jump_.size(); ++i) {
+    jump_[i] = after[i] - integrator.stepper->x()[i];
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
   }
-  const auto find_change = [&] { return integrator.system.change_of_differentiated(jump.data(), tolerances.data()); };
-  DifferentiatedChange change = find_change();
-  if (!(change.size > clear_jump)) return std::nullopt;
-  leave_out_slopes(integrator, jump);
-  change = find_change();
-  if (!(change.size > clear_jump)) return std::nullopt;
-  return CallResult{
-      SFDAE_STEP_TOO_SMALL,
-      format("an input has a kink or a jump at t = %.15g that the equations differentiate too often: x[%d], whose "
-             "derivative is in the equations, jumps by %.3g. Take a table of higher degree, make it a breakpoint at "
-             "which x may "
-             "jump (sfdae_set_breakpoints), or stop there and restart.",
-             integrator.stepper->state().t, change.component, jump[index(change.component)])};
+  if (!is_clear(integrator)) return false;
+  integrator.stepper->interpolate({state.t, nullptr, x_.data(), slopes_.data()});
+  leave_out(state.tried_t - state.t);
+  if (integrator.system.exact_derivative(after.data(), slopes_.data())) leave_out(state.tried_t - state.t);
+  return is_clear(integrator);
+}
+
+bool JumpTest::is_clear(const Integrator& integrator) const {
+  return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()).size > clear_jump;
+}
+
+// Where t is large a gap is so wide that what changes fast changes by more than tolerances within it.
+void JumpTest::leave_out(double h) {
+  for (std::size_t i = 0; i < jump_.size(); ++i)
+    if (std::fabs(jump_[i]) <= clear_of_slopes * std::fabs(h * slopes_[i])) jump_[i] = 0.0;
 }
 
 }  // namespace sfdae::core

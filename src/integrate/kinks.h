@@ -1,11 +1,14 @@
 // Kinks of inputs, and how steps cross them (docs/decisions/41-tables-and-solutions.md).
 //
 // A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after
-// each of them.
+// each of them. Where what is differentiated jumps in the gap, impulses lead across it in place of a step
+// (jump_rule.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "expression/time_breakpoints.h"
 #include "integrate/integration_options.h"
@@ -14,11 +17,11 @@
 
 namespace sfdae::core {
 
-// Where the next step from t toward tout has to end; none: anywhere.
+// Where the next step from t toward tout, which is not longer than `longest`, has to end; none: anywhere.
 struct StepFrom {
   double t, tout, direction;
 };
-std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step);
+std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step, double longest);
 
 // The last point, up to which there are steps, is an end of the gap of a kink.
 bool is_at_kink(const IntegrationOptions& options, const StepState& state);
@@ -38,7 +41,20 @@ std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, d
 // integration.
 void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start);
 
-// What keeps the step across the gap, which has been tried, from being accepted: what is differentiated jumps.
-std::optional<CallResult> obstacle_at_kink(const Integrator& integrator);
+// Whether what is differentiated jumps within a step across a gap that has been tried: an unknown whose derivative is
+// in the equations has moved by more than tolerances, and by more than its slopes at both ends explain. Made before the
+// step, so that missing memory stops it in time.
+class JumpTest {
+ public:
+  explicit JumpTest(std::size_t unknowns) : jump_(unknowns), tolerances_(unknowns), x_(unknowns), slopes_(unknowns) {}
+  bool has_jump(const Integrator& integrator);
+
+ private:
+  bool is_clear(const Integrator& integrator) const;
+  // What slopes explain, in a step of size h.
+  void leave_out(double h);
+
+  std::vector<double> jump_, tolerances_, x_, slopes_;
+};
 
 }  // namespace sfdae::core

@@ -147,16 +147,17 @@ struct Upcoming {
 };
 
 // One more than are shown, if there are so many. By value, as searches leave their traces.
-std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double direction) {
+std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double toward) {
+  const double direction = toward < t ? -1.0 : 1.0;
   std::vector<Upcoming> list;
   if (const auto gap = breakpoints.gap_at(t)) t = gap->far_end(direction);
   while (list.size() <= most_breakpoints) {
-    const std::optional<double> next = breakpoints.next(t, direction);
-    if (!next) break;
-    const auto gap = breakpoints.gap_at(*next);
+    const auto next = breakpoints.next(t, toward);
+    if (!next || next->t == t) break;
+    const auto gap = breakpoints.gap_at(next->t);
     if (gap) list.push_back({0.5 * (gap->start + gap->end), gap->is_jump ? "jump" : "kink"});
-    else list.push_back({*next, "smooth"});
-    t = gap ? gap->far_end(direction) : *next;
+    else list.push_back({next->t, "smooth"});
+    t = gap ? gap->far_end(direction) : next->t;
   }
   return list;
 }
@@ -181,7 +182,9 @@ std::string breakpoints_report(const Solver& solver) {
   const std::size_t set = solver.breakpoints->num_times();
   if (!solver.integration) return set > 0 ? format("Breakpoints: %zu are set\n", set) : "";
   const double t = solver.integration->stepper().state().t;
-  const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, solver.integration->direction());
+  constexpr double spans = 100.0;  // of interest
+  const double toward = t + spans * solver.integration->direction() * solver.integration->span();
+  const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, toward);
   std::string text;
   for (std::size_t k = 0; k < std::min(next.size(), most_breakpoints); ++k)
     text += format("%s t = %.10g (%s)", k == 0 ? "Breakpoints: next" : ",", next[k].t, next[k].kind);

@@ -193,7 +193,7 @@ void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
   integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
-  integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
+  integration_options.jumps = &jumps;
 }
 
 void Solver::pass_singular_points(long most) {

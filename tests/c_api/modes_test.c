@@ -243,9 +243,10 @@ static void jumps_are_crossed(int method) {
   CHECK_STATUS(sfdae_set_breakpoints(solver, 1, at, NULL), SFDAE_OK);
   x[0] = x[1] = x[2] = 0;
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_OK);
-  CHECK_STATUS(sfdae_advance(solver, 1, &t, x, xdot), SFDAE_STEP_TOO_SMALL);
-  CHECK(has_message(solver, "sfdae_set_breakpoints"));
-  NEAR(t, 0.5, 1e-12);
+  CHECK_STATUS(sfdae_advance(solver, 1, &t, x, xdot), SFDAE_OK); /* what is called a kink is found to be a jump */
+  NEAR(x[0], 0.5, 1e-7);
+  NEAR(x[1], 1.5, 1e-7);
+  NEAR(x[2], 1, 1e-7);
   sfdae_destroy(&solver);
 }
 

@@ -114,11 +114,11 @@ TEST(Solution, GoesBackward) {
 }
 
 // Of one unknown that is algebraic, from 0 to 1.
-Solution solution_of(const sfdae::NonlinearProblem& problem) {
+Solution solution_of(const sfdae::NonlinearProblem& problem, std::size_t n = 1) {
   Solution solution;
   sfdae::Solver solver(problem, options_of(SFDAE_METHOD_BDF, 1e-5));
   solver.record(solution);
-  sfdae::Point point{0.0, {0.0}, {}};
+  sfdae::Point point{0.0, std::vector<double>(n, 0.0), {}};
   solver.start(point, 1.0);
   solver.advance(1.0, point);
   return solution;
@@ -183,14 +183,15 @@ TEST(Solution, IsTheSameAfterLoading) {
   }
 }
 
-// A step function at 1/3: no polynomial of what is halved ten times at most holds it.
+// A step function at 1/3, of an unknown: no polynomial of what is halved ten times at most holds it.
 TEST(Solution, KnowsWhereItIsNotAccurate) {
   const auto accuracy_of = [](bool jumps) {
-    sfdae::NonlinearProblem problem(1, 1);
-    problem.equations = [=](const auto& t, auto x, auto, auto F) {
-      F[0] = x[0] - sin(t) - (jumps ? choose(t - 1.0 / 3.0, 1.0, 0.0) : 0.0 * t);
+    sfdae::NonlinearProblem problem(2, 2);
+    problem.equations = [=](const auto& t, auto x, auto xdot, auto F) {
+      F[0] = x[0] - sin(t) - (jumps ? choose(x[1] - 1.0 / 3.0, 1.0, 0.0) : 0.0 * t);
+      F[1] = xdot[1] - 1.0;
     };
-    const Solution solution = solution_of(problem);
+    const Solution solution = solution_of(problem, 2);
     const Solution loaded = Solution::load(solution.save());
     EXPECT_EQ(loaded.accuracy().in_tolerances, solution.accuracy().in_tolerances);
     EXPECT_EQ(loaded.accuracy().t, solution.accuracy().t);

@@ -34,9 +34,9 @@ struct Kinks {
     const double direction = end > t ? 1.0 : -1.0;
     if (const auto around = breakpoints.gap_at(t)) t = direction > 0.0 ? around->end : around->start;
     Numbers found;
-    while (const auto next = breakpoints.next(t, direction)) {
-      if ((*next - end) * direction > 0.0) break;
-      t = *next;
+    while (const auto next = breakpoints.next(t, end)) {
+      if ((next->t - end) * direction > 0.0) break;
+      t = next->t;
       const auto gap = breakpoints.gap_at(t);
       if (!gap) {  // values and first derivatives go on
         found.push_back(t);
@@ -44,7 +44,7 @@ struct Kinks {
       }
       EXPECT_TRUE(gap->ends_at(t));
       const double other = direction > 0.0 ? gap->end : gap->start;
-      EXPECT_EQ(breakpoints.next(t, direction), other);
+      EXPECT_EQ(breakpoints.next(t, end).value().t, other);
       found.push_back(0.5 * (t + other));
       t = other;
     }

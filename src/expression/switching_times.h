@@ -1,0 +1,67 @@
+// Times at which what recorded equations compute from t alone switches to another branch, all of them, however near to
+// each other they are: by interval arithmetic and halving, as [Moo66] finds zeros.
+//
+// [Moo66] R. E. Moore: Interval Analysis. Prentice-Hall, 1966. Chapter 7.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "expression/switching_functions.h"
+
+namespace sfdae::core {
+
+// Times within which rounding errors decide which branch is taken.
+struct SwitchingGap {
+  double start, end;
+  int jumping_order;  // the least order of derivatives that may jump
+};
+
+class SwitchingTimes {
+ public:
+  // Parameters are those that the evaluators have when this is asked; they live as long as this.
+  explicit SwitchingTimes(const std::vector<const TaylorEvaluator*>& evaluators);
+
+  bool empty() const { return branches_.empty(); }
+  // Of times of an integration: gaps about times next to 0 are as wide as this has it.
+  void set_size(double size) {
+    size_ = size;
+    version_ = -1;  // what has been found before does not count
+  }
+  double half_gap(double t) const;
+
+  // The gaps in an interval, increasing, up to `known_to()`. That is before `toward` where a gap beyond `from` has been
+  // found, and where the search had to give up: at `from` itself if nothing can be said of times next to it, as
+  // rounding errors alone decide which branch is taken.
+  const std::vector<SwitchingGap>& find(double from, double toward);
+  double known_to() const { return known_to_; }
+
+ private:
+  struct Piece {
+    double start, end;  // in the direction of the search
+    bool is_gap;
+  };
+  struct Borders {
+    double start = 0.0, end = 0.0;
+    bool is_open = false;
+  };
+  void forget(double from, double beside);
+  bool extend(double toward);
+  bool look_at(const Piece& piece);
+  void split(const Piece& piece, std::size_t part, const Crossing& crossing);
+  double gap_about(double t, std::size_t part, std::size_t which, double room);
+  bool close(double at);
+  void find_branches(Interval t);
+  void keep(SwitchingGap gap);
+
+  std::vector<SwitchingFunctions> parts_;
+  std::vector<Branch> branches_, before_;  // on the piece, and before the gap
+  std::vector<SwitchingGap> gaps_;         // all of them from low_ to high_
+  double low_ = 0.0, high_ = 0.0, known_to_ = 0.0, size_ = 1.0, direction_ = 1.0;
+  long version_ = -1;
+  std::vector<Piece> pieces_;  // to be looked at, the next one last
+  Borders open_;               // the gap that has begun
+};
+
+}  // namespace sfdae::core
