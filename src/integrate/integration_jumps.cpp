@@ -20,9 +20,13 @@ bool Integration::move(std::vector<double>& x, double h, const std::vector<doubl
   return integrator_.weights.norm(change.data()) > much;
 }
 
-// From a point in it.
+// From a point in it. Nothing is evaluated beyond the stop time.
 void Integration::cross_gap(double tout) {
-  cross_jump(*options_.breakpoints->gap_at(integrator_.stepper->state().t), tout);
+  TimeBreakpoints::Gap gap = *options_.breakpoints->gap_at(integrator_.stepper->state().t);
+  const double direction = integrator_.direction;
+  double& end = direction > 0.0 ? gap.end : gap.start;
+  if (options_.stop_time && (end - *options_.stop_time) * direction > 0.0) end = *options_.stop_time;
+  cross_jump(gap, tout);
 }
 
 // The point before stays the last one where that throws.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Inputs with kinks that make unknowns jump: what is differentiated must not, the others may.
+// Inputs with kinks that make unknowns jump, by impulses if their derivatives are in the equations.
 
 #include <sfdae/sfdae.hpp>
 
@@ -48,7 +48,7 @@ TEST(Kinks, ThatAskForImpulsesGetThem) {
     to.M(0, 1) = to.M(1, 0) = m12;
     to.g[0] = q[0] - sfdae::table(t, 1, places, values);
   };
-  // A jump of what is differentiated once.
+  // An unknown whose derivative is in the equations jumps.
   sfdae::NonlinearProblem saw_tooth(3, 3);
   saw_tooth.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
     F[0] = xdot[0] - x[1];
@@ -114,6 +114,37 @@ TEST(Kinks, OfAlgebraicUnknownsMayBeJumps) {
       EXPECT_NEAR(point.x[0], end > 0.0 ? 2.125 : -2.375, 1e-6);
       EXPECT_NEAR(point.x[1], 0.5, 1e-6);
     }
+}
+
+// Two capacitors divide a step that begins where the data end: a function that fails beyond the stop time does no harm.
+TEST(Kinks, AtTheStopTimeAreCrossedUpToIt) {
+  for (const double direction : {1.0, -1.0})
+    for (const bool is_included : {true, false})
+      for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+        const sfdae::ExternalFunction data("data", 1, [&](int order, auto arguments, auto to) {
+          to[0] = order == 0 ? 1.0 : 0.0;
+          return arguments[0] * direction > 1.0 ? 1 : 0;
+        });
+        sfdae::NonlinearProblem problem(3, 3);
+        problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+          const Expression left = 1.0 - direction * t;
+          F[0] = xdot[0] - 2.0 * xdot[1];
+          F[1] = x[2] - (xdot[0] - xdot[1]);
+          F[2] = x[0] - data(t) * (is_included ? choose(left, 0.0, 1.0) : choose(-left, 1.0, 0.0));
+        };
+        sfdae::Options options;
+        options.method = method;
+        options.use_stop_time = 1;
+        options.stop_time = direction;
+        sfdae::Solver solver(problem, options);
+        sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
+        solver.start(point, direction);
+        ASSERT_EQ(solver.advance(direction, point), SFDAE_OK);
+        // Values at a switching time are those on the side of larger t, as far as there are data.
+        const bool is_after = is_included && direction > 0.0;
+        EXPECT_NEAR(point.x[0], is_after ? 1.0 : 0.0, 1e-12);
+        EXPECT_NEAR(point.x[1], is_after ? 0.5 : 0.0, 1e-12);
+      }
 }
 
 // The knots of a drive of positions are where steps end, too: a pulse of width 0.02 within ten units of time, of
