@@ -445,7 +445,7 @@ bool NonlinearSystem::moves_differentiated(const Jet& jet, const double* inverse
     change[i] = jet.x[i] - start_.x[i];
     tolerances[i] = 1.0 / inverse_weights[i];
   }
-  return change_of_differentiated(change.data(), tolerances.data()).size > 1.0;
+  return change_of_differentiated(change.data(), tolerances.data()) > 1.0;
 }
 
 double NonlinearSystem::distance_from_start(const Jet& jet) const {
@@ -469,7 +469,7 @@ PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
   return status;
 }
 
-// Where ranks are not those known, as near singular points, there is no linearization.
+// There is no linearization near singular points, where ranks are not those known. F is evaluated anew.
 bool NonlinearSystem::find_differentiated(char* flags) {
   TaylorData data;
   if (problem_.linearize(history_.accepted(), nullptr, data) != PointStatus::ok) return false;

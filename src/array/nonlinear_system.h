@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "array/analyzed_equations.h"
 #include "array/array_linearization.h"
@@ -92,8 +93,8 @@ class NonlinearSystem final : public DaeSystem {
   // its steps becoming short.
   CharacteristicValues values_at(double t) override;
   PointStatus check_ranks() override;
-  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override {
-    if (!linearization_.is_usable()) return {};
+  double change_of_differentiated(const double* dx, const double* tolerances) const override {
+    if (!linearization_.is_usable()) return std::numeric_limits<double>::infinity();
     return differentiated_change(linearization_.data(), units(), dx, tolerances);
   }
   bool find_differentiated(char* flags) override;

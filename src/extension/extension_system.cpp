@@ -454,13 +454,11 @@ bool ExtensionSystem::find_differentiated(char* flags) {
   return true;
 }
 
-DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
-  DifferentiatedChange largest;
-  for (int j = 0; j < unknowns(); ++j) {
-    if (extension_.problem().structure()->offsets.d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
-    const double size = std::fabs(dx[j]) / tolerances[j];
-    if (size > largest.size) largest = {size, j};
-  }
+double ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
+  double largest = 0.0;
+  for (int j = 0; j < unknowns(); ++j)
+    if (extension_.offsets().d[index(j)] != 0 && tolerances[j] > 0.0)
+      largest = std::max(largest, std::fabs(dx[j]) / tolerances[j]);
   return largest;
 }
 

@@ -92,7 +92,7 @@ class ExtensionSystem final : public DaeSystem {
     return structure_.certify_aside(jet_, linearization_.noise_of_jet(), callback_error_);
   }
   bool find_differentiated(char* flags) override;
-  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
+  double change_of_differentiated(const double* dx, const double* tolerances) const override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;

@@ -15,10 +15,10 @@ namespace {
 
 // Of a gap: a step of this size at most is one across it.
 constexpr double about_a_gap = 1.5;
-// Of the tolerances: what is differentiated jumps by more. Iterations leave less. (Chosen.)
+// In tolerances: a jump of E x is larger. Iterations leave less. (Chosen.)
 constexpr double clear_jump = 10.0;
 
-// Of what slopes at both ends explain: more is a jump. (Chosen.)
+// A jump is more than so many times what slopes at both ends explain. (Chosen.)
 constexpr double clear_of_slopes = 2.0;
 
 // Nothing is evaluated after the jump.
@@ -51,24 +51,23 @@ bool is_at_kink(const IntegrationOptions& options, const StepState& state) {
 bool crosses_kink(const IntegrationOptions& options, double t, double h) {
   if (options.breakpoints == nullptr) return false;
   const auto gap = options.breakpoints->gap_at(t);
-  return gap && std::fabs(h) <= about_a_gap * (gap->end - gap->start);
+  return gap && std::fabs(h) <= about_a_gap * (gap->end - gap->start) && (gap->far_end(h) - t) * h > 0.0;
 }
 
-// What is asked of a kink itself is the solution after it, unless nothing is to be evaluated there. The end of the
+// The solution at a kink is the one after it, unless nothing is to be evaluated there. The end of the
 // data, beyond which there is nothing to step to, may be a rounding error away.
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t) {
   if (options.breakpoints == nullptr) return t;
   const double reached = integrator.stepper->state().t;
   if (std::fabs(t - reached) <= Integrator::resolution(reached, t)) return reached;
-  if (options.breakpoints->are_one(reached, t)) return reached;
   const auto gap = options.breakpoints->gap_at(t);
-  if (!gap) return t;
+  if (!gap) return options.breakpoints->are_one(reached, t) ? reached : t;
   if (gap->ends_at(t)) return t - gap->start < gap->end - t ? gap->start : gap->end;
   if (gap->is_jump && has_end_in(options, *gap, integrator.direction)) return gap->far_end(-integrator.direction);
   return options.stop_time && integrator.direction > 0.0 ? std::min(gap->end, *options.stop_time) : gap->end;
 }
 
-// Where t is large a gap is so wide that x changes within it.
+// Gaps about large times are so wide that x changes within them.
 PointRequest request_beside_kink(double t, const PointRequest& request) {
   const double distance = t - request.t;
   if (std::fabs(distance) <= Integrator::resolution(t, request.t)) return request;
@@ -109,10 +108,10 @@ bool JumpTest::has_jump(const Integrator& integrator) {
 }
 
 bool JumpTest::is_clear(const Integrator& integrator) const {
-  return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()).size > clear_jump;
+  return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()) > clear_jump;
 }
 
-// Where t is large a gap is so wide that what changes fast changes by more than tolerances within it.
+// Gaps about large times are so wide that fast components change by more than their tolerances in them.
 void JumpTest::leave_out(double h) {
   for (std::size_t i = 0; i < jump_.size(); ++i)
     if (std::fabs(jump_[i]) <= clear_of_slopes * std::fabs(h * slopes_[i])) jump_[i] = 0.0;

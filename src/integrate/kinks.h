@@ -1,8 +1,7 @@
 // Kinks of inputs, and how steps cross them (docs/decisions/41-tables-and-solutions.md).
 //
 // A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after
-// each of them. Where what is differentiated jumps in the gap, impulses lead across it in place of a step
-// (jump_rule.h).
+// each of them. If E x jumps in the gap, a jump by impulses (jump_rule.h) takes the place of the step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,7 +16,7 @@
 
 namespace sfdae::core {
 
-// Where the next step from t toward tout, which is not longer than `longest`, has to end; none: anywhere.
+// The time at which the next step from t toward tout, which is not longer than `longest`, has to end; none: any time.
 struct StepFrom {
   double t, tout, direction;
 };
@@ -41,9 +40,9 @@ std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, d
 // integration.
 void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start);
 
-// Whether what is differentiated jumps within a step across a gap that has been tried: an unknown whose derivative is
-// in the equations has moved by more than tolerances, and by more than its slopes at both ends explain. Made before the
-// step, so that missing memory stops it in time.
+// Tells whether E x jumps in a step across a gap that has been tried: it has moved by more than tolerances, and by more
+// than slopes at both ends explain, or it is not known how far. This is made before the step, so that no memory is
+// needed after it.
 class JumpTest {
  public:
   explicit JumpTest(std::size_t unknowns) : jump_(unknowns), tolerances_(unknowns), x_(unknowns), slopes_(unknowns) {}
@@ -51,7 +50,7 @@ class JumpTest {
 
  private:
   bool is_clear(const Integrator& integrator) const;
-  // What slopes explain, in a step of size h.
+  // Components whose slopes explain their changes in a step of size h do not count.
   void leave_out(double h);
 
   std::vector<double> jump_, tolerances_, x_, slopes_;

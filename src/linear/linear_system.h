@@ -65,7 +65,7 @@ class LinearSystem final : public DaeSystem {
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double* x, const double* xdot, double* wdot) override;
-  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override {
+  double change_of_differentiated(const double* dx, const double* tolerances) const override {
     return differentiated_change(point().data, problem_.units(), dx, tolerances);
   }
   bool find_differentiated(char* flags) override {

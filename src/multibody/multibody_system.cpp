@@ -220,11 +220,10 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
-DifferentiatedChange MultibodySystem::change_of_differentiated(const double* dx, const double* tolerances) const {
-  DifferentiatedChange largest;
+double MultibodySystem::change_of_differentiated(const double* dx, const double* tolerances) const {
+  double largest = 0.0;
   for (int i = 0; i < leading_size(); ++i)
-    if (tolerances[i] > 0.0 && std::fabs(dx[i]) > largest.size * tolerances[i])
-      largest = {std::fabs(dx[i]) / tolerances[i], i};
+    if (tolerances[i] > 0.0) largest = std::max(largest, std::fabs(dx[i]) / tolerances[i]);
   return largest;
 }
 

@@ -85,7 +85,7 @@ class MultibodySystem final : public DaeSystem {
     std::fill_n(flags, leading_size(), char{1});
     return true;
   }
-  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
+  double change_of_differentiated(const double* dx, const double* tolerances) const override;
   SingularPart vanishing_part() const override { return SingularPart::constraints; }
   void archive(Archive& archive) override;
 

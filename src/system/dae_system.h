@@ -92,8 +92,9 @@ class DaeSystem : public StrangenessFreeSystem {
   // Sets the flags of unknowns (n, all 0 before) with derivatives in the equations near the point accepted last; false:
   // not known.
   virtual bool find_differentiated(char* flags) = 0;
-  // Of x, from the point accepted last to the current one.
-  virtual DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const = 0;
+  // How far a change dx of x, from the point accepted last to the current one, changes what is differentiated: the
+  // largest change over its tolerance; infinite where that is not known.
+  virtual double change_of_differentiated(const double* dx, const double* tolerances) const = 0;
 
   virtual void archive(Archive& archive) = 0;
 

@@ -28,39 +28,38 @@ namespace {
 // Of the largest entry of a row of [E A]: what is smaller is what users' arithmetic leaves of zeros. (Chosen.)
 constexpr double few = 1e-10;
 
+// Entries of row i of E that are larger are not 0.
+double largest_zero(const TaylorData& data, int i) {
+  const ConstView E = data.E(0), A = data.A(0);
+  double size = 0.0;
+  for (int j = 0; j < data.n; ++j) size = std::max({size, std::fabs(E(i, j)), std::fabs(A(i, j))});
+  return few * size;
+}
+
 }  // namespace
 
 void mark_differentiated(const TaylorData& data, char* flags) {
-  const ConstView E = data.E(0), A = data.A(0);
+  const ConstView E = data.E(0);
   for (int i = 0; i < data.m; ++i) {
-    double size = 0.0;
-    for (int j = 0; j < data.n; ++j) size = std::max({size, std::fabs(E(i, j)), std::fabs(A(i, j))});
+    const double zero = largest_zero(data, i);
     for (int j = 0; j < data.n; ++j)
-      if (std::fabs(E(i, j)) > few * size) flags[j] = 1;
+      if (std::fabs(E(i, j)) > zero) flags[j] = 1;
   }
 }
 
-DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
-                                           const double* tolerances) {
-  const ConstView E = data.E(0), A = data.A(0);
-  DifferentiatedChange largest;
+double differentiated_change(const TaylorData& data, const Units& units, const double* dx, const double* tolerances) {
+  const ConstView E = data.E(0);
+  double largest = 0.0;
   for (int i = 0; i < data.m; ++i) {
-    double size = 0.0, differentiated = 0.0;
+    const double zero = largest_zero(data, i);
+    double entries = 0.0, change = 0.0, tolerance = 0.0;
     for (int j = 0; j < data.n; ++j) {
-      differentiated = std::max(differentiated, std::fabs(E(i, j)));
-      size = std::max({size, std::fabs(E(i, j)), std::fabs(A(i, j))});
-    }
-    if (!(differentiated > few * size)) continue;
-    double change = 0.0, tolerance = 0.0, share = 0.0;
-    int component = 0;
-    for (int j = 0; j < data.n; ++j) {
-      const double entry = E(i, j) / units[j], part = std::fabs(entry * dx[j]);
+      const double entry = E(i, j) / units[j];
+      entries = std::max(entries, std::fabs(E(i, j)));
       change += entry * dx[j];
       tolerance += std::fabs(entry) * tolerances[j];
-      if (part > share) share = part, component = j;
     }
-    const double ratio = tolerance > 0.0 ? std::fabs(change) / tolerance : 0.0;
-    if (ratio > largest.size) largest = {ratio, component};
+    if (entries > zero && tolerance > 0.0) largest = std::max(largest, std::fabs(change) / tolerance);
   }
   return largest;
 }

@@ -24,15 +24,10 @@ struct ValueChange {
 ValueChange largest_change(const double* given, const double* changes, const std::vector<double>& tolerances,
                            int count);
 
-// A change of x as far as it is one of E x: the largest of |E_i dx| over |E_i| |tolerances|, E_i the rows of E, and the
-// component of x that has most of it. dx, tolerances: n values.
-struct DifferentiatedChange {
-  double size = 0.0;
-  int component = 0;
-};
 // Sets the flags of unknowns (n) with derivatives in the equations.
 void mark_differentiated(const TaylorData& data, char* flags);
-DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
-                                           const double* tolerances);
+// A change dx of x as far as it changes E x: the largest of |E_i dx| over |E_i| |tolerances|, E_i the rows of E. dx,
+// tolerances: n values.
+double differentiated_change(const TaylorData& data, const Units& units, const double* dx, const double* tolerances);
 
 }  // namespace sfdae::core

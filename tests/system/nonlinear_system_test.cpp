@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -207,6 +208,16 @@ TEST(NonlinearSystem, ErrorsOfComponentsKeepTheConstraintsAfterAStepWithoutASolu
   e.system->error_in_x(dw.data(), 1, dx.data());
   EXPECT_NEAR(dx[0], 0.25, 10.0 * rounding(2));
   EXPECT_NEAR(dx[1], 0.25, 10.0 * rounding(2));
+}
+
+// x2 has no derivative in the equations.
+TEST(NonlinearSystem, KnowsWhichPartOfAChangeIsDifferentiated) {
+  NonlinearExample e(sfdae_test::record_of_hyperbola());
+  e.analyze(0.0, 1.0, {1.0, 1.0});
+  ASSERT_EQ(euler(*e.system, {1.0, 1.0}, 0.1, 1e-6).status, PointStatus::ok);
+  const Vector tolerances = {0.1, 0.1}, of_x1 = {0.5, 7.0}, of_x2 = {0.0, 7.0};
+  EXPECT_DOUBLE_EQ(e.system->change_of_differentiated(of_x1.data(), tolerances.data()), 5.0);
+  EXPECT_DOUBLE_EQ(e.system->change_of_differentiated(of_x2.data(), tolerances.data()), 0.0);
 }
 
 TEST(NonlinearSystem, RestoresHiddenConstraints) {
