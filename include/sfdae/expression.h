@@ -71,10 +71,10 @@ SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);                      
 SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      /**< hyperbolic tangent */
 
 /* Functions with kinks, or jumps: their derivatives are those of the branch that holds at the point. Steps end where
- * such functions of t switch, and where what is differentiated jumps there x jumps by impulses (modes.h). Functions
- * of x are not searched: steps that meet a jump fail until they are short enough for the error test. Where that matters
- * integrate to an event that finds it (sfdae_set_events), and start there anew. Functions of x that jump in equations
- * which have to hold exactly, constraints, leave no solution to go on with. */
+ * such functions of t switch; if E x has to jump there, x jumps by impulses (modes.h). Switching times of functions
+ * of x are not searched for: steps that meet a jump fail until they are short enough for the error test. If that
+ * matters integrate to an event that finds it (sfdae_set_events), and start there anew. Constraints that jump with x
+ * leave no solution to go on with. */
 SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */
 SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /**< the smaller one */
 SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /**< the larger one */
@@ -116,8 +116,8 @@ SFDAE_API sfdae_expression sfdae_time_derivative(sfdae_expression a);
  * Steps of an integration end where a function of t alone, the argument, reaches a knot, so that no
  * kink of an input is stepped over. Where the first derivative (degree 1, the end of a period), the value (a
  * condition) or what x depends on (a degree up to mu) jumps, a step leads across that is as short as rounding errors
- * of t; outputs there are those after it. If what is differentiated has to jump, as the velocities of a position drive
- * of degree 1, it jumps by impulses (modes.h). */
+ * of t; outputs there are those after it. If E x has to jump, as the velocities of a position drive of
+ * degree 1 do, it jumps by impulses (modes.h). */
 SFDAE_API sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const double* x, const double* y);
 
 /** Writes all partial derivatives of one order of a function of k arguments: order 0 the value; order 1 the gradient, k

@@ -125,7 +125,7 @@ bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
 
 StepSearch NonlinearChangeWatch::find(double t_last) {
   search_.course().set_attempt(system_.jet(), system_.stages());
-  // Where the point accepted last could not be measured before it is tried once more.
+  // The point accepted last is measured once more if that was not possible before.
   if (samples_ == 0 && search_.measure(search_.course().newest(), last_)) samples_ = 1;
   take_samples();
   if (samples_ == 0) return {};

@@ -219,8 +219,8 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   const double left = suspicion.left, right = suspicion.right;
   range_ = {.span = std::fabs(right - left)};
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
-  // What has been measured in the same interval for another value often tells as much: a value that is zero at the
-  // crossing is that large there.
+  // The sample for another value in the same interval often tells enough: a value that is zero at the crossing is as
+  // large at the sample as its slopes say.
   is_measured_ = is_measured_ && measured_from_ == left && measured_to_ == right;
   const auto is_dismissed = [&] {
     const double beside = (suspicion.before + suspicion.after) * std::fabs(middle_.t - crossing) / range_.span;

@@ -46,7 +46,7 @@ class SingularitySearch {
     double before, after;
   };
   std::optional<double> find_dip(const Suspicion& suspicion);
-  // Whether something has vanished at t, a point of the integration, as between the others.
+  // Tells whether something vanishes at t, a point of the integration that is between two others.
   bool vanishes_at(double t, double before, double after);
   // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
   // step that has failed.

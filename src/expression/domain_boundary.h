@@ -20,7 +20,7 @@ namespace sfdae::core {
 // By how much unknowns may move: the tolerances of one unknown, or one for all.
 struct Movement {
   std::vector<double> rtol{1e-6}, atol{1e-6};
-  // Of unknown j or its derivative; not 0.
+  // The movement of unknown j, or of its derivative, from a value; it is not 0.
   double of(int j, double value) const;
 };
 

@@ -1,6 +1,6 @@
 // Intervals: all values of an expression over an interval of its arguments, rounding errors included. Results are
-// rounded outward by one unit in the last place, those of elementary functions, which libraries compute to less than
-// one unit, by two; sums that are exact stay exact. What underflows counts as 0.
+// rounded outward by one unit in the last place. Results of elementary functions are rounded by two units, as libraries
+// compute them to less than one. Sums that are exact stay exact. Results that underflow count as 0.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -108,7 +108,7 @@ inline Interval power(Interval a, double exponent) {
   return outward(outward(is_even && a.contains(0.0) ? Interval{0.0, std::max(p, q)} : between(p, q)));
 }
 
-// True if first + k period is in it for some integer k, or a few roundings beside it.
+// True if first + k period is in the interval for some integer k, or outside of it by a few rounding errors.
 inline bool contains_any(Interval a, double first, double period) {
   const double few = 4.0 * std::numeric_limits<double>::epsilon() * (1.0 + a.magnitude() / period);
   return first + std::ceil((a.low - first) / period - few) * period <= a.high + few * period;

@@ -68,12 +68,8 @@ double next_border(Code code, const FunctionCall* call, Interval from, bool goes
 SwitchingFunctions::SwitchingFunctions(const TaylorEvaluator& evaluator)
     : values_(evaluator), roots_(index(evaluator.tape().num_slots), 0) {
   const Tape& tape = evaluator.tape();
-  std::vector<char> is_of_time(roots_);
-  for (const Instruction& instruction : tape.of_time.all()) {
-    is_of_time[index(instruction.v)] = 1;
-    if (has_two_results(instruction)) is_of_time[index(instruction.p)] = 1;
-    add_use(instruction, switches(instruction));
-  }
+  std::vector<char> is_of_time = slots_of_time(tape);
+  for (const Instruction& instruction : tape.of_time.all()) add_use(instruction, switches(instruction));
   if (tape.time >= 0) is_of_time[index(tape.time)] = 1;
   for (const int slot : tape.residuals) roots_[index(slot)] = 1;
   for (const Instruction& instruction : tape.of_state.all()) {
@@ -128,8 +124,9 @@ void SwitchingFunctions::find_used(Branch* branches) {
   std::copy(roots_.begin(), roots_.end(), is_used_.begin());
   for (auto use = uses_.rbegin(); use != uses_.rend(); ++use) {
     const Instruction& instruction = use->instruction;
-    const bool is_second = has_two_results(instruction) && is_used_[index(instruction.p)] != 0;
-    if (is_used_[index(instruction.v)] == 0 && !is_second) continue;
+    bool has_used = false;
+    for_results(instruction, [&](int slot) { has_used = has_used || is_used_[index(slot)] != 0; });
+    if (!has_used) continue;
     if (use->which >= 0) branches[use->which].is_used = true;
     const double number = use->which >= 0 ? branches[use->which].number : undecided;
     const int left_out = instruction.code != Code::choose || std::isnan(number) ? -1

@@ -12,10 +12,10 @@
 
 namespace sfdae::core {
 
-// What one of them does on an interval of t.
+// The branch that a switching function takes on an interval of t.
 struct Branch {
-  // 1 or 0 of a condition, the integer of what is rounded down, the number of knots up to an argument; NaN: there may
-  // be several on the interval.
+  // For a condition 1 or 0; for floor and remainders an integer; for a table the number of knots up to its argument.
+  // NaN: there may be several branches on the interval.
   double number;
   bool is_used;  // equations depend on it, with the branches that others take on the interval
 };
@@ -37,9 +37,9 @@ class SwitchingFunctions {
 
   // Branches on an interval. Nothing is allocated, here and below.
   void find_branches(Interval t, Branch* branches);
-  // After that, branches that are known by values at the middle and at both ends, where enclosures of slopes say enough
-  // of what is between them. Of those that are not, one that rises or falls throughout the interval: the border that it
-  // meets first from the end `from` of the interval.
+  // After that: decides more branches by values at the middle and at both ends, together with enclosures of slopes. The
+  // result is a crossing by one function of those that stay open, if one of them rises or falls throughout the
+  // interval: the one that it meets first from the end `from` of the interval.
   std::optional<Crossing> find_crossing(Interval t, double from, Branch* branches);
   // The time of a crossing within an interval, to the last bit.
   double locate(const Crossing& crossing, Interval t);
@@ -57,7 +57,7 @@ class SwitchingFunctions {
     Instruction instruction;
     int which;  // switch, or -1
   };
-  // Of the arguments of all switches.
+  // Enclosures of the arguments of all switches, and of their derivatives by t.
   struct Arguments {
     std::vector<Interval> values, slopes;
   };

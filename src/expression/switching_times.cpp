@@ -12,16 +12,14 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the rounding errors of t: a gap is so much to either side. (A linear function of t, modulo a period, has a few of
-// them; it becomes wider where that is not enough.)
-constexpr double roundings_of_gap = 64.0 * std::numeric_limits<double>::epsilon();
-// Of the times of an integration: where t is less, gaps are not narrower any more.
+// A part of the size of times: gaps about smaller times are as wide as about this one. (Design, section 17.)
 constexpr double least_size = 1e-3;
 // Times are searched for so many times as far as they are needed, so that most steps find the answer.
 constexpr double looks_ahead = 4.0;
 // Pieces that are looked at in one search. (Design, section 17: 60 were the most in 35 kinds of inputs.)
 constexpr int most_pieces = 256;
-constexpr std::size_t most_gaps = 64;
+// Gaps that are kept. Steps and outputs within them ask for the last two.
+constexpr std::size_t most_gaps = 8;
 // In half gaps: a search begins so far before the time that is asked for, farther than most gaps are wide.
 constexpr double looks_back = 1024.0;
 
@@ -45,9 +43,7 @@ SwitchingTimes::SwitchingTimes(const std::vector<const TaylorEvaluator*>& evalua
   pieces_.reserve(most_pieces);
 }
 
-double SwitchingTimes::half_gap(double t) const {
-  return roundings_of_gap * std::max(std::fabs(t), least_size * size_);
-}
+double SwitchingTimes::half_gap(double t) const { return half_of_gap(t, least_size * size_); }
 
 // The search begins anew at a time before `from`, outside of gaps.
 void SwitchingTimes::forget(double from, double beside) {
@@ -67,7 +63,7 @@ const std::vector<SwitchingGap>& SwitchingTimes::find(double from, double toward
   long version = 0;
   for (const SwitchingFunctions& part : parts_) version += part.version();
   direction_ = toward < from ? -1.0 : 1.0;
-  // What is next to `from` may be in a gap that begins before.
+  // `from` may be in a gap that begins before it.
   const double beside = from - direction_ * looks_back * half_gap(from);
   if (version != version_ || !(low_ <= beside && beside <= high_)) forget(from, beside);
   version_ = version;

@@ -5,12 +5,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "expression/switching_functions.h"
 
 namespace sfdae::core {
+
+// Half of a gap about a time within which rounding errors may decide which branch is taken: 64 of them. A linear
+// function of t, modulo a period, has a few. size: of times that t is a difference of.
+inline double half_of_gap(double t, double size) {
+  return 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(t), size);
+}
 
 // Times within which rounding errors decide which branch is taken.
 struct SwitchingGap {
@@ -24,7 +33,7 @@ class SwitchingTimes {
   explicit SwitchingTimes(const std::vector<const TaylorEvaluator*>& evaluators);
 
   bool empty() const { return branches_.empty(); }
-  // Of times of an integration: gaps about times next to 0 are as wide as this has it.
+  // How large times of the integration are; gaps about times next to 0 depend on it.
   void set_size(double size) {
     size_ = size;
     version_ = -1;  // what has been found before does not count

@@ -14,22 +14,17 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the rounding errors of an argument: the gap about a kink is so much to either side. (Chosen: a linear function
-// of t, modulo a period, has a few of them.)
-constexpr double half_gap = 64.0 * std::numeric_limits<double>::epsilon();
-// Of half a gap: ends of gaps that are as near as that are the same one.
+// A part of half a gap: ends of gaps that are nearer to each other count as one.
 constexpr double same_end = 0.25;
 
 }  // namespace
 
-// What is found, looking from t.
+// The result of a search from t on.
 struct TimeBreakpoints::Search {
   double t, direction;
   std::optional<End> end = {};     // of a step
   std::optional<Gap> gap = {};     // that holds t
   std::optional<Gap> smooth = {};  // likewise, of no kink
-
-  static double half_of_gap(double time, double size) { return half_gap * std::max(std::fabs(time), size); }
 
   void note_time(double time, double size, bool is_jump) {
     const double half = half_of_gap(time, size);
@@ -118,7 +113,7 @@ double TimeBreakpoints::end_of_piece(double t, double direction) const {
   const auto above = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
   const std::ptrdiff_t step = direction > 0.0 ? 1 : -1;
   for (std::ptrdiff_t k = direction > 0.0 ? above : above - 1; k >= 0 && k < count; k += step) {
-    const double time = times_[static_cast<std::size_t>(k)], half = Search::half_of_gap(time, size());
+    const double time = times_[static_cast<std::size_t>(k)], half = half_of_gap(time, size());
     if ((time - t) * direction > (1.0 + same_end) * half) return time - direction * half;
   }
   return direction * infinity;

@@ -13,8 +13,7 @@
 
 namespace sfdae::core {
 
-// Where what recorded equations compute from t alone switches to another branch (switching_times.h), and where the user
-// says so.
+// The times at which recorded equations switch because of t alone (switching_times.h), and those that the user gives.
 class TimeBreakpoints {
  public:
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
@@ -27,22 +26,21 @@ class TimeBreakpoints {
   void add_times(const TimeBreakpoints& other);
   bool has_times() const { return !times_.empty(); }
   std::size_t num_times() const { return times_.size(); }
-  // Of times of an integration, where 0 is the only one of these.
+  // How large times of the integration are, if the user's times are all 0.
   void set_size(double size);
-  // Where the gap of the next one of these begins beyond t and any gap that holds t; infinite: there is none.
+  // The begin of the gap of the user's next time beyond t, and beyond a gap that holds t; infinite: there is none.
   double end_of_piece(double t, double direction) const;
 
   // Unknowns depend on derivatives up to this order; those up to the first count in any case.
   void set_differentiations(int count) { differentiations_ = count; }
 
-  // Where a step from t toward another time has to end: the next one between them that is farther away than rounding
-  // errors of t; another one may be found that is beyond. In place of a kink both ends of its gap: where values, first
-  // derivatives or what unknowns depend on may jump, as a condition changes, a period ends, or a table has a knot, and
-  // its degree is 1 or not above the number of differentiations. t itself: nothing can be said of times next to it, as
-  // rounding errors alone decide about a condition. Nothing is allocated.
+  // The next time, from t toward another one, at which a step has to end, if there is one; it may be one beyond. A kink
+  // is a time at which values, first derivatives or other derivatives that unknowns depend on may jump: both ends of
+  // its gap are such times. The result is t itself if rounding errors alone decide about a condition from t on. Nothing
+  // is allocated.
   struct End {
     double t;
-    double slack = 0.0;  // where nothing but derivatives of higher order jumps: times so near are as good
+    double slack = 0.0;  // times that differ by less are as good: only derivatives of higher order jump there
   };
   std::optional<End> next(double t, double toward);
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
@@ -55,7 +53,7 @@ class TimeBreakpoints {
   };
   // That holds t; its ends belong to it.
   std::optional<Gap> gap_at(double t);
-  // Both are within one gap of no kink: one time, that is.
+  // Two times that are in the gap of one switch that is no kink count as one.
   bool are_one(double t, double other);
 
  private:

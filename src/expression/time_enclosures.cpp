@@ -152,8 +152,9 @@ std::vector<Instruction> instructions_for(const Tape& tape, const std::vector<in
   for (const int slot : slots) is_needed[index(slot)] = 1;
   const std::vector<Instruction> all = tape.of_time.all();
   for (auto instruction = all.rbegin(); instruction != all.rend(); ++instruction) {
-    const bool is_second = has_two_results(*instruction) && is_needed[index(instruction->p)] != 0;
-    if (is_needed[index(instruction->v)] == 0 && !is_second) continue;
+    bool has_needed = false;
+    for_results(*instruction, [&](int slot) { has_needed = has_needed || is_needed[index(slot)] != 0; });
+    if (!has_needed) continue;
     for_operands(*instruction, [&](int slot) { is_needed[index(slot)] = 1; });
     kept.push_back(*instruction);
   }
@@ -166,10 +167,6 @@ std::vector<Instruction> instructions_for(const Tape& tape, const std::vector<in
 TimeEnclosures::TimeEnclosures(const Tape& tape, const std::vector<int>& slots)
     : instructions_(instructions_for(tape, slots)) {
   std::vector<char> is_used(index(tape.num_slots), 0), is_result(is_used);
-  const auto for_results = [](Instruction& instruction, auto take) {
-    take(instruction.v);
-    if (has_two_results(instruction)) take(instruction.p);
-  };
   for (const int slot : slots) is_used[index(slot)] = 1;
   for (Instruction& instruction : instructions_) {
     for_operands(instruction, [&](int slot) { is_used[index(slot)] = 1; });

@@ -15,15 +15,11 @@ namespace sfdae::core {
 namespace {
 
 std::vector<int> input_slots(const Tape& tape) {
-  std::vector<char> is_of_time(index(tape.num_slots), 0), is_input(is_of_time);
-  const auto mark = [](std::vector<char>& flags, int slot) { flags[index(slot)] = 1; };
-  for (const Instruction& instruction : tape.of_time.all()) {
-    mark(is_of_time, instruction.v);
-    if (has_two_results(instruction)) mark(is_of_time, instruction.p);
-  }
+  const std::vector<char> is_of_time = slots_of_time(tape);
+  std::vector<char> is_input(is_of_time.size(), 0);
   for (const Instruction& instruction : tape.of_state.all())
     for_operands(instruction, [&](int slot) {
-      if (is_of_time[index(slot)] != 0) mark(is_input, slot);
+      if (is_of_time[index(slot)] != 0) is_input[index(slot)] = 1;
     });
   std::vector<int> all;
   for (int slot = 0; slot < tape.num_slots; ++slot)

@@ -1,4 +1,4 @@
-// Whether the structure of an extension is confirmed at the points of a solution.
+// Certificates of the structure of an extension at the points of a solution.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/confirmed_structure.h"
 

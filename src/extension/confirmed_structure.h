@@ -1,5 +1,5 @@
-// Whether the structure of an extension is confirmed at the points of a solution, and how far its system Jacobian is
-// from a singular one.
+// Certificates of the structure of an extension at the points of a solution, and the distance of its system Jacobian
+// from singular matrices.
 //
 // Points are certified one in a while, as ranks are elsewhere; a system Jacobian that does not depend on the point is
 // certified once for all points with the same parameters.
@@ -30,7 +30,7 @@ class ConfirmedStructure {
   PointStatus certify_aside(const Jet& jet, const std::vector<double>& noise, CallbackError& error);
   // One more point; true: it has to be certified.
   bool is_due() { return ++points_ >= points_between_certificates; }
-  // What a certificate that holds at all points was made with is not needed any more.
+  // Frees the memory that certificates need, once one holds at all points.
   void forget_what_certifies();
 
   bool is_certified() const { return is_certified_; }

@@ -68,7 +68,7 @@ void ExtensionChangeWatch::accept() {
     if (last_.values[k].sign != 0) highest_[k] = std::max(highest_[k], last_.values[k].log2);
 }
 
-// Of the point accepted last; where it could not be measured before it is tried once more.
+// The point accepted last is measured once more if that was not possible before.
 bool ExtensionChangeWatch::has_sample() {
   if (samples_ == 0 && measure(system_.accepted_jet(), last_)) samples_ = 1;
   return samples_ > 0;

@@ -1,4 +1,4 @@
-// Where states stand in the equations of the extension.
+// The places of states in the equations of the extension.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/places_of_states.h"
 

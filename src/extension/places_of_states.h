@@ -1,4 +1,4 @@
-// Where states stand in the equations of the extension; another choice of states has other places.
+// The places of states in the equations of the extension; another choice of states has other places.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -223,7 +223,7 @@ double Integration::noticing_step(double t) {
   return std::fabs(is_watched ? inputs_.noticing_step(integrator_, *options_.inputs, h) : h);
 }
 
-// What the next step from t, which may end at tout or be of that size, must not go beyond.
+// The limit of the next step from t, which may end at tout or be of that size.
 std::optional<double> Integration::limit_of_step(double t, double tout, double size) const {
   constexpr double longer = 1.001;  // than steps become so that they end at tout (step_target.cpp)
   std::optional<double> limit = options_.stop_time;
@@ -294,8 +294,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   return call_monitor(h);
 }
 
-// What interpolate() would return with outputs that may be interpolated. Where that fails the polynomial is recorded as
-// it is, with an accuracy that is not known.
+// The values are those that interpolate() returns if outputs may be interpolated. If that fails the polynomial is
+// recorded as it is, and its accuracy counts as unknown.
 void Integration::record_step(double from) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution) return;
