@@ -109,7 +109,10 @@ Vector with_differentiated_kept(const ConstrainedPoint& point, const Consistency
   for (int i = 0; i < n; ++i) x[index(i)] /= units[i];
   const Matrix directions = product(form.T2(), candidates.N);
   const LeadingKernel& kernel = point.kernel();
-  const ChangeMeasure measure{scaled_sizes(request, units), least_cosine(n, point.kept)};
+  // Fixed components leave fewer directions, which have none in common with the kernel if all have none.
+  const bool is_known = form.u == 0 || candidates.N.cols() == form.unknowns();
+  const ChangeMeasure measure{scaled_sizes(request, units), is_known ? kernel.basis.cols() - form.u : 0,
+                              least_cosine(n, point.kept)};
   // Once more where digits were cancelled: values may be given that are far too large.
   bool has_cancellation = true;
   for (int pass = 0; pass < 2 && has_cancellation; ++pass) {

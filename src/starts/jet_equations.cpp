@@ -113,7 +113,8 @@ const RankSequence& JetEquations::eliminate_staged(NoiseModel model, double nois
   Judge judge(data_, level_, judging, nullptr);
   const Carried carried = eliminate(data_, level_, data_.f_stack(level_), 1, judge, arena_, &stored_);
   form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
-  form_.build_constraints(data_, carried, {}, judge, arena_);
+  if (keeps_differentiated()) form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+  else form_.build_constraints(data_, carried, {}, judge, arena_);
   data_.residual_noise = 0.0;
   ranks_ = judge.ranks();
   rank_E_ = carried.rank_E;
@@ -123,9 +124,9 @@ const RankSequence& JetEquations::eliminate_staged(NoiseModel model, double nois
 
 // In scaled unknowns.
 Vector JetEquations::change_of_kept() {
-  ChangeMeasure measure{sizes_, least_cosine(data_.n, kept_)};
-  for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
   const LeadingKernel kernel(data_.E(0), rank_E_);
+  ChangeMeasure measure{sizes_, kernel.basis.cols() - form_.u, least_cosine(data_.n, kept_)};
+  for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
   const Vector zero(index(data_.n), 0.0);
   Vector dx = least_change({form_.xp(), form_.T2()}, kernel, measure, zero.data());
   Vector moved = differentiated_part(kernel, measure.sizes, dx);

@@ -88,8 +88,10 @@ SplitConstraints split(const ConsistentSet& set, const LeadingKernel& kernel, co
   result.order.resize(index(k) + 1);
   Vector tau(index(std::min(count, k)) + 1), missing(set.base, set.base + n);
   factor_qr_pivoted(result.R, result.order.data(), tau.data(), arena);
-  while (result.rank < std::min(count, k) && std::fabs(result.R(result.rank, result.rank)) > measure.noise)
-    ++result.rank;
+  const auto is_fulfilled = [&](int j) {
+    return std::fabs(result.R(j, j)) > (j < measure.least_fulfilled ? 0.0 : measure.noise);
+  };
+  while (result.rank < std::min(count, k) && is_fulfilled(result.rank)) ++result.rank;
   for (int i = 0; i < n; ++i) missing[index(i)] -= x[i];
   result.G = transpose(Q);
   Matrix right(count, 1);

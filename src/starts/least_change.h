@@ -35,7 +35,11 @@ struct ConsistentSet {
 
 struct ChangeMeasure {
   std::vector<double> sizes;  // a change of x_j by sizes_j counts as one; positive
-  double noise;               // cosines of angles between the kernel and the constraints below it count as zero
+  // The kernel fulfils at least so many constraints: its dimension less u, as it has u directions in common with the
+  // set, which the rank of E T2 tells. Cosines of angles between kernel and constraints depend on units; they find
+  // what ranks do not tell.
+  int least_fulfilled;
+  double noise;  // cosines below it count as zero
 };
 
 // Error of the directions that satisfy constraints, relative, if the decisions behind them kept values of this size.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random circuits with up to five diodes whose charges are unknowns, q = C v, in SI units: capacitors of 1 pF to 10 uF,
-// sources of 1 kHz to 1 GHz. The reference is the same circuit in units of its own: time in periods, charges as C v.
-// Each run has to be right within 100 tolerances or to end with an error.
+// sources of 1 kHz to 1 GHz that start at any phase. The reference is the same circuit in units of its own: time in
+// periods, charges as C v. Each run has to be right within 100 tolerances or to end with an error. Charges 0 fit every
+// loop of capacitors, so that they stay; charges that violate such loops move as in the circuit's own units.
 //
 // SFDAE_TEST_SCALE scales the number of circuits; SFDAE_CIRCUIT_PRINT prints all that end with an error.
 #include <gtest/gtest.h>
@@ -34,7 +35,8 @@ struct Units {
 
 class ChargeCircuit {
  public:
-  explicit ChargeCircuit(unsigned seed) {
+  enum class Phase { zero, random };
+  explicit ChargeCircuit(unsigned seed, Phase phase = Phase::random) {
     Random random(104729u * seed + 11u);
     constexpr std::array<double, 3> farads = {1e-12, 1e-9, 1e-6};
     capacity_ = farads[at(random.integer(0, 2))] * std::pow(10.0, random.real(0.0, 1.0));
@@ -63,6 +65,7 @@ class ChargeCircuit {
       resistors_.push_back({to, 0, resistance()});
       if (random.integer(0, 2) > 0) capacitors_.push_back({to, 0, capacity_ * random.real(0.3, 3.0)});
     }
+    if (phase == Phase::random) phase_ = Random(7919u * seed + 5u).real(0.0, 2.0 * std::numbers::pi);
     if (capacitors_.empty()) capacitors_.push_back({nodes_, 0, capacity_});
   }
 
@@ -102,8 +105,25 @@ class ChargeCircuit {
         F[q] = x[q] - (c.value / units.charge) * (potential(c.from) - potential(c.to));
       }
       lead({1, 0, 0.0}, 1.0 * x[n() - 1]);
-      F[n() - 1] = x[0] - amplitude_ * sin((2.0 * std::numbers::pi * frequency_ * units.time) * t);
+      F[n() - 1] = x[0] - amplitude_ * sin((2.0 * std::numbers::pi * frequency_ * units.time) * t + phase_);
     });
+  }
+  // The size of each unknown in the units.
+  std::vector<double> sizes(const Units& units) const {
+    std::vector<double> sizes(at(n()), 1.0);
+    for (int i = nodes_; i < n(); ++i)
+      sizes[at(i)] = i < charges() ? own_units().charge / units.charge : own_units().current / units.current;
+    return sizes;
+  }
+  // A guess in sizes: charges of capacitors between random potentials of up to 0.15 V, each off by up to `off`.
+  std::vector<double> guess(Random& random, double off) const {
+    std::vector<double> potentials(at(nodes_ + 1), 0.0), x(at(n()), 0.0);
+    for (int i = 1; i <= nodes_; ++i) potentials[at(i)] = random.real(-0.15, 0.15);
+    for (std::size_t k = 0; k < capacitors_.size(); ++k) {
+      const double volts = potentials[at(capacitors_[k].from)] - potentials[at(capacitors_[k].to)];
+      x[at(nodes_) + k] = capacitors_[k].value / capacity_ * (volts + random.real(-off, off));
+    }
+    return x;
   }
   std::string text() const {
     std::array<char, 200> line{};
@@ -120,7 +140,7 @@ class ChargeCircuit {
   };
   int nodes_ = 0;
   bool has_currents_ = false;
-  double capacity_ = 0.0, frequency_ = 0.0, amplitude_ = 0.0, saturation_ = 0.0;
+  double capacity_ = 0.0, frequency_ = 0.0, amplitude_ = 0.0, phase_ = 0.0, saturation_ = 0.0;
   std::vector<Element> resistors_, diodes_, capacitors_;
 };
 
@@ -160,7 +180,86 @@ double largest_difference(const Course& one, const Course& other) {
   return largest;
 }
 
+// All unknowns at the start, in sizes. Tolerances of all unknowns are those of their sizes.
+struct Start {
+  int status;
+  std::vector<double> x;
+  std::string message;
+};
+
+Start start(const ChargeCircuit& circuit, const Units& units, sfdae_options options, std::vector<double> guess) {
+  const std::vector<double> sizes = circuit.sizes(units);
+  std::vector<double> atol(sizes);
+  for (double& each : atol) each *= options.rtol;
+  for (std::size_t i = 0; i < guess.size(); ++i) guess[i] *= sizes[i];
+  options.atol_vector = atol.data();
+  NonlinearRun run(circuit.equations(units), options);
+  Start result{run.created, {}, {}};
+  if (result.status >= 0) result.status = run.start(0.0, periods * circuit.period() / units.time, guess);
+  result.x = run.x;
+  for (std::size_t i = 0; i < result.x.size(); ++i) result.x[i] /= sizes[i];
+  result.message = status_text(run, result.status);
+  return result;
+}
+
+double largest_change(const std::vector<double>& one, const std::vector<double>& other, int first, int last) {
+  double largest = 0.0;
+  for (std::size_t i = at(first); i < at(last); ++i)
+    largest = std::max(largest, std::fabs(one[i] - other[i]) / std::max(1.0, std::fabs(other[i])));
+  return largest;
+}
+
+// Starts in SI units that are refused, of all circuits and both kinds of derivative arrays; others are compared.
+template <class Compare>
+void expect_starts(unsigned first_seed, const Compare& compare) {
+  constexpr int all = 500;
+  const int circuits = scaled_count(all);
+  int runs = 0, refused = 0;
+  for (int k = 0; k < circuits; ++k) {
+    const unsigned seed = first_seed + static_cast<unsigned>(k);
+    const ChargeCircuit circuit(seed);
+    Random random(seed);
+    sfdae_options options = options_with(std::pow(10.0, -random.integer(3, 6)));
+    for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", " + circuit.text() + "; structure " +
+                   std::to_string(structure));
+      options.structure = structure;
+      ++runs;
+      if (!compare(circuit, options)) ++refused;
+    }
+  }
+  std::printf("%d starts: %d refused\n", runs, refused);
+  EXPECT_LE(refused, runs / 25 + 2);
+}
+
 }  // namespace
+
+TEST(ChargesInSiUnits, StayAtTheStartWhereTheyCan) {
+  expect_starts(0u, [](const ChargeCircuit& circuit, const sfdae_options& options) {
+    const std::vector<double> guess(at(circuit.n()), 0.0);
+    const Start found = start(circuit, {}, options, guess);
+    if (found.status < 0) return false;
+    EXPECT_EQ(found.status, SFDAE_OK) << found.message;
+    EXPECT_LE(largest_change(found.x, guess, circuit.nodes(), circuit.charges()), 1e-3 * options.rtol);
+    return true;
+  });
+}
+
+TEST(ChargesInSiUnits, MoveAtTheStartAsInOtherUnits) {
+  int warnings = 0;
+  expect_starts(0u, [&warnings](const ChargeCircuit& circuit, const sfdae_options& options) {
+    Random random(static_cast<unsigned>(circuit.n()));
+    const std::vector<double> guess = circuit.guess(random, 0.02);
+    const Start found = start(circuit, {}, options, guess),
+                expected = start(circuit, circuit.own_units(), options, guess);
+    if (found.status < 0) return false;
+    EXPECT_EQ(found.status, expected.status) << found.message;
+    EXPECT_LE(largest_change(found.x, expected.x, 0, circuit.n()), options.rtol);
+    if (found.status == SFDAE_VALUES_CHANGED) ++warnings;
+    return true;
+  });
+  EXPECT_GT(warnings, 0);
+}
 
 TEST(ChargesInSiUnits, AreRightOrEndWithAnError) {
   const bool prints = std::getenv("SFDAE_CIRCUIT_PRINT") != nullptr;
@@ -169,7 +268,7 @@ TEST(ChargesInSiUnits, AreRightOrEndWithAnError) {
   int runs = 0, refused = 0, wrong = 0, unknown = 0;
   for (int k = 0; k < circuits; ++k) {
     const auto seed = static_cast<unsigned>(k * all / circuits);
-    const ChargeCircuit circuit(seed);
+    const ChargeCircuit circuit(seed, k % 3 == 0 ? ChargeCircuit::Phase::zero : ChargeCircuit::Phase::random);
     const Course reference = follow(circuit, circuit.own_units(), options_with(1e-9, SFDAE_METHOD_RADAU), {}),
                  second = follow(circuit, circuit.own_units(), options_with(1e-8, SFDAE_METHOD_BDF), {});
     const bool is_known = reference.status >= 0 && second.status >= 0 && largest_difference(reference, second) < 1e-5;
@@ -182,9 +281,8 @@ TEST(ChargesInSiUnits, AreRightOrEndWithAnError) {
         sfdae_options options = options_with(tolerance, method);
         options.structure = structure;
         options.max_steps = 5000;
-        std::vector<double> atol(at(circuit.n()), tolerance);
-        for (int i = circuit.nodes(); i < circuit.n(); ++i)
-          atol[at(i)] *= i < circuit.charges() ? circuit.own_units().charge : circuit.own_units().current;
+        std::vector<double> atol = circuit.sizes({});
+        for (double& each : atol) each *= tolerance;
         const Course course = follow(circuit, {}, options, has_units ? atol : std::vector<double>());
         const double error = largest_difference(course, reference);
         const bool is_wrong = is_known && !(error <= 100.0 * tolerance);
