@@ -218,22 +218,26 @@ Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyReq
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const Vector& given, const Vector& found) {
   if (!request.differentiated_stay()) return {};
-  // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
-  // (chosen). Directions that are those of unknowns have none, but for the roundoff of sums with that value.
+  // Errors of the directions times what is added up in the constraints of x_i are no change of x_i; two digits of room
+  // (chosen). Directions that are those of unknowns have no errors, but sums have roundoff. The largest of all unknowns
+  // is no measure: it may be a current of amperes beside charges of picocoulombs.
   constexpr double room = 1e2, most_rounding = 1e-8, few_roundings = 4.0 * unit_roundoff;
   const Units& units = point.units;
   const int n = point.form.n;
-  double size = 0.0;
-  Vector dx(index(n)), tolerances(request.tolerances);
+  Vector dx(index(n)), sizes(index(n)), tolerances(request.tolerances);
   for (int i = 0; i < n; ++i) {
     dx[index(i)] = found[index(i)] - given[index(i)];
-    size = std::max({size, std::fabs(given[index(i)]) / units[i], std::fabs(found[index(i)]) / units[i]});
+    sizes[index(i)] = std::max(std::fabs(given[index(i)]), std::fabs(found[index(i)])) / units[i];
   }
   const LeadingKernel& kernel = point.kernel();
   const double error = kernel.is_coordinates() ? few_roundings : room * error_of_directions(n, point.kept);
-  const double rounding = std::min(error, most_rounding) * size;
-  for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
   const Vector part = differentiated_change(kernel, point, request, dx);
+  for (int i = 0; i < n; ++i) {
+    if (std::fabs(part[index(i)]) <= tolerances[index(i)]) continue;
+    const double size = size_in_constraints({point.form.xp(), point.form.T2()}, i, sizes.data());
+    const double rounding = std::min(error, most_rounding) * std::max(size, sizes[index(i)]);
+    tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
+  }
   ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
   change.is_part = !kernel.is_coordinates();
   return change;
