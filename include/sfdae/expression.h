@@ -71,10 +71,11 @@ SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);                      
 SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      /**< hyperbolic tangent */
 
 /* Functions with kinks, or jumps: their derivatives are those of the branch that holds at the point. Steps end where
- * such functions of t switch; if E x has to jump there, x jumps by impulses (modes.h). Switching times of functions
- * of x are not searched for: steps that meet a jump fail until they are short enough for the error test. If that
- * matters integrate to an event that finds it (sfdae_set_events), and start there anew. Constraints that jump with x
- * leave no solution to go on with. */
+ * such functions of t switch; if E x has to jump there, x jumps by impulses (modes.h). Where derivatives of equations
+ * are needed, conditions of functions of x at which E x has to jump are found in the same way, and so are those at
+ * which an algebraic equation has no solution near the last one; floor, modulo and tables of x are not. Steps that
+ * meet other switches of functions of x fail until they are short enough for the error test; to end a step there, use
+ * an event (sfdae_set_events). SFDAE_ZENO: both branches of a condition lead back to its zero. */
 SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */
 SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /**< the smaller one */
 SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /**< the larger one */

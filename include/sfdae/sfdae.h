@@ -103,7 +103,7 @@ extern "C" {
 #define SFDAE_STEP_TOO_SMALL (-41)      /**< the error test fails at the smallest step */
 #define SFDAE_SINGULAR (-42)            /**< the iteration matrix stays singular */
 #define SFDAE_TOLERANCE_TOO_SMALL (-43) /**< tolerances below what rounding, or derivatives by differences, allow */
-#define SFDAE_ZENO (-44)                /**< transitions of a hybrid system accumulate: sfdae_get_accumulation */
+#define SFDAE_ZENO (-44) /**< conditions, or transitions of a hybrid system, change without end at one time */
 
 #define SFDAE_INTERNAL (-99) /**< a defect of the library: please report it */
 

@@ -577,12 +577,19 @@ def test_the_limit_without_max_steps(monkeypatch):
     assert sol.t[-1] < sol.last.t < sol.t[-1] + 0.1
 
 
-def test_equations_that_chatter_between_many_outputs_end_at_the_limit(monkeypatch):
+def test_many_steps_between_many_outputs_end_at_the_limit(monkeypatch):
     """Never 100,000 attempts between two outputs, but at each of them."""
     monkeypatch.setattr(sfdae._run, "_SPANS_OF_RUN", 1)
     with pytest.warns(sfdae.IntegrationWarning, match="100000 steps attempted in the whole run"):
-        sol = sfdae.solve(friction, (0, 1), [0, 1e-3], t_eval=np.arange(0, 1, 1e-5))
+        sol = sfdae.solve(oscillator, (0, 1), [1, 0], t_eval=np.arange(0, 1, 1e-4), max_step=2e-6)
     assert sol.status == Status.MAX_STEPS
+
+
+def test_friction_that_holds_is_named():
+    """Both branches of the sign lead back to rest: no step goes on."""
+    with pytest.warns(sfdae.IntegrationWarning, match="both sides of one of them lead toward each other"):
+        sol = sfdae.solve(friction, (0, 1), [0, 1e-3], t_eval=np.arange(0, 1, 1e-5))
+    assert sol.status == Status.ZENO and abs(sol.last.x[1]) < 1e-6
 
 
 @pytest.mark.parametrize("max_steps", [0, -1, 2.5])

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "c_api/recording.h"
+#include "expression/held_conditions.h"
 #include "expression/kernel.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -97,7 +98,7 @@ sfdae_expression binary(Operation operation, const sfdae_expression& a, const sf
 std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals,
                                        const EquationNames& names) {
   check_record(record);
-  return record.recorder.finish(residuals, names);
+  return with_conditions(record.recorder.finish(residuals, names));
 }
 
 // sum += sign * coefficient * node

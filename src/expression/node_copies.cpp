@@ -8,9 +8,10 @@ namespace sfdae::core {
 namespace {
 
 // Records node i of the record, whose operands are recorded as `copies` says; leaf: what parameters and derivatives
-// become.
-template <class Leaf>
-int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf) {
+// become; condition: what the condition of choice i becomes, given its copy.
+template <class Leaf, class Condition>
+int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf,
+              Condition condition) {
   const Node node = record.node(i);
   switch (node.operation) {
     case Operation::constant: return recorder.constant(record.constant(node.a));
@@ -26,25 +27,35 @@ int copy_node(const Record& record, int i, const std::vector<int>& copies, Recor
     default: break;
   }
   const auto copy_of = [&](int operand) { return operand >= 0 ? copies[index(operand)] : -1; };
-  return recorder.apply(node.operation, copy_of(node.a), copy_of(node.b), copy_of(node.c));
+  const int a = node.operation == Operation::choose ? condition(i, copy_of(node.a)) : copy_of(node.a);
+  return recorder.apply(node.operation, a, copy_of(node.b), copy_of(node.c));
 }
 
-template <class Leaf>
-std::vector<int> copy_all(const Record& record, Recorder& recorder, Leaf leaf) {
+int as_it_is(int /*choice*/, int condition) { return condition; }
+
+template <class Leaf, class Condition>
+std::vector<int> copy_all(const Record& record, Recorder& recorder, Leaf leaf, Condition condition) {
   std::vector<int> copies;
-  for (int i = 0; i < record.num_nodes(); ++i) copies.push_back(copy_node(record, i, copies, recorder, leaf));
+  for (int i = 0; i < record.num_nodes(); ++i)
+    copies.push_back(copy_node(record, i, copies, recorder, leaf, condition));
   return copies;
 }
 
 }  // namespace
 
 std::vector<int> copy_nodes(const Record& record, Recorder& recorder) {
+  return copy_with_conditions(record, recorder, as_it_is);
+}
+
+std::vector<int> copy_with_conditions(const Record& record, Recorder& recorder,
+                                      const std::function<int(int choice, int condition)>& condition) {
   for (const Parameter& parameter : record.parameters()) recorder.parameter(parameter.name, parameter.value);
-  return copy_all(record, recorder, [&](const Node& node) {
+  const auto leaf = [&](const Node& node) {
     if (node.operation == Operation::derivative) return recorder.derivative(node.a);
     const Parameter& parameter = record.parameters()[index(node.a)];
     return recorder.parameter(parameter.name, parameter.value);
-  });
+  };
+  return copy_all(record, recorder, leaf, condition);
 }
 
 std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives derivatives, Recorder& recorder) {
@@ -54,10 +65,11 @@ std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives deriv
 
 std::vector<int> copy_with(const std::function<int(int parameter)>& node_of, const Record& record,
                            Derivatives derivatives, Recorder& recorder) {
-  return copy_all(record, recorder, [&](const Node& node) {
+  const auto leaf = [&](const Node& node) {
     if (node.operation == Operation::parameter) return node_of(node.a);
     return derivatives == Derivatives::zero ? recorder.constant(0.0) : recorder.derivative(node.a);
-  });
+  };
+  return copy_all(record, recorder, leaf, as_it_is);
 }
 
 }  // namespace sfdae::core

@@ -85,6 +85,11 @@ struct Parameter {
   double value;  // at first
 };
 
+// A node on whose sign choices depend: on that of its sum with a parameter, which nobody but held_conditions.h sets.
+struct Condition {
+  int node, parameter;
+};
+
 // An entry of F_x or F_x' that is not identically zero.
 struct Entry {
   Entry(int j, bool is_derivative, Dependence its_dependence)
@@ -102,7 +107,8 @@ class Record {
     std::vector<Node> nodes;
     std::vector<double> constants;
     std::vector<FunctionCall> calls;
-    std::vector<Parameter> parameters;
+    std::vector<Parameter> parameters;  // the user's, then those of conditions
+    std::vector<Condition> conditions;  // that can be held
     std::vector<int> residuals;  // nodes, one for each equation
     EquationNames equation_names;
     std::vector<std::string> formulas;  // what messages call equations that are none, entries of M, say; else empty
@@ -126,6 +132,10 @@ class Record {
   std::string name(int equation) const;
   const EquationNames& equation_names() const { return parts_.equation_names; }
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
+  int num_user_parameters() const {
+    return static_cast<int>(parts_.parameters.size() - parts_.conditions.size());
+  }
+  const std::vector<Condition>& conditions() const { return parts_.conditions; }
 
   // Sparsity of F_x and F_x'.
   std::span<const Entry> entries(int equation) const {

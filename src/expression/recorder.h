@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "expression/record.h"
@@ -60,6 +61,12 @@ class Recorder {
 
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names = {});
+  // The same, with conditions that can be held, whose parameters are the last ones.
+  std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names,
+                                       std::vector<Condition> conditions) {
+    parts_.conditions = std::move(conditions);
+    return finish(std::move(residuals), std::move(names));
+  }
   // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
   std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,
                                         std::vector<std::string> names) const;

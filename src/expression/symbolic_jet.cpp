@@ -101,6 +101,8 @@ int SymbolicJet::compute_leaf(const Node& node, int k) {
     case Operation::time: return k == 0 ? to_.time() : number(k == 1 ? 1.0 : 0.0);
     default: break;
   }
+  // Those of conditions, which are not held.
+  if (index(node.a) >= parameters_->size()) return number(0.0);
   const Parameter& parameter = (*parameters_)[index(node.a)];
   return k == 0 ? to_.parameter(parameter.name, parameter.value) : number(0.0);
 }

@@ -69,7 +69,7 @@ TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record, std::shar
 }
 
 std::optional<int> TaylorEvaluator::find_parameter(const std::string& name) const {
-  for (int i = 0; i < num_parameters(); ++i)
+  for (int i = 0; i < record_->num_user_parameters(); ++i)
     if (record_->parameters()[index(i)].name == name) return i;
   return std::nullopt;
 }

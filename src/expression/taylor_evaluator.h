@@ -88,6 +88,7 @@ class TaylorEvaluator {
   void set_movement(Movement movement) { movement_ = std::move(movement); }
 
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
+  // Of the user's.
   std::optional<int> find_parameter(const std::string& name) const;
   double parameter(int i) const { return parameters_[index(i)]; }
   void set_parameter(int i, double value);

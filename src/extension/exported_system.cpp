@@ -35,7 +35,7 @@ class Export {
   Export(const MinimalExtension& extension, const StateChoice& choice, ExportedSystem& result)
       : extension_(extension), choice_(choice), result_(result), record_(extension.problem().evaluator().record()) {
     const TaylorEvaluator& evaluator = extension.problem().evaluator();
-    for (int i = 0; i < evaluator.num_parameters(); ++i)
+    for (int i = 0; i < record_.num_user_parameters(); ++i)
       parameters_.push_back({record_.parameters()[index(i)].name, evaluator.parameter(i)});
     number_unknowns();
   }

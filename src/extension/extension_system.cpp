@@ -449,6 +449,11 @@ bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdo
   return false;
 }
 
+bool ExtensionSystem::differentiates() const {
+  const std::vector<int>& c = extension_.offsets().c;
+  return std::any_of(c.begin(), c.end(), [](int order) { return order > 0; });
+}
+
 bool ExtensionSystem::find_differentiated(char* flags) {
   for (int j = 0; j < unknowns(); ++j) flags[j] = extension_.offsets().d[index(j)] != 0 ? 1 : 0;
   return true;

@@ -38,6 +38,7 @@ class ExtensionSystem final : public DaeSystem {
 
   double t() const override { return jet_.t; }
   SystemForm form() const override { return SystemForm::extension; }
+  bool differentiates() const override;
   // A consistent point becomes the current and accepted one.
   PointStatus set_point(const Jet& jet) { return set_point(jet, ConfirmedStructure::Certificates::not_kept); }
   const Jet& jet() const { return jet_; }

@@ -97,7 +97,7 @@ CheckpointIdentity identity_of(Model& model, const ModelOptions& options, Method
   model.add_equations(hash);
   std::vector<CheckpointIdentity::Value> parameters;
   if (const TaylorEvaluator* recorded = model.evaluator())
-    for (int i = 0; i < static_cast<int>(recorded->record().parameters().size()); ++i)
+    for (int i = 0; i < recorded->record().num_user_parameters(); ++i)
       parameters.push_back({recorded->record().parameters()[index(i)].name.c_str(), recorded->parameter(i)});
   const AnalysisSettings& analysis = options.analysis;
   const auto number = [](auto value) { return static_cast<double>(value); };

@@ -23,6 +23,9 @@ constexpr int max_point_failures = 12;
 // Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
 // there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
+// Of a step in which E x may jump, with sensitivities: the next one, which is to show that it does not. (Chosen, as
+// after failures.)
+constexpr double shorter_at_jump = 0.25;
 // Of the steps about a singular point that may be passed: how accurately its time is needed. (Chosen: what is nearer is
 // not extrapolated from.)
 constexpr double accuracy_for_passing = 1e-6;
@@ -123,6 +126,7 @@ CallResult Integration::run(double tout, bool one_step) {
     // A singular point that was passed may have led beyond tout.
     if (integrator_.has_passed(tout)) break;
     const double t = integrator_.stepper->state().t;
+    if (conditions_.is_due()) change_branches(tout);
     keep_to_piece(options_, integrator_.system, {t, tout, integrator_.direction}, start_);
     if (const auto gap = jump_at(options_, t, integrator_.direction)) {
       cross_jump(*gap, tout);
@@ -201,6 +205,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   if (outcome == StepOutcome::accepted && companion_) outcome = companion_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
+    if (!companion_) conditions_.note_failure(integrator_, outcome);
     choice_.note_attempt(false);
     return result;
   }
@@ -212,6 +217,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
 void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
+  conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
 }
 
 // The size of a step toward t that notices what inputs do; in gaps they switch.
@@ -227,6 +233,7 @@ double Integration::noticing_step(double t) {
 std::optional<double> Integration::limit_of_step(double t, double tout, double size) const {
   constexpr double longer = 1.001;  // than steps become so that they end at tout (step_target.cpp)
   std::optional<double> limit = options_.stop_time;
+  if (conditions_.end()) limit = conditions_.end();
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
   const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction}, longer * size);
@@ -250,6 +257,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   bool is_searched = true, is_jump = false;
   try {
     is_jump = jumps && jumps->has_jump(integrator_);
+    if (!is_across_kink && is_tried_again(h)) return std::nullopt;
     if (!is_across_kink && watch_ && !change_) {
       const StepSearch search = watch_->find(integrator_.stepper->state().t);
       if (has_found_change(search, h)) return std::nullopt;
@@ -282,6 +290,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   const double from = integrator_.stepper->state().t;
   integrator_.stepper->commit();
   system.accept();
+  conditions_.commit();
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
@@ -292,6 +301,23 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   else record_step(from);
   extend_trail(from);
   return call_monitor(h);
+}
+
+// From the same point, to another time: a condition on x switches in this step of size h.
+bool Integration::is_tried_again(double h) {
+  const double t = integrator_.stepper->state().t;
+  double next = h;
+  if (!companion_) {
+    if (conditions_.judge(integrator_) == ConditionSteps::Verdict::accepted) return false;
+    next = std::copysign(*conditions_.end() - t, h);
+  } else {
+    if (!conditions_.may_jump(integrator_)) return false;
+    if (std::fabs(h) < room_to_locate * Integrator::smallest_step(t, t + h)) throw_jump_with_sensitivities(t);
+    next = shorter_at_jump * h;
+  }
+  withdraw();
+  integrator_.stepper->set_next_step(next);
+  return true;
 }
 
 // The values are those that interpolate() returns if outputs may be interpolated. If that fails the polynomial is

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "expression/time_breakpoints.h"
+#include "integrate/condition_steps.h"
 #include "integrate/discrete_adjoint.h"
 #include "integrate/input_watch.h"
 #include "integrate/integration_options.h"
@@ -132,6 +133,8 @@ class Integration {
   bool move(std::vector<double>& x, double h, const std::vector<double>& xdot);
   void cross_gap(double tout);
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
+  void change_branches(double tout);
+  void go_on_after_jump(double t, const ConsistentPoint& after);
   void record_gap(double from, double to, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout);
@@ -140,6 +143,7 @@ class Integration {
   double noticing_step(double t);
   void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
+  bool is_tried_again(double h);
   bool has_found_change(const StepSearch& search, double h);
   void look_closer(const LocatedChange& suspect, double h);
   void record_step(double from);
@@ -175,6 +179,7 @@ class Integration {
   MethodChoice choice_;
   StepOutput output_;
   InputWatch inputs_;
+  ConditionSteps conditions_;
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;

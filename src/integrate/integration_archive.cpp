@@ -21,10 +21,12 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
 
 void Integration::archive(Archive& archive) {
   DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences; bit 3: with inputs.
+  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences; bit 3: with inputs; bit 4:
+  // conditions are held.
   const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
   int kind = (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) +
-             (integrator_.differences.has_errors() ? 4 : 0) + (options_.inputs != nullptr ? 8 : 0);
+             (integrator_.differences.has_errors() ? 4 : 0) + (options_.inputs != nullptr ? 8 : 0) +
+             (conditions_.is_plain() ? 0 : 16);
   bool has_change = change_.has_value();
   archive.small(kind, integrator_.must_restart, has_change, choice_.chosen, integrator_.method, choice_.outputs);
   if (is_reading) {
@@ -54,6 +56,7 @@ void Integration::archive(Archive& archive) {
     start_trail();
   }
   if (has_change) archive_change(archive);
+  if ((kind & 16) != 0) conditions_.archive(archive);
 }
 
 void Integration::archive_change(Archive& archive) {

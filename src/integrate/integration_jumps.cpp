@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "integrate/integration.h"
+#include "integrate/integration_results.h"
 #include "integrate/jump_rule.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -32,12 +33,7 @@ void Integration::cross_gap(double tout) {
 // The point before stays the last one where that throws.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
-  if (companion_)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("sensitivities cannot be carried over the jump at t = %.15g: stop there (stop_time), and start "
-               "anew with the directions that they have after it.",
-               integrator_.stepper->state().t));
+  if (companion_) throw_jump_with_sensitivities(integrator_.stepper->state().t);
   const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
   std::vector<double> before(integrator_.stepper->x().size()), slopes(before);
   const double start = integrator_.stepper->state().t, half = 0.5 * (t - start);
@@ -48,13 +44,30 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const bool moves = move(before, half, slopes);
   ConsistentPoint after = values_after();
   if (move(before, half, after.xdot) || moves) after = values_after();
+  go_on_after_jump(t, after);
+  record_gap(start, t, after.x);
+}
+
+void Integration::go_on_after_jump(double t, const ConsistentPoint& after) {
   resize_workspace();
   integrator_.start(t, after.x, after.xdot, options_);
   integrator_.must_restart = false;
+  conditions_.start();
   approach_.reset();
-  if (watch_) watch_->start(direction);
+  if (watch_) watch_->start(integrator_.direction);
   start_trail();
-  record_gap(start, t, after.x);
+}
+
+// At the last point a condition on x is zero. It stays the last one where that throws.
+void Integration::change_branches(double tout) {
+  const double t = integrator_.stepper->state().t;
+  const std::vector<double> before = integrator_.stepper->x();
+  const PointOfInterest point{t, integrator_.has_passed(tout) ? time_beside(t, integrator_.direction) : tout,
+                              before.data()};
+  const ConsistentPoint after =
+      conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(point); });
+  go_on_after_jump(t, after);
+  is_recorded_ = false;
 }
 
 // Within the gap, which begins there, the values are those after it.

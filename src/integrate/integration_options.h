@@ -13,6 +13,7 @@ namespace sfdae::core {
 
 struct Events;
 class ContinuationRule;
+class HeldConditions;
 class JumpRule;
 class TimeBreakpoints;
 class TimeInputs;
@@ -34,6 +35,7 @@ struct IntegrationOptions : Acceptance {
   void* monitor_user = nullptr;
   Events* events = nullptr;                  // not owned; none
   TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
+  HeldConditions* conditions = nullptr;      // not owned; none: on x, at which E x may jump
   TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
   JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
   ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed

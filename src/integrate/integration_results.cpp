@@ -85,6 +85,14 @@ CallResult result_of_change(const DaeSystem& system, const LocatedChange& change
               system.about_change()};
 }
 
+void throw_jump_with_sensitivities(double t) {
+  throw Failure(
+      SFDAE_ILLEGAL_ARGUMENT,
+      format("sensitivities cannot be carried over the jump at t = %.15g: stop there (stop_time), and start "
+             "anew with the directions that they have after it.",
+             t));
+}
+
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator) {
   const double t = integrator.stepper->state().t;
   const CallbackError& callback_error = integrator.system.callback_error();

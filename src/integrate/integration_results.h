@@ -18,6 +18,8 @@ CallResult result_of_many_steps(long max_steps, double tout, double t);
 CallResult result_of_small_tolerances(double t, double excess);
 CallResult result_of_ignored_contradictions(double largest);
 CallResult result_of_change(const DaeSystem& system, const LocatedChange& change);
+// E x jumps at t, or next to it.
+[[noreturn]] void throw_jump_with_sensitivities(double t);
 // The smallest step fails, and not for a change of the characteristic values.
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
 

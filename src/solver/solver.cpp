@@ -108,12 +108,19 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
+  if (model.evaluator() != nullptr && !model.evaluator()->record().conditions().empty())
+    conditions.emplace(*model.evaluator(), [this] { model.parameters_changed(); });
   use_breakpoints(options.integration);
   use_tolerances(model, options.integration.tolerances);
 }
 
-void Solver::forget_analysis() {
+void Solver::end_integration() {
   integration.reset();
+  if (conditions) conditions->release();
+}
+
+void Solver::forget_analysis() {
+  end_integration();
   model.forget_system();
   initial_report.reset();
 }
@@ -194,6 +201,7 @@ void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
   integration_options.jumps = &jumps;
+  integration_options.conditions = conditions ? &*conditions : nullptr;
 }
 
 void Solver::pass_singular_points(long most) {
@@ -226,7 +234,7 @@ void Solver::prepare_start(const PointOfInterest& point) {
   breakpoints->set_size(std::max(std::fabs(point.t), std::fabs(point.toward)));
   if (!system() || (wanted != direction && !model.is_constant())) make_analysis(point);
   direction = wanted;
-  integration.reset();
+  end_integration();
   jumps.forget();
   set_limits(point.t, wanted);
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "expression/held_conditions.h"
 #include "expression/time_breakpoints.h"
 #include "expression/time_inputs.h"
 #include "integrate/checkpoint.h"
@@ -47,6 +48,7 @@ struct Solver {
   // Null before an analysis.
   const DaeSystem* system() const { return model.system(); }
   void forget_analysis();
+  void end_integration();
   // Advice for a call that has failed with this status; empty if there is none.
   const char* hint(int status) const;
 
@@ -103,6 +105,7 @@ struct Solver {
   std::unique_ptr<Events> events;  // options.integration points to them
   std::optional<TimeBreakpoints> breakpoints;
   std::optional<TimeInputs> inputs;
+  std::optional<HeldConditions> conditions;  // on x, in recorded equations
   JumpsOfModel jumps{*this};
   ContinuationOfModel continuation{*this};
   long max_passed = 0;                     // singular points in an integration

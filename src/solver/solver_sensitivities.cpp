@@ -47,7 +47,7 @@ void Solver::ask_for_sensitivities(std::optional<SensitivityRequest> request) {
   const bool wanted = request.has_value();
   const bool by_adjoint = wanted && request->by_adjoint;
   if (wanted != options.model.for_sensitivities || by_adjoint != options.model.for_adjoint) forget_analysis();
-  integration.reset();
+  end_integration();
   options.model.for_sensitivities = wanted;
   options.model.for_adjoint = by_adjoint;
   sensitivities = std::move(request);
@@ -58,7 +58,7 @@ void Solver::carry_sensitivities(const ConsistentPoint& found) {
   try {
     integration->carry(started_companion(*this, found));
   } catch (...) {
-    integration.reset();
+    end_integration();
     throw;
   }
 }

@@ -51,6 +51,10 @@ class DaeSystem : public StrangenessFreeSystem {
   // The jet accepted last, of order 1 at least; null where equations are linearized without one.
   virtual const Jet* point_of_equations() const { return nullptr; }
 
+  // Whether there are derivatives of equations in the system, so that both ends of a step may be consistent though x
+  // has to jump between them.
+  virtual bool differentiates() const { return analysis_.values.mu > 0; }
+
   // The current point.
   virtual double t() const = 0;
   virtual PointQuality quality() const = 0;

@@ -1,0 +1,254 @@
+// Steps that end where conditions on x switch.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/condition_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// In tolerances: what E x moves by beyond what slopes explain; iterations leave less (as at kinks of inputs). (Chosen.)
+constexpr double clear_move = 10.0;
+// Of the tolerances: x moves by less while a condition passes zero. (Chosen: next to nothing.)
+constexpr double located = 0.1;
+
+}  // namespace
+
+void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
+  conditions_ = conditions != nullptr && conditions->count() > 0 ? conditions : nullptr;
+  if (conditions_ == nullptr) return;
+  for (std::vector<double>* const each : {&slopes_, &change_, &tolerances_, &x_at_change_}) each->resize(n);
+  for (Attempt* const each : {&tried_, &before_, &after_}) {
+    each->x.resize(n);
+    each->g.resize(conditions_->count());
+  }
+  branches_.resize(conditions_->count());
+}
+
+bool ConditionSteps::has_switched(const std::vector<double>& g) const {
+  for (std::size_t k = 0; k < g.size(); ++k)
+    if ((g[k] > 0.0) != (branches_[k] > 0.0)) return true;
+  return false;
+}
+
+// Conditions switch at the same time, as g and -g do: in between there is nothing. Straight lines tell.
+bool ConditionSteps::switches_once() const {
+  constexpr double same = 1e-9;  // of the step; rounding errors are smaller
+  double first = 2.0, last = -1.0;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    if ((tried_.g[k] > 0.0) == (branches_[k] > 0.0)) continue;
+    const double at_zero = branches_[k] / (branches_[k] - tried_.g[k]);
+    if (!std::isfinite(at_zero)) return false;
+    first = std::min(first, at_zero);
+    last = std::max(last, at_zero);
+  }
+  return last - first <= same;
+}
+
+void ConditionSteps::evaluate(const Integrator& integrator, double t, const std::vector<double>& x,
+                              std::vector<double>& g) {
+  if (conditions_->depend_on_derivatives()) {
+    const bool is_last = t == integrator.stepper->state().t;
+    if (is_last || !integrator.system.exact_derivative(x.data(), slopes_.data()))
+      integrator.stepper->interpolate({t, nullptr, change_.data(), slopes_.data()});
+  }
+  conditions_->evaluate(t, x.data(), slopes_.data(), g.data());
+}
+
+// By the trapezoidal rule.
+bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
+  const StepState state = integrator.stepper->state();
+  const double h = state.tried_t - state.t;
+  const std::vector<double>&before = integrator.stepper->x(), &after = tried_.x;
+  integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_.data()});
+  for (std::size_t i = 0; i < change_.size(); ++i) {
+    change_[i] = after[i] - before[i] - 0.5 * h * slopes_[i];
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
+  }
+  if (!integrator.system.exact_derivative(after.data(), slopes_.data())) return false;
+  for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= 0.5 * h * slopes_[i];
+  return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= clear_move;
+}
+
+void ConditionSteps::hold() {
+  conditions_->hold(branches_.data());
+  is_held_ = true;
+  has_after_ = false;
+}
+
+void ConditionSteps::release() {
+  conditions_->release();
+  is_held_ = false;
+}
+
+void ConditionSteps::take_attempt(const Integrator& integrator) {
+  const StepState state = integrator.stepper->state();
+  if (!is_held_ && known_ != state.t) evaluate(integrator, state.t, integrator.stepper->x(), branches_);
+  known_ = state.t;
+  tried_.t = state.tried_t;
+  std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());
+  evaluate(integrator, tried_.t, tried_.x, tried_.g);
+}
+
+bool ConditionSteps::may_jump(const Integrator& integrator) {
+  if (conditions_ == nullptr || !integrator.system.differentiates()) return false;
+  take_attempt(integrator);
+  return has_switched(tried_.g) && !(switches_once() && moves_as_slopes_say(integrator));
+}
+
+ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator) {
+  is_last_ = false;
+  if (!is_held_ && !may_jump(integrator)) return Verdict::accepted;
+  if (is_held_) {
+    take_attempt(integrator);
+    return locate(integrator);
+  }
+  hold();
+  end_ = tried_.t;
+  return Verdict::again;
+}
+
+// Both ends of an interval from the last point on, in which there is a zero, move toward it.
+ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
+  const bool is_after = has_switched(tried_.g);
+  if (!is_after && !has_after_) return Verdict::accepted;
+  const double width = has_after_ ? std::fabs(after_.t - before_.t) : 0.0;
+  if (!has_after_) {
+    before_.t = integrator.stepper->state().t;
+    std::copy(integrator.stepper->x().begin(), integrator.stepper->x().end(), before_.x.begin());
+    evaluate(integrator, before_.t, before_.x, before_.g);
+    slow_ = 0;
+  }
+  std::swap(is_after ? after_ : before_, tried_);
+  has_after_ = true;
+  const double now = std::fabs(after_.t - before_.t), apart = distance(integrator);
+  slow_ = width > 0.0 && now > 0.5 * width ? slow_ + 1 : 0;
+  const bool is_located = apart <= located || now <= 2.0 * Integrator::resolution(before_.t, after_.t);
+  is_last_ = is_located;
+  if (is_located) return Verdict::accepted;
+  end_ = next_end(apart);
+  return Verdict::again;
+}
+
+double ConditionSteps::distance(const Integrator& integrator) {
+  for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = after_.x[i] - before_.x[i];
+  return integrator.weights.norm(change_.data());
+}
+
+// Where the first of the conditions is zero if they are linear, but so far from an end that this end gets near enough
+// if it is not; the middle where that gains little. distance: of x at both ends.
+double ConditionSteps::next_end(double distance) {
+  const double a = before_.t, b = after_.t, middle = 0.5 * (a + b);
+  if (slow_ >= 2 || !std::isfinite(distance)) return middle;
+  double part = 1.0;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const double at_a = before_.g[k], at_b = after_.g[k];
+    if ((at_b > 0.0) == (branches_[k] > 0.0)) continue;
+    const double at_zero = at_a / (at_a - at_b);
+    part = std::min(part, std::isfinite(at_zero) ? std::clamp(at_zero, 0.0, 1.0) : 0.5);
+  }
+  const double enough = std::min(0.5, 0.5 * located / distance);
+  const double end = a + std::clamp(part, enough, 1.0 - enough) * (b - a);
+  return end != a && end != b ? end : middle;
+}
+
+// The next attempt, which is shorter, has the branches held if this one had not, and the other way round: E x jumps
+// ahead, or the equations end where a branch does. Next to the zero that has been passed last branches stay.
+void ConditionSteps::note_failure(const Integrator& integrator, StepOutcome outcome) {
+  if (conditions_ == nullptr) return;
+  end_.reset();
+  has_after_ = false;
+  const StepState state = integrator.stepper->state();
+  const bool may_be_of_jump = outcome != StepOutcome::error_too_large || integrator.system.differentiates();
+  if (!may_be_of_jump || is_due_) return;
+  evaluate(integrator, state.t, integrator.stepper->x(), tried_.g);
+  if (!is_held_) {
+    branches_ = tried_.g;
+    known_ = state.t;
+    hold();
+  } else if (!has_switched(tried_.g)) {
+    release();
+  }
+}
+
+void ConditionSteps::commit() {
+  if (conditions_ == nullptr) return;
+  end_.reset();
+  has_after_ = false;
+  known_ = std::numeric_limits<double>::quiet_NaN();
+  is_due_ = is_last_;
+  if (is_held_ && !is_due_) release();
+}
+
+// The first condition whose value clearly says otherwise than its branch; none: their number.
+std::size_t ConditionSteps::contradiction(const Integrator& integrator, const ConsistentPoint& after,
+                                          const std::vector<double>& branches) {
+  for (std::size_t i = 0; i < tolerances_.size(); ++i)
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.x.data());
+  conditions_->evaluate(after.t, after.x.data(), after.xdot.data(), tried_.g.data());
+  const std::vector<double> clear =
+      conditions_->resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
+  for (std::size_t k = 0; k < branches.size(); ++k)
+    if ((tried_.g[k] > 0.0) != (branches[k] > 0.0) && std::fabs(tried_.g[k]) > clear[k]) return k;
+  return branches.size();
+}
+
+void ConditionSteps::demand_progress(const Integrator& integrator) {
+  const std::vector<double>& x = integrator.stepper->x();
+  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - x_at_change_[i];
+  const std::size_t most = 2 * branches_.size() + 10;
+  idle_ = integrator.weights.norm(change_.data()) <= clear_move ? idle_ + 1 : 0;
+  if (idle_ <= most) return;
+  throw Failure(SFDAE_ZENO,
+                format("at t = %.15g conditions switch again and again while x stays where it is: both sides of one "
+                       "of them lead toward each other.",
+                       integrator.stepper->state().t));
+}
+
+ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
+                                                const std::function<ConsistentPoint()>& values_after) {
+  const double t = integrator.stepper->state().t;
+  demand_progress(integrator);
+  std::vector<double> branches = after_.g;
+  try {
+    std::size_t k = 0;
+    for (std::size_t round = 0; round <= branches.size(); ++round) {
+      for (double& branch : branches) branch = branch > 0.0 ? 1.0 : -1.0;
+      conditions_->hold(branches.data());
+      ConsistentPoint after = values_after();
+      k = contradiction(integrator, after, branches);
+      if (k == branches.size()) {
+        branches_ = branches;
+        is_due_ = false;
+        x_at_change_ = after.x;
+        return after;
+      }
+      branches[k] = -branches[k];
+    }
+    throw Failure(
+        SFDAE_NO_CONSISTENT_VALUES,
+        format("at t = %.15g conditions switch, and no branches of theirs agree with the values that they lead "
+               "to: see the condition in %s.",
+               t, conditions_->equation_with(k).c_str()));
+  } catch (...) {
+    conditions_->hold(branches_.data());
+    throw;
+  }
+}
+
+void ConditionSteps::archive(Archive& archive) {
+  archive.small(is_due_);
+  archive.reals(branches_, branches_.size());
+  archive.reals(after_.g, after_.g.size());
+  archive.reals(x_at_change_, x_at_change_.size());
+  if (!archive.is_reading()) return;
+  hold();
+}
+
+}  // namespace sfdae::core

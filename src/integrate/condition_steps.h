@@ -1,0 +1,84 @@
+// Steps that end where conditions on x switch, so that what jumps there jumps (docs/design/steps.md).
+//
+// As a rule steps lead across such times: the error test sees what w does. With derivatives of equations that is not
+// enough, as both ends of a step may be consistent though E x has to jump between them. If a condition has switched in
+// a step and E x has moved otherwise than its slopes say, the step is tried again with the branches of its start held:
+// equations are smooth then, also beyond the zero of the condition, which is located by steps from the same point. The
+// last of these is accepted. Then the branch changes, and with it x, by impulses of the new equations. The same is
+// done where steps fail.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "expression/held_conditions.h"
+#include "integrate/integrator.h"
+#include "linalg/archive.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+class ConditionSteps {
+ public:
+  enum class Verdict { accepted, again };
+
+  // n: unknowns. conditions: may be null; they live longer.
+  void resize(HeldConditions* conditions, std::size_t n);
+  // x has changed at the last point; branches that are held stay.
+  void start() { known_ = std::numeric_limits<double>::quiet_NaN(); }
+
+  // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end().
+  Verdict judge(const Integrator& integrator);
+  std::optional<double> end() const { return end_; }
+  // A step has been tried with success, without branches held: whether E x may have jumped in it.
+  bool may_jump(const Integrator& integrator);
+  // A step has failed, for whatever reason.
+  void note_failure(const Integrator& integrator, StepOutcome outcome);
+  // The step judged last has become the last one.
+  void commit();
+
+  // A condition is zero at the last point: change_branches() is due before the next step.
+  bool is_due() const { return is_due_; }
+  // The values after it, with branches that agree with them. values_after: by impulses, with the branches that are
+  // held. Nothing has changed where this throws Failure.
+  ConsistentPoint change_branches(const Integrator& integrator, const std::function<ConsistentPoint()>& values_after);
+
+  bool is_plain() const { return !is_held_ && !is_due_; }
+  void archive(Archive& archive);
+
+ private:
+  struct Attempt {
+    double t = 0.0;
+    std::vector<double> x, g;
+  };
+  bool has_switched(const std::vector<double>& g) const;
+  bool switches_once() const;
+  void take_attempt(const Integrator& integrator);
+  void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
+  bool moves_as_slopes_say(const Integrator& integrator);
+  void hold();
+  void release();
+  Verdict locate(const Integrator& integrator);
+  double distance(const Integrator& integrator);
+  double next_end(double distance);
+  std::size_t contradiction(const Integrator& integrator, const ConsistentPoint& after,
+                            const std::vector<double>& branches);
+  void demand_progress(const Integrator& integrator);
+
+  HeldConditions* conditions_ = nullptr;
+  double known_ = std::numeric_limits<double>::quiet_NaN();  // branches_ are those of the last point, at this time
+  std::vector<double> branches_;                             // numbers with their signs
+  bool is_held_ = false, is_due_ = false;
+  Attempt tried_, before_, after_;  // the last attempt; the nearest ones on both sides of the zero
+  bool has_after_ = false, is_last_ = false;
+  int slow_ = 0;  // attempts in a row that have not halved the interval
+  std::optional<double> end_;
+  std::vector<double> slopes_, change_, tolerances_;
+  std::vector<double> x_at_change_;  // after the last change of branches
+  std::size_t idle_ = 0;             // changes in a row between which x has not moved
+};
+
+}  // namespace sfdae::core

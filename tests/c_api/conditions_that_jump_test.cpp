@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Conditions on unknowns at which others jump, since derivatives of equations determine these.
+
+#include <sfdae/sensitivity.hpp>
+#include <sfdae/sfdae.hpp>
+#include <sfdae/solution.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using Vector = std::vector<double>;
+
+constexpr double end = 2.0;
+
+std::vector<sfdae::Options> all_options(double tolerance = 1e-6) {
+  std::vector<sfdae::Options> all;
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC}) {
+      sfdae::Options options;
+      options.method = method;
+      options.structure = structure;
+      options.rtol = options.atol = tolerance;
+      all.push_back(options);
+    }
+  return all;
+}
+
+std::string text_of(const sfdae::Options& options) {
+  return "method " + std::to_string(options.method) + ", structure " + std::to_string(options.structure);
+}
+
+template <class Equations>
+sfdae::NonlinearProblem problem_of(int n, Equations equations) {
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = equations;
+  return problem;
+}
+
+// Two capacitors of 1 F, the second with 1 Ohm beside it, divide a voltage that steps when a clock passes 1.
+// x = (current, voltage of the second one, source, clock).
+sfdae::NonlinearProblem divider() {
+  return problem_of(4, [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = x[0] - (xdot[2] - xdot[1]);
+    F[1] = (xdot[2] - xdot[1]) - xdot[1] - x[1];
+    F[2] = x[2] - choose(x[3] > 1.0, 1.0, 0.0);
+    F[3] = xdot[3] - 1.0;
+  });
+}
+const Vector at_rest(4, 0.0);
+double divided(double t) { return 0.5 * std::exp(0.5 * (1.0 - t)); }
+
+TEST(Conditions, AtWhichUnknownsJump) {
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(divider(), options);
+    sfdae::Point point{0.0, at_rest, {}};
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(0.9, point), SFDAE_OK);
+    EXPECT_EQ(point.x[1], 0.0);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[1], divided(end), 1e-6) << text_of(options);
+    const sfdae::Jump jump = solver.last_jump();
+    EXPECT_NEAR(jump.t, 1.0, 1e-7);
+    EXPECT_NEAR(jump.after[1] - jump.before[1], 0.5, 1e-6);
+    EXPECT_NEAR(jump.impulses(0, 0), 0.5, 1e-6);  // of the current: the charge
+  }
+}
+
+TEST(Conditions, AtWhichUnknownsJumpBackward) {
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(divider(), options);
+    sfdae::Point point{end, {0.0, divided(end), 1.0, end}, {}};
+    solver.start(point, 0.0);
+    ASSERT_EQ(solver.advance(0.5, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[1], 0.0, 1e-5) << text_of(options);
+  }
+}
+
+// The velocity of a crane along a ramp jumps, and with it what else adds the velocity up. A cascade: a second condition
+// switches because of the jump of the first.
+TEST(Conditions, OfRampsAndOfOtherJumps) {
+  const auto crane = problem_of(5, [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = x[0] - max(x[3] - 1.0, 0.0);
+    F[1] = xdot[0] - x[1];
+    F[2] = xdot[1] - x[2];
+    F[3] = xdot[3] - 1.0;
+    F[4] = xdot[4] - x[1];
+  });
+  const auto cascade = problem_of(5, [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = x[0] - choose(x[4] > 1.0, 1.0, 0.0);
+    F[3] = x[1] - choose(x[0] > 0.5, 2.0, 0.0);
+    F[4] = xdot[4] - 1.0;
+  });
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Point point{0.0, Vector(5, 0.0), {}};
+    sfdae::Solver solver(crane, options);
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    for (int i : {0, 1, 4}) EXPECT_NEAR(point.x[static_cast<std::size_t>(i)], 1.0, 1e-5) << text_of(options);
+    sfdae::Point other{0.0, Vector(5, 0.0), {}};
+    sfdae::Solver second(cascade, options);
+    second.start(other, end);
+    ASSERT_EQ(second.advance(end, other), SFDAE_OK);
+    EXPECT_NEAR(other.x[0], 1.0, 1e-6);
+    EXPECT_NEAR(other.x[1], 2.0, 1e-6) << text_of(options);
+  }
+}
+
+// Algebraic equations have no solution near the one before.
+TEST(Conditions, BeyondWhichSolutionsAreFar) {
+  const auto problem = problem_of(2, [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = x[0] * x[0] - choose(x[1] > 1.0, 0.25, 1.0);
+    F[1] = xdot[1] - 1.0;
+  });
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {1.0, 0.0}, {}};
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[0], 0.5, 1e-6) << text_of(options);
+  }
+}
+
+// Two conditions switch within one step, of which both ends are the same.
+TEST(Conditions, OfPulses) {
+  const double width = 0.003;
+  const auto problem =
+      problem_of(5, [=](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - x[1];
+        F[1] = x[0] - x[2];
+        F[2] = x[2] - choose(x[3] > 1.0 && x[3] < 1.0 + width, 1.0, 0.0);
+        F[3] = xdot[3] - 1.0;
+        F[4] = xdot[4] - x[2];
+      });
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, Vector(5, 0.0), {}};
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[4], width, 1e-5) << text_of(options);
+  }
+}
+
+// Both branches lead back to the zero: no step goes on, and the message says so.
+TEST(Conditions, ThatLeadTowardEachOtherAreNamed) {
+  const auto problem =
+      problem_of(3, [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] + sign(x[0]) - 0.5 * cos(t);
+        F[1] = x[1] - sign(x[0]);
+        F[2] = xdot[1] - x[2];
+      });
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {1.0, 1.0, 0.0}, {}};
+    solver.start(point, 3.0);
+    try {
+      solver.advance(3.0, point);
+      ADD_FAILURE() << text_of(options);
+    } catch (const sfdae::Error& error) {
+      EXPECT_EQ(error.status(), SFDAE_ZENO) << error.what();
+      EXPECT_NEAR(point.t, 1.4987, 1e-3);
+    }
+  }
+}
+
+TEST(Conditions, AtWhichUnknownsJumpEndSensitivitiesByName) {
+  auto equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = x[0] - (xdot[2] - xdot[1]);
+    F[1] = (xdot[2] - xdot[1]) - xdot[1] - x[1] * parameter(t, "g", 1.0);
+    F[2] = x[2] - choose(x[3] > 1.0, 1.0, 0.0);
+    F[3] = xdot[3] - 1.0;
+  };
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(problem_of(4, equations), options);
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"g"};
+    solver.set_sensitivities(wanted);
+    sfdae::Point point{0.0, at_rest, {}};
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(0.9, point), SFDAE_OK);
+    try {
+      solver.advance(end, point);
+      ADD_FAILURE() << text_of(options);
+    } catch (const sfdae::Error& error) {
+      EXPECT_NE(std::string(error.what()).find("sensitivities cannot be carried over the jump at t = "),
+                std::string::npos)
+          << error.what();
+      EXPECT_NEAR(point.t, 1.0, 1e-9);
+    }
+  }
+}
+
+// Checkpoints after each step, of which those next to the jump hold branches, lead to the same numbers.
+TEST(Conditions, AreInCheckpoints) {
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(divider(), options), other(divider(), options);
+    sfdae::Point point{0.0, at_rest, {}}, last = point;
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(end, last), SFDAE_OK);
+    solver.start(point, end);
+    while (point.t < end) {
+      solver.step(end, point);
+      if (point.t >= end) break;
+      const Vector checkpoint = solver.save_checkpoint();
+      other.restore_checkpoint(checkpoint);
+      sfdae::Point again;
+      again.x = at_rest;
+      ASSERT_EQ(other.advance(end, again), SFDAE_OK);
+      ASSERT_EQ(again.x, last.x) << text_of(options) << ", t = " << point.t;
+    }
+  }
+}
+
+TEST(Conditions, AreInSolutions) {
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(divider(), options);
+    sfdae::Solution solution;
+    solver.record(solution);
+    sfdae::Point point{0.0, at_rest, {}};
+    solver.start(point, end);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    for (double t : {0.5, 0.999, 1.001, 1.5})
+      EXPECT_NEAR(solution(t).x[1], t < 1.0 ? 0.0 : divided(t), 1e-5) << text_of(options) << ", t = " << t;
+  }
+}
+
+}  // namespace

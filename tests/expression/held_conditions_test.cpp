@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/held_conditions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "expression/recorder.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// x0' = max(x1 - 1, 0) + where(t > 1, 5, 0), x1' = sign(x0).
+std::shared_ptr<const Record> equations() {
+  Recorder recorder(2);
+  const int x0 = recorder.unknown(0), x1 = recorder.unknown(1), one = recorder.constant(1.0);
+  const int step = recorder.apply(Operation::choose, recorder.apply(Operation::subtract, recorder.time(), one),
+                                  recorder.constant(5.0), recorder.constant(0.0));
+  const int largest = recorder.max(recorder.apply(Operation::subtract, x1, one), recorder.constant(0.0));
+  const int first =
+      recorder.apply(Operation::subtract, recorder.derivative(0), recorder.apply(Operation::add, largest, step));
+  const int second = recorder.apply(Operation::subtract, recorder.derivative(1), recorder.sign(x0));
+  return recorder.finish({first, second});
+}
+
+class Evaluation {
+ public:
+  explicit Evaluation(std::shared_ptr<const Record> record) : evaluator(with_conditions(std::move(record))) {
+    conditions.emplace(evaluator, [this] { ++changes; });
+  }
+  // Right-hand sides.
+  Vector values(double x0, double x1, double t = 0.0) {
+    const Vector jet = {x0, x1, 0.0, 0.0};
+    Vector F(2, std::nan(""));
+    EXPECT_TRUE(evaluator.values(t, jet.data(), 0, F.data()));
+    return {-F[0], -F[1]};
+  }
+  Vector functions(double x0, double x1) {
+    const Vector x = {x0, x1}, xdot = {0.0, 0.0};
+    Vector g(conditions->count());
+    conditions->evaluate(0.0, x.data(), xdot.data(), g.data());
+    return g;
+  }
+
+  TaylorEvaluator evaluator;
+  std::optional<HeldConditions> conditions;
+  int changes = 0;
+};
+
+TEST(HeldConditions, AreThoseOnUnknowns) {
+  Evaluation of(equations());
+  // That of max, and both of sign; the one on t can be known beforehand.
+  EXPECT_EQ(of.conditions->count(), 3u);
+  EXPECT_FALSE(of.conditions->depend_on_derivatives());
+  EXPECT_EQ(of.evaluator.record().num_user_parameters(), 0);
+  EXPECT_FALSE(of.evaluator.find_parameter("branch 1"));
+}
+
+TEST(HeldConditions, OfEquationsWithoutAnyLeaveThemAsTheyAre) {
+  Recorder recorder(1);
+  const int when = recorder.greater(recorder.time(), recorder.constant(1.0));
+  const auto record = recorder.finish({recorder.apply(Operation::subtract, recorder.derivative(0), when)});
+  EXPECT_EQ(with_conditions(record), record);
+}
+
+TEST(HeldConditions, DecideAsTheirValuesSayUnlessTheyAreHeld) {
+  Evaluation of(equations());
+  EXPECT_EQ(of.values(2.0, 3.0), (Vector{2.0, 1.0}));
+  EXPECT_EQ(of.values(-2.0, 0.5), (Vector{0.0, -1.0}));
+  EXPECT_EQ(of.values(0.0, 0.5), (Vector{0.0, 0.0}));
+  of.conditions->hold(of.functions(2.0, 3.0).data());
+  EXPECT_EQ(of.values(-2.0, 0.5), (Vector{-0.5, 1.0}));
+  EXPECT_EQ(of.values(-2.0, 0.5, 1.5), (Vector{4.5, 1.0}));
+  of.conditions->hold(of.functions(-2.0, 0.5).data());
+  EXPECT_EQ(of.values(2.0, 3.0), (Vector{0.0, -1.0}));
+  of.conditions->release();
+  EXPECT_EQ(of.values(2.0, 3.0), (Vector{2.0, 1.0}));
+  EXPECT_EQ(of.changes, 3);
+}
+
+TEST(HeldConditions, KnowByHowMuchTheirValuesMayChange) {
+  Evaluation of(equations());
+  const Vector x = {1.0, 2.0}, xdot = {0.0, 0.0}, changes = {0.1, 0.01};
+  Vector resolution = of.conditions->resolution(0.0, x.data(), xdot.data(), changes.data());
+  std::sort(resolution.begin(), resolution.end());
+  EXPECT_DOUBLE_EQ(resolution[0], 0.01);
+  EXPECT_DOUBLE_EQ(resolution[1], 0.1);
+  EXPECT_DOUBLE_EQ(resolution[2], 0.1);
+}
+
+// A condition that cannot be evaluated is not met, and the others are known.
+TEST(HeldConditions, ThatFailAreNotNumbers) {
+  Recorder recorder(2);
+  const int root = recorder.apply(Operation::sqrt, recorder.unknown(0));
+  const int first = recorder.apply(Operation::choose, root, recorder.constant(1.0), recorder.constant(2.0));
+  const int second = recorder.max(recorder.unknown(1), recorder.constant(0.0));
+  Evaluation of(recorder.finish({recorder.apply(Operation::subtract, recorder.derivative(0), first),
+                                 recorder.apply(Operation::subtract, recorder.derivative(1), second)}));
+  const Vector g = of.functions(-1.0, 3.0);
+  EXPECT_TRUE(std::isnan(g[0]));
+  EXPECT_EQ(g[1], 3.0);
+}
+
+// Names of parameters that the user has chosen are his.
+TEST(HeldConditions, HaveNamesOfTheirOwn) {
+  Recorder recorder(1);
+  const int his = recorder.parameter("branch 1", 7.0);
+  const int largest = recorder.max(recorder.unknown(0), his);
+  Evaluation of(recorder.finish({recorder.apply(Operation::subtract, recorder.derivative(0), largest)}));
+  EXPECT_EQ(of.conditions->count(), 1u);
+  EXPECT_EQ(of.evaluator.find_parameter("branch 1"), std::optional<int>(0));
+  EXPECT_EQ(of.evaluator.num_parameters(), 2);
+  EXPECT_NE(of.conditions->equation_with(0), "the equations");
+}
+
+}  // namespace
+
+}  // namespace sfdae::core
