@@ -65,7 +65,7 @@ bool StepEventValues::approximate(double t, double* g) {
   if (step_.integrator.system.differential() == 0) return false;
   Events::Point& rough = events_.rough;
   Vector& values = events_.g_rough;
-  step_.output.interpolate(*step_.integrator.stepper, t, rough.x.data(), rough.xdot.data());
+  step_.output.interpolate(*step_.integrator.stepper, step_.place_of(t), rough.x.data(), rough.xdot.data());
   if (!are_finite(rough.x) || !are_finite(rough.xdot)) return false;
   const int status = events_.evaluate(t, rough, values);
   stop_if_asked(t);
@@ -110,7 +110,8 @@ void StepEventValues::evaluate_consistently(double t, Vector& g) {
   Events::Point& now = events_.now;
   int status = 0;
   for (const Slopes slopes : {Slopes::rough, Slopes::wanted}) {
-    step_.output.evaluate(step_.integrator, {t, false, slopes}, step_.options, now.x.data(), now.xdot.data());
+    step_.output.evaluate(step_.integrator, {step_.place_of(t), false, slopes}, step_.options, now.x.data(),
+                          now.xdot.data());
     status = events_.evaluate(t, now, g);
     stop_if_asked(t);
     if (status == 0 && are_finite(g)) return;
@@ -154,7 +155,7 @@ void StepEventValues::look_at_rates() {
 bool StepEventValues::determine_without_slopes(double t, bool may_improve, double* g) {
   constexpr double large = 1e3;
   Events::Point& now = events_.now;
-  step_.output.evaluate(step_.integrator, {t, may_improve, Slopes::none}, step_.options, now.x.data(),
+  step_.output.evaluate(step_.integrator, {step_.place_of(t), may_improve, Slopes::none}, step_.options, now.x.data(),
                         now.xdot.data());
   const double h = std::fabs(step_.integrator.stepper->state().last.h), rate = h > 0.0 ? large / h : large;
   const auto evaluate_with = [&](double factor, double turn, Vector& values) {
@@ -177,8 +178,8 @@ bool StepEventValues::determine_without_slopes(double t, bool may_improve, doubl
 void StepEventValues::determine(double t, bool may_improve, double* g) {
   if (events_.tries_without_slopes && determine_without_slopes(t, may_improve, g)) return;
   Events::Point& now = events_.now;
-  step_.output.evaluate(step_.integrator, {t, may_improve, Slopes::wanted}, step_.options, now.x.data(),
-                        now.xdot.data());
+  step_.output.evaluate(step_.integrator, {step_.place_of(t), may_improve, Slopes::wanted}, step_.options,
+                        now.x.data(), now.xdot.data());
   events_.t_now = t;
   const int status = events_.evaluate(t, now, events_.g_now);
   stop_if_asked(t);

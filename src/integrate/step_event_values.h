@@ -18,6 +18,13 @@ struct SearchedStep {
   Integrator& integrator;
   StepOutput& output;
   const IntegrationOptions& options;
+
+  // t, or the start of the step if x has jumped between them: values at a jump are those after it.
+  double place_of(double t) const {
+    const StepState state = integrator.stepper->state();
+    const double start = state.t - state.last.h;
+    return (t - start) * integrator.direction < 0.0 ? start : t;
+  }
 };
 
 class StepEventValues final : public EventValues {

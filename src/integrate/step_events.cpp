@@ -97,8 +97,8 @@ void complete_slopes(const SearchedStep& step) {
   Events& events = step.events;
   if (events.has_slopes) return;
   Events::Point& rough = events.rough;
-  step.output.evaluate(step.integrator, {events.search.t(), false, Slopes::wanted}, step.options, rough.x.data(),
-                       rough.xdot.data());
+  step.output.evaluate(step.integrator, {step.place_of(events.search.t()), false, Slopes::wanted}, step.options,
+                       rough.x.data(), rough.xdot.data());
   events.searched.xdot = rough.xdot;
   events.has_slopes = true;
 }
