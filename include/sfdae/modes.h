@@ -40,8 +40,9 @@ extern "C" {
  * calls in between; at a jump there are none. (A start at a breakpoint itself calls them there: they decide which
  * side it is.)
  *
- *  - At a kink E x goes on continuously. If it cannot, or no step leads across, the kink is taken for a jump. With
- *    sensitivities the call ends there instead.
+ *  - At a kink E x goes on continuously. If it cannot, or no step leads across, the kink is taken for a jump.
+ *    Sensitivities jump, too, by the moving time of conditions on t and parameters; with the adjoint the call ends at
+ *    jumps of x or x'.
  *  - At a jump t_k the values before are those at t_k - delta, and those after are what sfdae_jump makes of them with
  *    the functions at t_k + delta; sfdae_get_jump has both, and the impulses. The index and d, a, u, v have to be the
  *    same on both sides, else the call ends with SFDAE_CHARACTERISTICS_CHANGED or with what sfdae_jump fails with,

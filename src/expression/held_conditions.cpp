@@ -41,6 +41,30 @@ std::string unused_name(const Record& record, std::size_t number) {
   return name;
 }
 
+// The first operand of such a node, if it depends on t and on parameters alone.
+std::optional<TimedSwitch> timed_switch(const Record& record, int i) {
+  const Node node = record.node(i);
+  const auto is_timed = [&](Dependence dependence) { return dependence == (on_time | on_parameters); };
+  switch (node.operation) {
+    case Operation::choose:
+    case Operation::floor:
+      if (is_timed(record.dependence(node.a))) return TimedSwitch{node.operation, node.a};
+      break;
+    case Operation::modulo:
+      if (is_timed(record.dependence(node.a) | record.dependence(node.b)))
+        return TimedSwitch{Operation::floor, node.a};
+      break;
+    case Operation::function: {
+      const FunctionCall& call = record.call(i);
+      if (!call.function->breakpoints().empty() && is_timed(record.dependence(call.arguments[0])))
+        return TimedSwitch{node.operation, call.arguments[0], call.function.get()};
+      break;
+    }
+    default: break;
+  }
+  return std::nullopt;
+}
+
 // Parameters in the conditions of choices, if these vary with x.
 class Branches {
  public:
@@ -52,10 +76,27 @@ class Branches {
         record_, recorder_, [this](int choice, int condition) { return with_branch(choice, condition); });
     std::vector<int> residuals;
     for (int i = 0; i < record_.m(); ++i) residuals.push_back(copies[index(record_.residual(i))]);
-    return recorder_.finish(std::move(residuals), record_.equation_names(), std::move(conditions_));
+    recorder_.set_switches(std::move(conditions_), timed_switches(copies));
+    return recorder_.finish(std::move(residuals), record_.equation_names());
   }
 
  private:
+  std::vector<TimedSwitch> timed_switches(const std::vector<int>& copies) {
+    std::vector<TimedSwitch> switches;
+    for (int i = 0; i < record_.num_nodes(); ++i) {
+      if (!is_live_[index(i)]) continue;
+      const std::optional<TimedSwitch> timed = timed_switch(record_, i);
+      if (!timed) continue;
+      const Node node = record_.node(i);
+      const int first = copies[index(timed->node)];
+      const int place = node.operation == Operation::modulo
+                            ? recorder_.apply(Operation::divide, first, copies[index(node.b)])
+                            : first;
+      switches.push_back({timed->operation, place, timed->table});
+    }
+    return switches;
+  }
+
   int with_branch(int choice, int g) {
     const int condition = record_.node(choice).a;
     if (varies_[index(condition)] == 0 || !is_live_[index(choice)]) return g;
@@ -81,16 +122,29 @@ bool has_conditions(const Record& record) {
   for (int i = 0; i < record.num_nodes(); ++i) {
     const Node node = record.node(i);
     if (node.operation == Operation::choose && varies[index(node.a)] != 0) return true;
+    if (timed_switch(record, i)) return true;
   }
   return false;
 }
 
-std::shared_ptr<const Record> functions_of(const Record& record) {
-  Recorder recorder(record.n());
-  const std::vector<int> copies = copy_nodes(record, recorder);
-  std::vector<int> functions;
-  for (const Condition& condition : record.conditions()) functions.push_back(copies[index(condition.node)]);
-  return recorder.finish(std::move(functions));
+std::vector<int> nodes_of(const std::vector<Condition>& conditions) {
+  std::vector<int> nodes;
+  for (const Condition& condition : conditions) nodes.push_back(condition.node);
+  return nodes;
+}
+
+std::vector<int> nodes_of(const std::vector<TimedSwitch>& switches) {
+  std::vector<int> nodes;
+  for (const TimedSwitch& timed : switches) nodes.push_back(timed.node);
+  return nodes;
+}
+
+// The number of the branch that a value leads to.
+double branch_at(const TimedSwitch& timed, double value) {
+  if (timed.operation == Operation::choose) return value > 0.0 ? 1.0 : 0.0;
+  if (timed.operation != Operation::function) return std::floor(value);
+  const std::vector<double>& knots = timed.table->breakpoints();
+  return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), value) - knots.begin());
 }
 
 }  // namespace
@@ -100,44 +154,15 @@ std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> reco
 }
 
 HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed)
-    : evaluator_(evaluator), changed_(std::move(changed)), conditions_(evaluator.record().conditions()) {
-  if (conditions_.empty()) return;
-  const Record& record = evaluator.record();
-  functions_.emplace(functions_of(record));
-  jet_.resize(2 * index(record.n()));
-  for (std::size_t k = 0; k < count(); ++k) {
-    alone_.push_back({static_cast<int>(k)});
-    const Dependence dependence = record.dependence(conditions_[k].node);
-    depend_on_derivatives_ = depend_on_derivatives_ || (dependence & on_derivatives) != 0;
-  }
-}
-
-void HeldConditions::load(const double* x, const double* xdot) {
-  const std::size_t n = jet_.size() / 2;
-  std::copy_n(x, n, jet_.begin());
-  if (depend_on_derivatives_) std::copy_n(xdot, n, jet_.begin() + static_cast<std::ptrdiff_t>(n));
-  if (version_ == evaluator_.changes_of_parameters()) return;
-  for (int i = 0; i < functions_->num_parameters(); ++i) functions_->set_parameter(i, evaluator_.parameter(i));
-  version_ = evaluator_.changes_of_parameters();
-}
-
-void HeldConditions::evaluate(double t, const double* x, const double* xdot, double* g) {
-  load(x, xdot);
-  if (functions_->values(t, jet_.data(), 0, g)) return;
-  for (std::size_t k = 0; k < count(); ++k)
-    if (!functions_->values_of(alone_[k], t, jet_.data(), 0, g)) g[k] = std::numeric_limits<double>::quiet_NaN();
-}
-
-std::vector<double> HeldConditions::resolution(double t, const double* x, const double* xdot, const double* changes) {
-  const std::size_t n = jet_.size() / 2;
-  load(x, xdot);
-  std::vector<double> g(count()), gradients(count() * n), result(count(), std::numeric_limits<double>::infinity());
-  if (!functions_->gradients(t, jet_.data(), {0, -1, 0}, g.data(), nullptr, gradients.data())) return result;
-  std::fill(result.begin(), result.end(), 0.0);
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t k = 0; k < count(); ++k) result[k] += std::fabs(gradients[j * count() + k]) * changes[j];
-  return result;
-}
+    : evaluator_(evaluator),
+      changed_(std::move(changed)),
+      conditions_(evaluator.record().conditions()),
+      functions_(evaluator, nodes_of(conditions_)),
+      timed_functions_(evaluator, nodes_of(evaluator.record().timed_switches())),
+      jet_(2 * index(evaluator.record().n())),
+      values_(index(evaluator.record().m())),
+      other_(values_.size()),
+      on_line_(conditions_.size()) {}
 
 void HeldConditions::hold(const double* g) {
   for (std::size_t k = 0; k < count(); ++k)
@@ -162,6 +187,91 @@ std::string HeldConditions::equation_with(std::size_t condition) const {
   for (int equation = 0; equation < record.m(); ++equation)
     if (contains[index(record.residual(equation))] != 0) return record.name(equation);
   return "the equations";
+}
+
+double HeldConditions::value_on_line(std::size_t k, const Point& from, const Point& to, double part) {
+  const std::size_t n = jet_.size() / 2;
+  for (std::size_t i = 0; i < n; ++i) {
+    jet_[i] = from.x[i] + part * (to.x[i] - from.x[i]);
+    jet_[n + i] = from.xdot[i] + part * (to.xdot[i] - from.xdot[i]);
+  }
+  functions_.evaluate(from.t + part * (to.t - from.t), jet_.data(), jet_.data() + n, on_line_.data());
+  return on_line_[k];
+}
+
+// With branches as these values lead to.
+bool HeldConditions::residuals(double t, const double* jet, const double* g, std::vector<double>& F) {
+  if (!beside_) beside_.emplace(evaluator_);
+  for (int i = 0; i < evaluator_.record().num_user_parameters(); ++i)
+    beside_->set_parameter(i, evaluator_.parameter(i));
+  for (std::size_t k = 0; k < count(); ++k)
+    beside_->set_parameter(conditions_[k].parameter, g == nullptr ? 0.0 : g[k] > 0.0 ? held : -held);
+  return beside_->values(t, jet, 0, F.data());
+}
+
+bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, const Point& to) {
+  constexpr int halvings = 60;   // to the last bit
+  constexpr double none = 1e-6;  // of what a branch changes at an end of the line: nothing at the zero
+  std::vector<double> one(g, g + count()), other = one;
+  other[k] = -other[k];
+  const auto change = [&](double part, std::vector<double>& result) {
+    value_on_line(k, from, to, part);
+    const double t = from.t + part * (to.t - from.t);
+    if (!residuals(t, jet_.data(), one.data(), values_) || !residuals(t, jet_.data(), other.data(), other_))
+      return false;
+    for (std::size_t i = 0; i < values_.size(); ++i) result[i] = std::fabs(values_[i] - other_[i]);
+    return true;
+  };
+  double low = 0.0, high = 1.0;
+  const bool is_positive = value_on_line(k, from, to, low) > 0.0;
+  for (int halving = 0; halving < halvings; ++halving) {
+    const double middle = 0.5 * (low + high);
+    ((value_on_line(k, from, to, middle) > 0.0) == is_positive ? low : high) = middle;
+  }
+  std::vector<double> at_zero(values_.size()), at_start(at_zero), at_end(at_zero);
+  // A branch that ends at the zero says nothing about it.
+  if (!change(high, at_zero) || (!change(0.0, at_start) && !change(1.0, at_end))) return false;
+  for (std::size_t i = 0; i < at_zero.size(); ++i)
+    if (at_zero[i] > none * std::max(at_start[i], at_end[i])) return false;
+  return true;
+}
+
+std::vector<std::size_t> HeldConditions::timed_switches(double from, double to) {
+  constexpr double apart = 100.0;  // of the time between: how far back a function is looked at
+  constexpr double part = 0.5;  // of what it has changed by since then: a function that does not jump changes by less
+  const std::vector<TimedSwitch>& all = evaluator_.record().timed_switches();
+  std::vector<std::size_t> found;
+  if (all.empty()) return found;
+  const std::vector<double> nothing(jet_.size() / 2, 0.0);
+  std::vector<double> earlier(all.size()), before(all.size()), after(all.size());
+  const auto evaluate = [&](double t, std::vector<double>& values) {
+    timed_functions_.evaluate(t, nothing.data(), nothing.data(), values.data());
+  };
+  evaluate(from - apart * (to - from), earlier);
+  evaluate(from, before);
+  evaluate(to, after);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (branch_at(all[k], before[k]) == branch_at(all[k], after[k])) continue;
+    const bool jumps = std::fabs(after[k] - before[k]) > part * std::fabs(before[k] - earlier[k]);
+    if (!jumps) found.push_back(k);
+  }
+  return found;
+}
+
+// With x' = 0, so that residuals have a size.
+bool HeldConditions::jumps_between(double from, double to, double earlier, const double* x) {
+  constexpr double none = 1e-6;  // of the size of a residual; the time between is some roundings
+  const std::size_t n = jet_.size() / 2;
+  std::copy_n(x, n, jet_.begin());
+  std::fill(jet_.begin() + static_cast<std::ptrdiff_t>(n), jet_.end(), 0.0);
+  std::vector<double> size(values_.size(), 0.0);
+  if (residuals(earlier, jet_.data(), nullptr, values_)) size = values_;
+  if (!residuals(from, jet_.data(), nullptr, values_) || !residuals(to, jet_.data(), nullptr, other_)) return true;
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const double largest = std::max({std::fabs(size[i]), std::fabs(values_[i]), std::fabs(other_[i])});
+    if (std::fabs(values_[i] - other_[i]) > none * largest) return true;
+  }
+  return false;
 }
 
 }  // namespace sfdae::core

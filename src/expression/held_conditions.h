@@ -10,12 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "expression/condition_functions.h"
 #include "expression/record.h"
 #include "expression/taylor_evaluator.h"
 
 namespace sfdae::core {
 
-// The same equations, with conditions that can be held.
+// The same equations, with conditions that can be held, and with what else switches at times that depend on parameters.
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record);
 
 class HeldConditions {
@@ -23,12 +24,9 @@ class HeldConditions {
   // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others.
   HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed);
 
-  std::size_t count() const { return conditions_.size(); }
-  bool depend_on_derivatives() const { return depend_on_derivatives_; }
-  // g at a point, a number for each; NaN where it cannot be evaluated.
-  void evaluate(double t, const double* x, const double* xdot, double* g);
-  // By how much each g may change if x changes by so much (n values); infinite where that cannot be evaluated.
-  std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
+  // Of conditions on x or x'.
+  std::size_t count() const { return functions_.count(); }
+  ConditionFunctions& functions() { return functions_; }
   // Branches from now on: those that these values of g lead to.
   void hold(const double* g);
   // As g says from now on.
@@ -36,17 +34,31 @@ class HeldConditions {
   // The equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
+  struct Point {
+    double t;
+    const double *x, *xdot;
+  };
+  // Whether residuals are continuous where condition k is zero, the others as these values of g have it, on the line
+  // from one point to another, where it has another sign.
+  bool is_kink(std::size_t k, const double* g, const Point& from, const Point& to);
+
+  // What switches because of t alone, at times that depend on parameters.
+  ConditionFunctions& timed_functions() { return timed_functions_; }
+  // Which of these switch from one time to another, some roundings later, but not because they jump themselves, where
+  // others switch. Whether residuals at this x jump there, compared with what they are earlier, too.
+  std::vector<std::size_t> timed_switches(double from, double to);
+  bool jumps_between(double from, double to, double earlier, const double* x);
+
  private:
-  void load(const double* x, const double* xdot);
+  double value_on_line(std::size_t k, const Point& from, const Point& to, double part);
+  bool residuals(double t, const double* jet, const double* g, std::vector<double>& F);
 
   TaylorEvaluator& evaluator_;
   std::function<void()> changed_;
   const std::vector<Condition>& conditions_;
-  std::optional<TaylorEvaluator> functions_;
-  long version_ = -1;  // of the parameters of functions_
-  bool depend_on_derivatives_ = false;
-  std::vector<double> jet_;
-  std::vector<std::vector<int>> alone_;  // each function's number
+  ConditionFunctions functions_, timed_functions_;
+  std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
+  std::vector<double> jet_, values_, other_, on_line_;
 };
 
 }  // namespace sfdae::core

@@ -90,6 +90,14 @@ struct Condition {
   int node, parameter;
 };
 
+// A node that depends on t and the user's parameters alone. Equations switch where it is 0, the condition of a choice,
+// an integer (floor), or a knot of a table.
+struct TimedSwitch {
+  Operation operation;
+  int node;
+  const PointFunction* table = nullptr;
+};
+
 // An entry of F_x or F_x' that is not identically zero.
 struct Entry {
   Entry(int j, bool is_derivative, Dependence its_dependence)
@@ -109,6 +117,7 @@ class Record {
     std::vector<FunctionCall> calls;
     std::vector<Parameter> parameters;  // the user's, then those of conditions
     std::vector<Condition> conditions;  // that can be held
+    std::vector<TimedSwitch> timed_switches;
     std::vector<int> residuals;  // nodes, one for each equation
     EquationNames equation_names;
     std::vector<std::string> formulas;  // what messages call equations that are none, entries of M, say; else empty
@@ -136,6 +145,7 @@ class Record {
     return static_cast<int>(parts_.parameters.size() - parts_.conditions.size());
   }
   const std::vector<Condition>& conditions() const { return parts_.conditions; }
+  const std::vector<TimedSwitch>& timed_switches() const { return parts_.timed_switches; }
 
   // Sparsity of F_x and F_x'.
   std::span<const Entry> entries(int equation) const {

@@ -61,11 +61,10 @@ class Recorder {
 
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names = {});
-  // The same, with conditions that can be held, whose parameters are the last ones.
-  std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names,
-                                       std::vector<Condition> conditions) {
+  // What the next equations have: conditions that can be held, whose parameters are the last ones, and the other.
+  void set_switches(std::vector<Condition> conditions, std::vector<TimedSwitch> timed) {
     parts_.conditions = std::move(conditions);
-    return finish(std::move(residuals), std::move(names));
+    parts_.timed_switches = std::move(timed);
   }
   // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
   std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,

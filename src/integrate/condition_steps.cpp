@@ -13,17 +13,24 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what E x moves by beyond what slopes explain; iterations leave less (as at kinks of inputs). (Chosen.)
-constexpr double clear_move = 10.0;
-// Of the tolerances: x moves by less while a condition passes zero. (Chosen: next to nothing.)
-constexpr double located = 0.1;
+// In tolerances: what E x may move by beyond what slopes explain. (Chosen.)
+constexpr double clear_move = 1.0;
+// Of the tolerances: x moves by less while a condition passes zero. (Chosen: positions that go on continuously do so to
+// this accuracy.)
+constexpr double located = 1e-4;
+// Both points are so far apart that rounding errors of x do not undo the switch. (As about switching times of t.)
+constexpr double roundings_of_gap = 32.0;
+// Changes of branches in a row between which x moves by less, in tolerances, lead nowhere. (Chosen, as in hybrid
+// systems.)
+constexpr double no_progress = 10.0;
 
 }  // namespace
 
 void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
   conditions_ = conditions != nullptr && conditions->count() > 0 ? conditions : nullptr;
   if (conditions_ == nullptr) return;
-  for (std::vector<double>* const each : {&slopes_, &change_, &tolerances_, &x_at_change_}) each->resize(n);
+  for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &x_at_change_})
+    each->resize(n);
   for (Attempt* const each : {&tried_, &before_, &after_}) {
     each->x.resize(n);
     each->g.resize(conditions_->count());
@@ -53,12 +60,12 @@ bool ConditionSteps::switches_once() const {
 
 void ConditionSteps::evaluate(const Integrator& integrator, double t, const std::vector<double>& x,
                               std::vector<double>& g) {
-  if (conditions_->depend_on_derivatives()) {
+  if (conditions_->functions().depend_on_derivatives()) {
     const bool is_last = t == integrator.stepper->state().t;
     if (is_last || !integrator.system.exact_derivative(x.data(), slopes_.data()))
       integrator.stepper->interpolate({t, nullptr, change_.data(), slopes_.data()});
   }
-  conditions_->evaluate(t, x.data(), slopes_.data(), g.data());
+  conditions_->functions().evaluate(t, x.data(), slopes_.data(), g.data());
 }
 
 // By the trapezoidal rule.
@@ -91,20 +98,37 @@ void ConditionSteps::take_attempt(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
   if (!is_held_ && known_ != state.t) evaluate(integrator, state.t, integrator.stepper->x(), branches_);
   known_ = state.t;
+  has_tried_ = true;
   tried_.t = state.tried_t;
   std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());
   evaluate(integrator, tried_.t, tried_.x, tried_.g);
 }
 
-bool ConditionSteps::may_jump(const Integrator& integrator) {
-  if (conditions_ == nullptr || !integrator.system.differentiates()) return false;
+bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivities) {
+  const bool differentiates = integrator.system.differentiates();
+  if (conditions_ == nullptr || !(differentiates || with_sensitivities)) return false;
   take_attempt(integrator);
-  return has_switched(tried_.g) && !(switches_once() && moves_as_slopes_say(integrator));
+  if (!has_switched(tried_.g)) return false;
+  if (with_sensitivities) return differentiates || !are_kinks(integrator);
+  return !(switches_once() && moves_as_slopes_say(integrator));
 }
 
-ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator) {
-  is_last_ = false;
-  if (!is_held_ && !may_jump(integrator)) return Verdict::accepted;
+// Residuals are continuous where conditions have switched.
+bool ConditionSteps::are_kinks(const Integrator& integrator) {
+  const StepState state = integrator.stepper->state();
+  integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_before_.data()});
+  if (!integrator.system.exact_derivative(tried_.x.data(), slopes_.data())) return false;
+  const HeldConditions::Point from{state.t, integrator.stepper->x().data(), slopes_before_.data()};
+  const HeldConditions::Point to{tried_.t, tried_.x.data(), slopes_.data()};
+  for (std::size_t k = 0; k < branches_.size(); ++k)
+    if ((tried_.g[k] > 0.0) != (branches_[k] > 0.0) && !conditions_->is_kink(k, branches_.data(), from, to))
+      return false;
+  return true;
+}
+
+ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool with_sensitivities) {
+  is_last_ = has_tried_ = false;
+  if (!is_held_ && !may_jump(integrator, with_sensitivities)) return Verdict::accepted;
   if (is_held_) {
     take_attempt(integrator);
     return locate(integrator);
@@ -114,13 +138,18 @@ ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator) {
   return Verdict::again;
 }
 
-// Both ends of an interval from the last point on, in which there is a zero, move toward it.
+// Both ends of an interval from the last point on, in which there is a zero, move toward it, until x moves next to
+// nothing between them. The step ends at the first of them, and the jump leads to the other.
 ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
-  const bool is_after = has_switched(tried_.g);
+  const double start = integrator.stepper->state().t;
+  // An attempt at one of the ends, or beyond the last, is what it was, whatever rounding errors make of it.
+  const bool is_final = has_after_ && tried_.t == before_.t;
+  const bool is_beyond = has_after_ && std::fabs(tried_.t - start) >= std::fabs(after_.t - start);
+  const bool is_after = !is_final && (is_beyond || has_switched(tried_.g));
   if (!is_after && !has_after_) return Verdict::accepted;
   const double width = has_after_ ? std::fabs(after_.t - before_.t) : 0.0;
   if (!has_after_) {
-    before_.t = integrator.stepper->state().t;
+    before_.t = start;
     std::copy(integrator.stepper->x().begin(), integrator.stepper->x().end(), before_.x.begin());
     evaluate(integrator, before_.t, before_.x, before_.g);
     slow_ = 0;
@@ -129,10 +158,22 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
   has_after_ = true;
   const double now = std::fabs(after_.t - before_.t), apart = distance(integrator);
   slow_ = width > 0.0 && now > 0.5 * width ? slow_ + 1 : 0;
-  const bool is_located = apart <= located || now <= 2.0 * Integrator::resolution(before_.t, after_.t);
-  is_last_ = is_located;
-  if (is_located) return Verdict::accepted;
-  end_ = next_end(apart);
+  const double least = roundings_of_gap * Integrator::resolution(before_.t, after_.t);
+  is_last_ = apart <= located || now <= 2.0 * least;
+  if (is_last_ && now < 0.5 * least) {
+    end_ = before_.t + std::copysign(least, after_.t - before_.t);
+    is_last_ = false;
+    return Verdict::again;
+  }
+  if (is_last_ && before_.t == start) {
+    is_due_ = true;
+    has_after_ = false;
+    end_.reset();
+    return Verdict::again;
+  }
+  if (is_last_ && !is_after) return Verdict::accepted;
+  end_ = is_last_ ? before_.t : next_end(apart);
+  is_last_ = false;
   return Verdict::again;
 }
 
@@ -181,9 +222,12 @@ void ConditionSteps::commit() {
   if (conditions_ == nullptr) return;
   end_.reset();
   has_after_ = false;
-  known_ = std::numeric_limits<double>::quiet_NaN();
   is_due_ = is_last_;
   if (is_held_ && !is_due_) release();
+  known_ = std::numeric_limits<double>::quiet_NaN();
+  if (!has_tried_ || is_due_) return;
+  branches_ = tried_.g;
+  known_ = tried_.t;
 }
 
 // The first condition whose value clearly says otherwise than its branch; none: their number.
@@ -191,9 +235,9 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
                                           const std::vector<double>& branches) {
   for (std::size_t i = 0; i < tolerances_.size(); ++i)
     tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.x.data());
-  conditions_->evaluate(after.t, after.x.data(), after.xdot.data(), tried_.g.data());
+  conditions_->functions().evaluate(after.t, after.x.data(), after.xdot.data(), tried_.g.data());
   const std::vector<double> clear =
-      conditions_->resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
+      conditions_->functions().resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
   for (std::size_t k = 0; k < branches.size(); ++k)
     if ((tried_.g[k] > 0.0) != (branches[k] > 0.0) && std::fabs(tried_.g[k]) > clear[k]) return k;
   return branches.size();
@@ -203,7 +247,7 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
   for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - x_at_change_[i];
   const std::size_t most = 2 * branches_.size() + 10;
-  idle_ = integrator.weights.norm(change_.data()) <= clear_move ? idle_ + 1 : 0;
+  idle_ = integrator.weights.norm(change_.data()) <= no_progress ? idle_ + 1 : 0;
   if (idle_ <= most) return;
   throw Failure(SFDAE_ZENO,
                 format("at t = %.15g conditions switch again and again while x stays where it is: both sides of one "
@@ -211,9 +255,32 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
                        integrator.stepper->state().t));
 }
 
+std::vector<double> ConditionSteps::shifts(const ConsistentPoint& at, ConstView S,
+                                           const std::vector<int>& parameters) {
+  constexpr double same = 1e-6;  // of the larger one
+  if (conditions_->functions().depend_on_derivatives())
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("at t = %.15g a condition on x' switches; with sensitivities conditions have to be on t and "
+                         "x. Make x' an unknown.",
+                         at.t));
+  std::vector<double> found;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    if ((after_.g[k] > 0.0) == (branches_[k] > 0.0)) continue;
+    const std::vector<double> one =
+        conditions_->functions().shifts(k, at.t, at.x.data(), at.xdot.data(), S, parameters);
+    if (found.empty()) found = one;
+    for (std::size_t j = 0; j < one.size(); ++j)
+      if (!(std::fabs(one[j] - found[j]) <= same * std::max(std::fabs(one[j]), std::fabs(found[j]))))
+        throw Failure(SFDAE_SINGULAR,
+                      format("at t = %.15g a condition only touches zero, or several switch whose times move "
+                             "differently: sensitivities after that do not exist. See the condition in %s.",
+                             at.t, conditions_->equation_with(k).c_str()));
+  }
+  return found;
+}
+
 ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
                                                 const std::function<ConsistentPoint()>& values_after) {
-  const double t = integrator.stepper->state().t;
   demand_progress(integrator);
   std::vector<double> branches = after_.g;
   try {
@@ -226,6 +293,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
       if (k == branches.size()) {
         branches_ = branches;
         is_due_ = false;
+        passed_ = {before_.t, after_.t};
         x_at_change_ = after.x;
         return after;
       }
@@ -235,7 +303,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
         SFDAE_NO_CONSISTENT_VALUES,
         format("at t = %.15g conditions switch, and no branches of theirs agree with the values that they lead "
                "to: see the condition in %s.",
-               t, conditions_->equation_with(k).c_str()));
+               after_.t, conditions_->equation_with(k).c_str()));
   } catch (...) {
     conditions_->hold(branches_.data());
     throw;
@@ -245,6 +313,8 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
 void ConditionSteps::archive(Archive& archive) {
   archive.small(is_due_);
   archive.reals(branches_, branches_.size());
+  for (double* const time : {&before_.t, &after_.t, &passed_.from, &passed_.to}) archive.real(*time);
+  archive.reals(after_.x, after_.x.size());
   archive.reals(after_.g, after_.g.size());
   archive.reals(x_at_change_, x_at_change_.size());
   if (!archive.is_reading()) return;

@@ -30,21 +30,30 @@ class ConditionSteps {
   // x has changed at the last point; branches that are held stay.
   void start() { known_ = std::numeric_limits<double>::quiet_NaN(); }
 
-  // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end().
-  Verdict judge(const Integrator& integrator);
+  // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end(). With
+  // sensitivities these jump where x' does: any condition is located where residuals jump.
+  Verdict judge(const Integrator& integrator, bool with_sensitivities);
   std::optional<double> end() const { return end_; }
-  // A step has been tried with success, without branches held: whether E x may have jumped in it.
-  bool may_jump(const Integrator& integrator);
+  // A step has been tried with success, without branches held: whether x, or sensitivities, may have jumped in it.
+  bool may_jump(const Integrator& integrator, bool with_sensitivities);
   // A step has failed, for whatever reason.
   void note_failure(const Integrator& integrator, StepOutcome outcome);
   // The step judged last has become the last one.
   void commit();
 
-  // A condition is zero at the last point: change_branches() is due before the next step.
+  // A condition is zero between the last point and another one, next to it: change_branches() is due before the next
+  // step, and leads there.
   bool is_due() const { return is_due_; }
+  double t_after() const { return after_.t; }
+  const std::vector<double>& x_after() const { return after_.x; }
+  // t, or the point behind such a zero that is next to t.
+  double beside(double t) const { return (t - passed_.from) * (t - passed_.to) < 0.0 ? passed_.to : t; }
   // The values after it, with branches that agree with them. values_after: by impulses, with the branches that are
   // held. Nothing has changed where this throws Failure.
   ConsistentPoint change_branches(const Integrator& integrator, const std::function<ConsistentPoint()>& values_after);
+
+  // dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there are none.
+  std::vector<double> shifts(const ConsistentPoint& at, ConstView S, const std::vector<int>& parameters);
 
   bool is_plain() const { return !is_held_ && !is_due_; }
   void archive(Archive& archive);
@@ -59,6 +68,7 @@ class ConditionSteps {
   void take_attempt(const Integrator& integrator);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
   bool moves_as_slopes_say(const Integrator& integrator);
+  bool are_kinks(const Integrator& integrator);
   void hold();
   void release();
   Verdict locate(const Integrator& integrator);
@@ -73,10 +83,14 @@ class ConditionSteps {
   std::vector<double> branches_;                             // numbers with their signs
   bool is_held_ = false, is_due_ = false;
   Attempt tried_, before_, after_;  // the last attempt; the nearest ones on both sides of the zero
-  bool has_after_ = false, is_last_ = false;
+  bool has_after_ = false, is_last_ = false, has_tried_ = false;
+  struct Zero {
+    double from = 0.0, to = 0.0;
+  };
+  Zero passed_;   // the points beside the zero passed last
   int slow_ = 0;  // attempts in a row that have not halved the interval
   std::optional<double> end_;
-  std::vector<double> slopes_, change_, tolerances_;
+  std::vector<double> slopes_, slopes_before_, change_, tolerances_;
   std::vector<double> x_at_change_;  // after the last change of branches
   std::size_t idle_ = 0;             // changes in a row between which x has not moved
 };

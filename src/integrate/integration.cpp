@@ -23,9 +23,6 @@ constexpr int max_point_failures = 12;
 // Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
 // there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
-// Of a step in which E x may jump, with sensitivities: the next one, which is to show that it does not. (Chosen, as
-// after failures.)
-constexpr double shorter_at_jump = 0.25;
 // Of the steps about a singular point that may be passed: how accurately its time is needed. (Chosen: what is nearer is
 // not extrapolated from.)
 constexpr double accuracy_for_passing = 1e-6;
@@ -79,7 +76,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   try {
     result = run(goal, one_step);
     if (result.status == SFDAE_OK) {
-      output(goal, tout, x, xdot);
+      output(conditions_.beside(goal), tout, x, xdot);
       t = tout;
     } else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) {
       return_consistent_point(t, x, xdot);
@@ -105,7 +102,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 CallResult Integration::interpolate(double t, bool may_interpolate, double* x, double* xdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
-  const double place = beside_kink(options_, integrator_, t);
+  const double place = conditions_.beside(beside_kink(options_, integrator_, t));
   if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
   // Searches for events are made with consistent points.
@@ -126,7 +123,10 @@ CallResult Integration::run(double tout, bool one_step) {
     // A singular point that was passed may have led beyond tout.
     if (integrator_.has_passed(tout)) break;
     const double t = integrator_.stepper->state().t;
-    if (conditions_.is_due()) change_branches(tout);
+    if (conditions_.is_due()) {
+      change_branches(tout);
+      continue;
+    }
     keep_to_piece(options_, integrator_.system, {t, tout, integrator_.direction}, start_);
     if (const auto gap = jump_at(options_, t, integrator_.direction)) {
       cross_jump(*gap, tout);
@@ -205,7 +205,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   if (outcome == StepOutcome::accepted && companion_) outcome = companion_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
-    if (!companion_) conditions_.note_failure(integrator_, outcome);
+    if (adjoint() == nullptr) conditions_.note_failure(integrator_, outcome);
     choice_.note_attempt(false);
     return result;
   }
@@ -256,7 +256,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   const bool is_across_kink = jumps.has_value();
   bool is_searched = true, is_jump = false;
   try {
-    is_jump = jumps && jumps->has_jump(integrator_);
+    is_jump = jumps && (jumps->has_jump(integrator_) || moves_with_parameters(h));
     if (!is_across_kink && is_tried_again(h)) return std::nullopt;
     if (!is_across_kink && watch_ && !change_) {
       const StepSearch search = watch_->find(integrator_.stepper->state().t);
@@ -306,17 +306,13 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
 // From the same point, to another time: a condition on x switches in this step of size h.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
-  double next = h;
-  if (!companion_) {
-    if (conditions_.judge(integrator_) == ConditionSteps::Verdict::accepted) return false;
-    next = std::copysign(*conditions_.end() - t, h);
-  } else {
-    if (!conditions_.may_jump(integrator_)) return false;
-    if (std::fabs(h) < room_to_locate * Integrator::smallest_step(t, t + h)) throw_jump_with_sensitivities(t);
-    next = shorter_at_jump * h;
+  if (adjoint() != nullptr) {
+    if (conditions_.may_jump(integrator_, true)) throw_jump_with_sensitivities(t);
+    return false;
   }
+  if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;
   withdraw();
-  integrator_.stepper->set_next_step(next);
+  if (!conditions_.is_due()) integrator_.stepper->set_next_step(std::copysign(*conditions_.end() - t, h));
   return true;
 }
 

@@ -61,6 +61,10 @@ class Integration {
   // Nothing where there are none.
   void archive_sensitivities(Archive& archive);
   const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
+  // Parameters of the equations have other values than at the start.
+  void parameters_changed() {
+    if (auto* const carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->parameters_changed();
+  }
   bool has_companion() const { return companion_ != nullptr; }
   // Steps end at outputs then.
   const DiscreteAdjoint* adjoint() const { return dynamic_cast<const DiscreteAdjoint*>(companion_.get()); }
@@ -135,6 +139,10 @@ class Integration {
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void change_branches(double tout);
   void go_on_after_jump(double t, const ConsistentPoint& after);
+  bool moves_with_parameters(double h);
+  std::vector<double> shifts_of_time(double to, const ConsistentPoint& before, ConstView S);
+  struct MovingSwitch;
+  void move_sensitivities(const MovingSwitch& moving, const ConsistentPoint& after);
   void record_gap(double from, double to, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout);

@@ -1,12 +1,16 @@
 // Jumps of the solution where data jump, in the driver of the integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "integrate/integration.h"
 #include "integrate/integration_results.h"
 #include "integrate/jump_rule.h"
+#include "integrate/sensitivities.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -30,20 +34,93 @@ void Integration::cross_gap(double tout) {
   cross_jump(gap, tout);
 }
 
+// The last point before x jumps, or x' does, with how the time at which this happens moves with parameters.
+struct Integration::MovingSwitch {
+  const ConsistentPoint& before;
+  double toward;
+  std::vector<double> shifts;
+};
+
+// x' jumps in a gap, at a time that depends on parameters: sensitivities jump there.
+bool Integration::moves_with_parameters(double h) {
+  constexpr double far_enough =
+      1e-3;  // of the interval of interest: residuals have their usual sizes there. (Chosen.)
+  if (!companion_ || options_.conditions == nullptr) return false;
+  const double t = integrator_.stepper->state().t;
+  if (options_.conditions->timed_switches(t, t + h).empty()) return false;
+  const double earlier = t - integrator_.direction * std::min(std::fabs(t - start_), far_enough * span_);
+  return integrator_.system.differentiates() ||
+         options_.conditions->jumps_between(t, t + h, earlier, integrator_.stepper->x().data());
+}
+
+// Of a switching time of t, which is the same for all that switch there.
+std::vector<double> Integration::shifts_of_time(double to, const ConsistentPoint& before, ConstView S) {
+  constexpr double same = 1e-6;  // of the larger one
+  const std::vector<int>& parameters = sensitivities()->parameters();
+  std::vector<double> found(parameters.size(), 0.0);
+  if (options_.conditions == nullptr) return found;
+  bool is_first = true;
+  for (const std::size_t k : options_.conditions->timed_switches(before.t, to)) {
+    const std::vector<double> one = options_.conditions->timed_functions().shifts(k, before.t, before.x.data(),
+                                                                                  before.xdot.data(), S, parameters);
+    if (std::exchange(is_first, false)) found = one;
+    for (std::size_t j = 0; j < one.size(); ++j)
+      if (!(std::fabs(one[j] - found[j]) <= same * std::max(std::fabs(one[j]), std::fabs(found[j]))))
+        throw Failure(SFDAE_SINGULAR,
+                      format("at t = %.15g conditions on t switch whose times move differently with a parameter: "
+                             "sensitivities after that do not exist.",
+                             before.t));
+  }
+  return found;
+}
+
+// [GFB99] S. Galan, W. F. Feehery, P. I. Barton: Parametric sensitivity functions for hybrid discrete/continuous
+//         systems. Appl. Numer. Math. 31 (1999), 17-47.
+void Integration::move_sensitivities(const MovingSwitch& moving, const ConsistentPoint& after) {
+  auto& carried = dynamic_cast<Sensitivities&>(*companion_);
+  const int n = integrator_.system.unknowns(), count = carried.count();
+  std::vector<double> moved = carried.last();
+  const auto add = [&](std::vector<double>& S, double sign, const std::vector<double>& xdot) {
+    for (std::size_t j = 0; j < index(count); ++j)
+      for (std::size_t i = 0; i < index(n); ++i) S[j * index(n) + i] += sign * xdot[i] * moving.shifts[j];
+  };
+  add(moved, 1.0, moving.before.xdot);
+  std::vector<double> result(moved.size());
+  const MovingJump jump{after.t,
+                        moving.toward,
+                        moving.before.x.data(),
+                        after.x.data(),
+                        carried.parameters(),
+                        moving.shifts.data(),
+                        ConstView{moved.data(), n, count, n}};
+  if (!options_.jumps->differentiate(jump, View{result.data(), n, count, n})) throw_jump_with_sensitivities(after.t);
+  add(result, -1.0, after.xdot);
+  carried.replace_last(std::move(result));
+}
+
 // The point before stays the last one where that throws.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
-  if (companion_) throw_jump_with_sensitivities(integrator_.stepper->state().t);
+  const double start = integrator_.stepper->state().t, half = 0.5 * (t - start);
+  if (adjoint() != nullptr) throw_jump_with_sensitivities(start);
   const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
   std::vector<double> before(integrator_.stepper->x().size()), slopes(before);
-  const double start = integrator_.stepper->state().t, half = 0.5 * (t - start);
   integrator_.stepper->interpolate({start, nullptr, before.data(), slopes.data()});
   before = integrator_.stepper->x();
   const auto values_after = [&] { return options_.jumps->values_after({t, toward, before.data()}); };
+  std::optional<ConsistentPoint> point;
+  if (companion_) point = options_.jumps->values_before({start, toward, integrator_.stepper->x().data()});
   // Both halves of the gap as far as slopes lead: those after it are known when its end is.
   const bool moves = move(before, half, slopes);
   ConsistentPoint after = values_after();
   if (move(before, half, after.xdot) || moves) after = values_after();
+  if (point) {
+    const ConstView S{sensitivities()->last().data(), integrator_.system.unknowns(), sensitivities()->count(),
+                      integrator_.system.unknowns()};
+    std::vector<double> shifts = shifts_of_time(t, *point, S);
+    point->x = before;
+    move_sensitivities({*point, toward, std::move(shifts)}, after);
+  }
   go_on_after_jump(t, after);
   record_gap(start, t, after.x);
 }
@@ -51,6 +128,8 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
 void Integration::go_on_after_jump(double t, const ConsistentPoint& after) {
   resize_workspace();
   integrator_.start(t, after.x, after.xdot, options_);
+  integrator_.must_restart = companion_ != nullptr;  // once more, if that fails
+  if (companion_) companion_->start(integrator_);
   integrator_.must_restart = false;
   conditions_.start();
   approach_.reset();
@@ -58,16 +137,24 @@ void Integration::go_on_after_jump(double t, const ConsistentPoint& after) {
   start_trail();
 }
 
-// At the last point a condition on x is zero. It stays the last one where that throws.
+// A condition on x is zero between the last point and one next to it. It stays the last one where that throws.
 void Integration::change_branches(double tout) {
-  const double t = integrator_.stepper->state().t;
-  const std::vector<double> before = integrator_.stepper->x();
-  const PointOfInterest point{t, integrator_.has_passed(tout) ? time_beside(t, integrator_.direction) : tout,
-                              before.data()};
+  const double start = integrator_.stepper->state().t, t = conditions_.t_after();
+  const double toward = (tout - t) * integrator_.direction > 0.0 ? tout : time_beside(t, integrator_.direction);
+  const PointOfInterest place{t, toward, conditions_.x_after().data()};
+  std::optional<ConsistentPoint> before;
+  std::vector<double> shifts;
+  if (companion_) {
+    before = options_.jumps->values_before(place);
+    const int n = integrator_.system.unknowns(), count = sensitivities()->count();
+    shifts =
+        conditions_.shifts(*before, {sensitivities()->last().data(), n, count, n}, sensitivities()->parameters());
+  }
   const ConsistentPoint after =
-      conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(point); });
+      conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(place); });
+  if (before) move_sensitivities({*before, toward, std::move(shifts)}, after);
   go_on_after_jump(t, after);
-  is_recorded_ = false;
+  record_gap(start, t, after.x);
 }
 
 // Within the gap, which begins there, the values are those after it.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "linalg/matrix.h"
+#include "system/jump.h"
 #include "system/model.h"
 
 namespace sfdae::core {
@@ -12,6 +14,11 @@ class JumpRule {
   // The consistent values at the point, where data are those after the jump, for the values before it; the system
   // stands there afterwards. Throws Failure.
   virtual ConsistentPoint values_after(const PointOfInterest& before) = 0;
+  // The consistent point there, with data as they are before the jump; nothing of an integration is disturbed. Throws
+  // Failure.
+  virtual ConsistentPoint values_before(const PointOfInterest& before) = 0;
+  // How the values after the last jump move, n x directions. False where the equations do not say it. Throws Failure.
+  virtual bool differentiate(const MovingJump& jump, View after) = 0;
 };
 
 // What carries a solution across a singular point.

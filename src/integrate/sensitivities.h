@@ -45,6 +45,9 @@ class Sensitivities final : public Companion {
 
   // At the last point, as the step has found them.
   void copy_last(double* S);
+  const std::vector<double>& last() const { return S_; }
+  // Where x jumps, or its time moves; start() is due.
+  void replace_last(std::vector<double> S) { S_ = std::move(S); }
   // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...
   void evaluate(const Integrator& integrator, double t, double* S, double* Sdot);
   // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them,
@@ -53,6 +56,8 @@ class Sensitivities final : public Companion {
   void evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot);
   // Whether that is the way.
   bool needs_stages(const Integrator& integrator, double t) const;
+
+  void parameters_changed() { system_->parameters_changed(); }
 
   const std::vector<int>& parameters() const { return system_->parameters(); }
   int count() const { return system_->count(); }

@@ -29,6 +29,7 @@ class ExtensionSensitivities final : public SensitivitySystem {
 
   int unknowns() const override { return system_.unknowns(); }
   const std::vector<int>& parameters() const override { return numbers_; }
+  void parameters_changed() override { equations_.take_parameters(); }
   PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) override;
   PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) override;
   PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) override;

@@ -9,6 +9,17 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// Start values may be found otherwise.
+ModelOptions plain(const ModelOptions& given) {
+  ModelOptions options = given;
+  options.consistency = ConsistencyRequest();
+  return options;
+}
+
+}  // namespace
+
 ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
   FormulatedModel& model = solver_.model;
   const ModelOptions& options = solver_.options.model;
@@ -21,12 +32,15 @@ ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
   return after;
 }
 
-// Start values may be found otherwise.
-ModelOptions ContinuationOfModel::options() const {
-  ModelOptions options = solver_.options.model;
-  options.consistency = ConsistencyRequest();
-  return options;
+bool JumpsOfModel::differentiate(const MovingJump& jump, View after) {
+  return solver_.model.differentiate_jump(jump, solver_.options.model, after);
 }
+
+ConsistentPoint JumpsOfModel::values_before(const PointOfInterest& before) {
+  return solver_.model.consistent_point_beside(before, plain(solver_.options.model));
+}
+
+ModelOptions ContinuationOfModel::options() const { return plain(solver_.options.model); }
 
 ConsistentPoint ContinuationOfModel::look_at(const PointOfInterest& point) {
   return solver_.model.consistent_point_beside(point, options());

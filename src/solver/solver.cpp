@@ -108,8 +108,12 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
-  if (model.evaluator() != nullptr && !model.evaluator()->record().conditions().empty())
-    conditions.emplace(*model.evaluator(), [this] { model.parameters_changed(); });
+  const Record* const record = model.evaluator() != nullptr ? &model.evaluator()->record() : nullptr;
+  if (record != nullptr && !(record->conditions().empty() && record->timed_switches().empty()))
+    conditions.emplace(*model.evaluator(), [this] {
+      model.parameters_changed();
+      if (integration) integration->parameters_changed();
+    });
   use_breakpoints(options.integration);
   use_tolerances(model, options.integration.tolerances);
 }

@@ -41,6 +41,9 @@ class SensitivitySystem {
   int count() const { return static_cast<int>(parameters().size()); }
   std::size_t size() const { return index(unknowns()) * index(count()); }
 
+  // Parameters of the equations have other values than at the start.
+  virtual void parameters_changed() = 0;
+
   // All of what follows is about the current point of the system of x, which has converged there.
   // F1 with S' = c S + rest, and F2; xdot: D_h x. S comes with a guess.
   virtual PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) = 0;

@@ -2,7 +2,6 @@
 //
 // Conditions on unknowns at which others jump, since derivatives of equations determine these.
 
-#include <sfdae/sensitivity.hpp>
 #include <sfdae/sfdae.hpp>
 #include <sfdae/solution.hpp>
 
@@ -175,30 +174,18 @@ TEST(Conditions, ThatLeadTowardEachOtherAreNamed) {
   }
 }
 
-TEST(Conditions, AtWhichUnknownsJumpEndSensitivitiesByName) {
-  auto equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
-    F[0] = x[0] - (xdot[2] - xdot[1]);
-    F[1] = (xdot[2] - xdot[1]) - xdot[1] - x[1] * parameter(t, "g", 1.0);
-    F[2] = x[2] - choose(x[3] > 1.0, 1.0, 0.0);
-    F[3] = xdot[3] - 1.0;
-  };
+// An event at the zero itself has the values before the jump or those after it, and the jump is not lost.
+TEST(Conditions, WithEventsAtTheSameTime) {
   for (const sfdae::Options& options : all_options()) {
-    sfdae::Solver solver(problem_of(4, equations), options);
-    sfdae::Sensitivities wanted;
-    wanted.parameters = {"g"};
-    solver.set_sensitivities(wanted);
+    sfdae::Solver solver(divider(), options);
+    solver.set_events(1, [](double, auto x, auto, auto g) { g[0] = x[3] - 1.0; });
     sfdae::Point point{0.0, at_rest, {}};
     solver.start(point, end);
-    ASSERT_EQ(solver.advance(0.9, point), SFDAE_OK);
-    try {
-      solver.advance(end, point);
-      ADD_FAILURE() << text_of(options);
-    } catch (const sfdae::Error& error) {
-      EXPECT_NE(std::string(error.what()).find("sensitivities cannot be carried over the jump at t = "),
-                std::string::npos)
-          << error.what();
-      EXPECT_NEAR(point.t, 1.0, 1e-9);
-    }
+    ASSERT_EQ(solver.advance(end, point), SFDAE_EVENT) << text_of(options);
+    EXPECT_NEAR(point.t, 1.0, 1e-7);
+    EXPECT_NEAR(point.x[1], 0.5 * point.x[2], 1e-6) << text_of(options);
+    ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[1], divided(end), 1e-6) << text_of(options);
   }
 }
 

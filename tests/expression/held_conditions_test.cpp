@@ -45,7 +45,7 @@ class Evaluation {
   Vector functions(double x0, double x1) {
     const Vector x = {x0, x1}, xdot = {0.0, 0.0};
     Vector g(conditions->count());
-    conditions->evaluate(0.0, x.data(), xdot.data(), g.data());
+    conditions->functions().evaluate(0.0, x.data(), xdot.data(), g.data());
     return g;
   }
 
@@ -58,7 +58,7 @@ TEST(HeldConditions, AreThoseOnUnknowns) {
   Evaluation of(equations());
   // That of max, and both of sign; the one on t can be known beforehand.
   EXPECT_EQ(of.conditions->count(), 3u);
-  EXPECT_FALSE(of.conditions->depend_on_derivatives());
+  EXPECT_FALSE(of.conditions->functions().depend_on_derivatives());
   EXPECT_EQ(of.evaluator.record().num_user_parameters(), 0);
   EXPECT_FALSE(of.evaluator.find_parameter("branch 1"));
 }
@@ -88,11 +88,54 @@ TEST(HeldConditions, DecideAsTheirValuesSayUnlessTheyAreHeld) {
 TEST(HeldConditions, KnowByHowMuchTheirValuesMayChange) {
   Evaluation of(equations());
   const Vector x = {1.0, 2.0}, xdot = {0.0, 0.0}, changes = {0.1, 0.01};
-  Vector resolution = of.conditions->resolution(0.0, x.data(), xdot.data(), changes.data());
+  Vector resolution = of.conditions->functions().resolution(0.0, x.data(), xdot.data(), changes.data());
   std::sort(resolution.begin(), resolution.end());
   EXPECT_DOUBLE_EQ(resolution[0], 0.01);
   EXPECT_DOUBLE_EQ(resolution[1], 0.1);
   EXPECT_DOUBLE_EQ(resolution[2], 0.1);
+}
+
+// Of max(x1 - 1, 0) at x1 = 1 along x' = (1, 4): with dx/dp = (0, 2) its time moves by -1/2.
+TEST(HeldConditions, KnowHowTheirTimesMove) {
+  Evaluation of(equations());
+  const Vector x = {3.0, 1.0}, xdot = {1.0, 4.0}, S = {0.0, 2.0, 1.0, 0.0};
+  const auto shifts = of.conditions->functions().shifts(0, 0.0, x.data(), xdot.data(), {S.data(), 2, 2, 2}, {-1, -1});
+  EXPECT_EQ(shifts, (Vector{-0.5, 0.0}));
+}
+
+TEST(HeldConditions, KnowKinksFromJumps) {
+  Evaluation of(equations());
+  const Vector before = {-1.0, 0.9}, after = {1.0, 1.2}, xdot = {0.0, 0.0};
+  const Vector g = of.functions(-1.0, 0.9);
+  const HeldConditions::Point from{0.0, before.data(), xdot.data()}, to{0.0, after.data(), xdot.data()};
+  EXPECT_TRUE(of.conditions->is_kink(0, g.data(), from, to));
+  EXPECT_FALSE(of.conditions->is_kink(1, g.data(), from, to));
+}
+
+// t % p > 0.3: the condition switches at 0.3 and, since the remainder jumps, at p, where only the latter moves.
+TEST(HeldConditions, KnowWhatSwitchesBecauseOfTimeAndParameters) {
+  Recorder recorder(1);
+  const int p = recorder.parameter("p", 0.7);
+  const int rest = recorder.apply(Operation::modulo, recorder.time(), p);
+  const int when = recorder.greater(rest, recorder.constant(0.3));
+  const int fixed = recorder.greater(recorder.time(), recorder.constant(0.5));
+  const int rate = recorder.apply(Operation::add, when, fixed);
+  Evaluation of(recorder.finish({recorder.apply(Operation::subtract, recorder.derivative(0), rate)}));
+  constexpr double roundings = 1e-14;
+  const auto at = [&](double t) { return of.conditions->timed_switches(t - roundings, t + roundings); };
+  ASSERT_EQ(at(0.3).size(), 1u);
+  ASSERT_EQ(at(0.7).size(), 1u);
+  EXPECT_TRUE(at(0.5).empty());
+  EXPECT_NE(at(0.3), at(0.7));
+  const Vector nothing = {0.0};
+  const auto shift = [&](double t) {
+    return of.conditions->timed_functions().shifts(at(t)[0], t - roundings, nothing.data(), nothing.data(),
+                                                   {nothing.data(), 1, 1, 1}, {0})[0];
+  };
+  EXPECT_NEAR(shift(0.3), 0.0, 1e-12);
+  EXPECT_NEAR(shift(0.7), 1.0, 1e-12);
+  EXPECT_TRUE(of.conditions->jumps_between(0.3 - roundings, 0.3 + roundings, 0.2, nothing.data()));
+  EXPECT_FALSE(of.conditions->jumps_between(0.4 - roundings, 0.4 + roundings, 0.2, nothing.data()));
 }
 
 // A condition that cannot be evaluated is not met, and the others are known.

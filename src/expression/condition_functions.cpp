@@ -1,0 +1,92 @@
+// Functions on whose values branches of recorded equations depend.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/condition_functions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "expression/node_copies.h"
+#include "expression/recorder.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// With unknowns in place of the user's parameters.
+std::shared_ptr<const Record> functions_of(const Record& record, const std::vector<int>& nodes) {
+  const int n = record.n(), user = record.num_user_parameters();
+  Recorder recorder(n + user);
+  const auto node_of = [&](int k) { return k < user ? recorder.unknown(n + k) : recorder.constant(0.0); };
+  const std::vector<int> copies = copy_with(node_of, record, Derivatives::kept, recorder);
+  std::vector<int> functions;
+  for (const int node : nodes) functions.push_back(copies[index(node)]);
+  return recorder.finish(std::move(functions));
+}
+
+}  // namespace
+
+ConditionFunctions::ConditionFunctions(const TaylorEvaluator& evaluator, const std::vector<int>& nodes)
+    : evaluator_(evaluator),
+      n_(index(evaluator.record().n())),
+      width_(n_ + index(evaluator.record().num_user_parameters())) {
+  if (nodes.empty()) return;
+  functions_.emplace(functions_of(evaluator.record(), nodes));
+  jet_.resize(3 * width_);
+  for (const int node : nodes) {
+    alone_.push_back({static_cast<int>(alone_.size())});
+    depend_on_derivatives_ = depend_on_derivatives_ || (evaluator.record().dependence(node) & on_derivatives) != 0;
+  }
+}
+
+void ConditionFunctions::load(const double* x, const double* xdot) {
+  std::copy_n(x, n_, jet_.begin());
+  for (std::size_t i = n_; i < width_; ++i) jet_[i] = evaluator_.parameter(static_cast<int>(i - n_));
+  const auto slopes = jet_.begin() + static_cast<std::ptrdiff_t>(width_);
+  std::fill_n(slopes, width_, 0.0);
+  if (xdot != nullptr) std::copy_n(xdot, n_, slopes);
+}
+
+void ConditionFunctions::evaluate(double t, const double* x, const double* xdot, double* g) {
+  load(x, depend_on_derivatives_ ? xdot : nullptr);
+  if (functions_->values(t, jet_.data(), 0, g)) return;
+  for (std::size_t k = 0; k < count(); ++k)
+    if (!functions_->values_of(alone_[k], t, jet_.data(), 0, g)) g[k] = std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<double> ConditionFunctions::resolution(double t, const double* x, const double* xdot,
+                                                   const double* changes) {
+  load(x, xdot);
+  std::vector<double> g(count()), gradients(count() * width_),
+      result(count(), std::numeric_limits<double>::infinity());
+  if (!functions_->gradients(t, jet_.data(), {0, -1, 0}, g.data(), nullptr, gradients.data())) return result;
+  std::fill(result.begin(), result.end(), 0.0);
+  for (std::size_t j = 0; j < n_; ++j)
+    for (std::size_t k = 0; k < count(); ++k) result[k] += std::fabs(gradients[j * count() + k]) * changes[j];
+  return result;
+}
+
+std::vector<double> ConditionFunctions::shifts(std::size_t k, double t, const double* x, const double* xdot,
+                                               ConstView S, const std::vector<int>& parameters) {
+  load(x, xdot);
+  std::fill(jet_.begin() + static_cast<std::ptrdiff_t>(2 * width_), jet_.end(), 0.0);
+  std::vector<double> result(parameters.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> rates(2 * count()), gradients(count() * width_);
+  // Column 1 has the derivatives by t along x'.
+  if (!functions_->values(t, jet_.data(), 1, rates.data()) ||
+      !functions_->gradients(t, jet_.data(), {0, -1, 0}, rates.data(), nullptr, gradients.data()))
+    return result;
+  functions_->values(t, jet_.data(), 1, rates.data());
+  const auto gradient = [&](std::size_t i) { return gradients[i * count() + k]; };
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    double change = parameters[j] >= 0 ? gradient(n_ + index(parameters[j])) : 0.0;
+    for (std::size_t i = 0; i < n_; ++i) change += gradient(i) * S(static_cast<int>(i), static_cast<int>(j));
+    result[j] = change == 0.0 ? 0.0 : -change / rates[count() + k];
+  }
+  return result;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,44 @@
+// Functions g(t, x, x', p) on whose values branches of recorded equations depend: their values, how well these are
+// known, and how the time at which one of them has a certain value moves with parameters.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+class ConditionFunctions {
+ public:
+  // Nodes of the record of the evaluator, which lives as long as this; parameters are those that it has when this is
+  // asked. Those of conditions count as 0.
+  ConditionFunctions(const TaylorEvaluator& evaluator, const std::vector<int>& nodes);
+
+  std::size_t count() const { return alone_.size(); }
+  bool depend_on_derivatives() const { return depend_on_derivatives_; }
+  // At a point, a number for each; NaN where one cannot be evaluated. Nothing is allocated.
+  void evaluate(double t, const double* x, const double* xdot, double* g);
+  // By how much each may change if x changes by so much (n values); infinite where that cannot be evaluated.
+  std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
+  // dt/dp of the time at which function k has the value that it has at the point, for each direction j: x moves by
+  // column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. Not finite where the
+  // function stands still. No function of x'.
+  std::vector<double> shifts(std::size_t k, double t, const double* x, const double* xdot, ConstView S,
+                             const std::vector<int>& parameters);
+
+ private:
+  void load(const double* x, const double* xdot);
+
+  const TaylorEvaluator& evaluator_;
+  std::size_t n_, width_;  // of unknowns; with parameters, which are unknowns of functions_
+  std::optional<TaylorEvaluator> functions_;
+  bool depend_on_derivatives_ = false;
+  std::vector<double> jet_;
+  std::vector<std::vector<int>> alone_;  // each function's number
+};
+
+}  // namespace sfdae::core
