@@ -141,7 +141,7 @@ std::vector<int> nodes_of(const std::vector<TimedSwitch>& switches) {
 
 // The number of the branch that a value leads to.
 double branch_at(const TimedSwitch& timed, double value) {
-  if (timed.operation == Operation::choose) return value > 0.0 ? 1.0 : 0.0;
+  if (timed.operation == Operation::choose) return is_met(value) ? 1.0 : 0.0;
   if (timed.operation != Operation::function) return std::floor(value);
   const std::vector<double>& knots = timed.table->breakpoints();
   return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), value) - knots.begin());
@@ -165,12 +165,15 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       on_line_(conditions_.size()) {}
 
 void HeldConditions::hold(const double* g) {
+  are_held_ = true;
   for (std::size_t k = 0; k < count(); ++k)
-    evaluator_.set_parameter(conditions_[k].parameter, g[k] > 0.0 ? held : -held);
+    evaluator_.set_parameter(conditions_[k].parameter, is_met(g[k]) ? held : -held);
   changed_();
 }
 
 void HeldConditions::release() {
+  if (!are_held_) return;
+  are_held_ = false;
   for (const Condition& condition : conditions_) evaluator_.set_parameter(condition.parameter, 0.0);
   changed_();
 }
@@ -205,7 +208,7 @@ bool HeldConditions::residuals(double t, const double* jet, const double* g, std
   for (int i = 0; i < evaluator_.record().num_user_parameters(); ++i)
     beside_->set_parameter(i, evaluator_.parameter(i));
   for (std::size_t k = 0; k < count(); ++k)
-    beside_->set_parameter(conditions_[k].parameter, g == nullptr ? 0.0 : g[k] > 0.0 ? held : -held);
+    beside_->set_parameter(conditions_[k].parameter, g == nullptr ? 0.0 : is_met(g[k]) ? held : -held);
   return beside_->values(t, jet, 0, F.data());
 }
 
@@ -223,10 +226,10 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
     return true;
   };
   double low = 0.0, high = 1.0;
-  const bool is_positive = value_on_line(k, from, to, low) > 0.0;
+  const bool is_positive = is_met(value_on_line(k, from, to, low));
   for (int halving = 0; halving < halvings; ++halving) {
     const double middle = 0.5 * (low + high);
-    ((value_on_line(k, from, to, middle) > 0.0) == is_positive ? low : high) = middle;
+    (is_met(value_on_line(k, from, to, middle)) == is_positive ? low : high) = middle;
   }
   std::vector<double> at_zero(values_.size()), at_start(at_zero), at_end(at_zero);
   // A branch that ends at the zero says nothing about it.

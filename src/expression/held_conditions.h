@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -18,6 +19,9 @@ namespace sfdae::core {
 
 // The same equations, with conditions that can be held, and with what else switches at times that depend on parameters.
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record);
+
+// Of a value of g, which may be NaN.
+inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class HeldConditions {
  public:
@@ -57,6 +61,7 @@ class HeldConditions {
   std::function<void()> changed_;
   const std::vector<Condition>& conditions_;
   ConditionFunctions functions_, timed_functions_;
+  bool are_held_ = false;
   std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
   std::vector<double> jet_, values_, other_, on_line_;
 };

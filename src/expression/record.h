@@ -141,9 +141,7 @@ class Record {
   std::string name(int equation) const;
   const EquationNames& equation_names() const { return parts_.equation_names; }
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
-  int num_user_parameters() const {
-    return static_cast<int>(parts_.parameters.size() - parts_.conditions.size());
-  }
+  int num_user_parameters() const { return static_cast<int>(parts_.parameters.size() - parts_.conditions.size()); }
   const std::vector<Condition>& conditions() const { return parts_.conditions; }
   const std::vector<TimedSwitch>& timed_switches() const { return parts_.timed_switches; }
 

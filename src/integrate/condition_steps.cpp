@@ -40,7 +40,7 @@ void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
 
 bool ConditionSteps::has_switched(const std::vector<double>& g) const {
   for (std::size_t k = 0; k < g.size(); ++k)
-    if ((g[k] > 0.0) != (branches_[k] > 0.0)) return true;
+    if (is_met(g[k]) != is_met(branches_[k])) return true;
   return false;
 }
 
@@ -49,7 +49,7 @@ bool ConditionSteps::switches_once() const {
   constexpr double same = 1e-9;  // of the step; rounding errors are smaller
   double first = 2.0, last = -1.0;
   for (std::size_t k = 0; k < branches_.size(); ++k) {
-    if ((tried_.g[k] > 0.0) == (branches_[k] > 0.0)) continue;
+    if (is_met(tried_.g[k]) == is_met(branches_[k])) continue;
     const double at_zero = branches_[k] / (branches_[k] - tried_.g[k]);
     if (!std::isfinite(at_zero)) return false;
     first = std::min(first, at_zero);
@@ -121,7 +121,7 @@ bool ConditionSteps::are_kinks(const Integrator& integrator) {
   const HeldConditions::Point from{state.t, integrator.stepper->x().data(), slopes_before_.data()};
   const HeldConditions::Point to{tried_.t, tried_.x.data(), slopes_.data()};
   for (std::size_t k = 0; k < branches_.size(); ++k)
-    if ((tried_.g[k] > 0.0) != (branches_[k] > 0.0) && !conditions_->is_kink(k, branches_.data(), from, to))
+    if (is_met(tried_.g[k]) != is_met(branches_[k]) && !conditions_->is_kink(k, branches_.data(), from, to))
       return false;
   return true;
 }
@@ -190,7 +190,7 @@ double ConditionSteps::next_end(double distance) {
   double part = 1.0;
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const double at_a = before_.g[k], at_b = after_.g[k];
-    if ((at_b > 0.0) == (branches_[k] > 0.0)) continue;
+    if (is_met(at_b) == is_met(branches_[k])) continue;
     const double at_zero = at_a / (at_a - at_b);
     part = std::min(part, std::isfinite(at_zero) ? std::clamp(at_zero, 0.0, 1.0) : 0.5);
   }
@@ -239,7 +239,7 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
   const std::vector<double> clear =
       conditions_->functions().resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
   for (std::size_t k = 0; k < branches.size(); ++k)
-    if ((tried_.g[k] > 0.0) != (branches[k] > 0.0) && std::fabs(tried_.g[k]) > clear[k]) return k;
+    if (is_met(tried_.g[k]) != is_met(branches[k]) && std::fabs(tried_.g[k]) > clear[k]) return k;
   return branches.size();
 }
 
@@ -265,7 +265,7 @@ std::vector<double> ConditionSteps::shifts(const ConsistentPoint& at, ConstView 
                          at.t));
   std::vector<double> found;
   for (std::size_t k = 0; k < branches_.size(); ++k) {
-    if ((after_.g[k] > 0.0) == (branches_[k] > 0.0)) continue;
+    if (is_met(after_.g[k]) == is_met(branches_[k])) continue;
     const std::vector<double> one =
         conditions_->functions().shifts(k, at.t, at.x.data(), at.xdot.data(), S, parameters);
     if (found.empty()) found = one;
@@ -286,7 +286,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
   try {
     std::size_t k = 0;
     for (std::size_t round = 0; round <= branches.size(); ++round) {
-      for (double& branch : branches) branch = branch > 0.0 ? 1.0 : -1.0;
+      for (double& branch : branches) branch = is_met(branch) ? 1.0 : -1.0;
       conditions_->hold(branches.data());
       ConsistentPoint after = values_after();
       k = contradiction(integrator, after, branches);
@@ -308,6 +308,12 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
     conditions_->hold(branches_.data());
     throw;
   }
+}
+
+void ConditionSteps::restore_branches() {
+  if (conditions_ == nullptr) return;
+  if (is_held_) conditions_->hold(branches_.data());
+  else conditions_->release();
 }
 
 void ConditionSteps::archive(Archive& archive) {

@@ -55,6 +55,8 @@ class ConditionSteps {
   // dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there are none.
   std::vector<double> shifts(const ConsistentPoint& at, ConstView S, const std::vector<int>& parameters);
 
+  // Branches of the equations are those that they have here.
+  void restore_branches();
   bool is_plain() const { return !is_held_ && !is_due_; }
   void archive(Archive& archive);
 

@@ -61,6 +61,8 @@ class Integration {
   // Nothing where there are none.
   void archive_sensitivities(Archive& archive);
   const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
+  // Of the equations, where another integration has had others.
+  void restore_branches() { conditions_.restore_branches(); }
   // Parameters of the equations have other values than at the start.
   void parameters_changed() {
     if (auto* const carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->parameters_changed();

@@ -372,8 +372,14 @@ void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
   std::optional<WantedSensitivities> wanted;
   if (sensitivities) wanted.emplace(WantedSensitivities{sensitivities->parameters, sensitivities->options});
   const std::size_t begin = end_of_identity(*this, saved);
-  integration = core::restore_checkpoint(model, options.model, options.integration,
-                                         {saved.values + begin, saved.length - begin}, wanted ? &*wanted : nullptr);
+  try {
+    integration = core::restore_checkpoint(model, options.model, options.integration,
+                                           {saved.values + begin, saved.length - begin}, wanted ? &*wanted : nullptr);
+  } catch (...) {
+    if (integration) integration->restore_branches();
+    throw;
+  }
+  integration->restore_branches();
   breakpoints->set_differentiations(system()->analysis().values.mu);
   jumps.forget();
   integration->record(solution);

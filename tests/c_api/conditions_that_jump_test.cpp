@@ -197,6 +197,7 @@ TEST(Conditions, AreInCheckpoints) {
     solver.start(point, end);
     ASSERT_EQ(solver.advance(end, last), SFDAE_OK);
     solver.start(point, end);
+    Vector previous = solver.save_checkpoint();
     while (point.t < end) {
       solver.step(end, point);
       if (point.t >= end) break;
@@ -206,6 +207,12 @@ TEST(Conditions, AreInCheckpoints) {
       again.x = at_rest;
       ASSERT_EQ(other.advance(end, again), SFDAE_OK);
       ASSERT_EQ(again.x, last.x) << text_of(options) << ", t = " << point.t;
+      // Whatever branches the integration before has held.
+      other.restore_checkpoint(checkpoint);
+      other.restore_checkpoint(previous);
+      ASSERT_EQ(other.advance(end, again), SFDAE_OK);
+      ASSERT_EQ(again.x, last.x) << text_of(options) << ", before t = " << point.t;
+      previous = checkpoint;
     }
   }
 }
