@@ -73,7 +73,8 @@ SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      
 /* Functions with kinks, or jumps: their derivatives are those of the branch that holds at the point. Steps end where
  * such functions of t switch; if E x has to jump there, x jumps by impulses (modes.h). Where derivatives of equations
  * are needed, conditions of functions of x at which E x has to jump are found in the same way, and so are those at
- * which an algebraic equation has no solution near the last one; floor, modulo and tables of x are not. Steps that
+ * which an algebraic equation has no solution near the last one; where floor, modulo or tables of x make E x jump the
+ * call ends with SFDAE_STEP_TOO_SMALL. Steps that
  * meet other switches of functions of x fail until they are short enough for the error test; to end a step there, use
  * an event (sfdae_set_events). SFDAE_ZENO: both branches of a condition lead back to its zero. */
 SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */

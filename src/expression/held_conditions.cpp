@@ -41,28 +41,27 @@ std::string unused_name(const Record& record, std::size_t number) {
   return name;
 }
 
-// The first operand of such a node, if it depends on t and on parameters alone.
-std::optional<TimedSwitch> timed_switch(const Record& record, int i) {
+// The first operand of a node that switches, what it depends on with the others, and what it switches at.
+struct Switching {
+  SwitchingNode at;
+  Dependence dependence = 0;
+  bool is_timed() const { return dependence == (on_time | on_parameters); }
+  // Choices can be held.
+  bool is_stepped() const { return (dependence & on_state) != 0 && at.operation != Operation::choose; }
+};
+std::optional<Switching> switching_at(const Record& record, int i) {
   const Node node = record.node(i);
-  const auto is_timed = [&](Dependence dependence) { return dependence == (on_time | on_parameters); };
   switch (node.operation) {
     case Operation::choose:
-    case Operation::floor:
-      if (is_timed(record.dependence(node.a))) return TimedSwitch{node.operation, node.a};
-      break;
+    case Operation::floor: return Switching{{node.operation, node.a}, record.dependence(node.a)};
     case Operation::modulo:
-      if (is_timed(record.dependence(node.a) | record.dependence(node.b)))
-        return TimedSwitch{Operation::floor, node.a};
-      break;
-    case Operation::function: {
-      const FunctionCall& call = record.call(i);
-      if (!call.function->breakpoints().empty() && is_timed(record.dependence(call.arguments[0])))
-        return TimedSwitch{node.operation, call.arguments[0], call.function.get()};
-      break;
-    }
-    default: break;
+      return Switching{{Operation::floor, node.a}, record.dependence(node.a) | record.dependence(node.b)};
+    case Operation::function: break;
+    default: return std::nullopt;
   }
-  return std::nullopt;
+  const FunctionCall& call = record.call(i);
+  if (call.function->breakpoints().empty()) return std::nullopt;
+  return Switching{{node.operation, call.arguments[0], call.function.get()}, record.dependence(call.arguments[0])};
 }
 
 // Parameters in the conditions of choices, if these vary with x.
@@ -76,25 +75,28 @@ class Branches {
         record_, recorder_, [this](int choice, int condition) { return with_branch(choice, condition); });
     std::vector<int> residuals;
     for (int i = 0; i < record_.m(); ++i) residuals.push_back(copies[index(record_.residual(i))]);
-    recorder_.set_switches(std::move(conditions_), timed_switches(copies));
+    std::vector<SwitchingNode> timed = switches(copies, &Switching::is_timed);
+    std::vector<SwitchingNode> stepped = switches(copies, &Switching::is_stepped);
+    recorder_.set_switches(std::move(conditions_), std::move(timed), std::move(stepped));
     return recorder_.finish(std::move(residuals), record_.equation_names());
   }
 
  private:
-  std::vector<TimedSwitch> timed_switches(const std::vector<int>& copies) {
-    std::vector<TimedSwitch> switches;
+  // Those with that property, in the copy.
+  std::vector<SwitchingNode> switches(const std::vector<int>& copies, bool (Switching::*has_property)() const) {
+    std::vector<SwitchingNode> found;
     for (int i = 0; i < record_.num_nodes(); ++i) {
       if (!is_live_[index(i)]) continue;
-      const std::optional<TimedSwitch> timed = timed_switch(record_, i);
-      if (!timed) continue;
+      const std::optional<Switching> switching = switching_at(record_, i);
+      if (!switching || !((*switching).*has_property)()) continue;
       const Node node = record_.node(i);
-      const int first = copies[index(timed->node)];
+      const int first = copies[index(switching->at.node)];
       const int place = node.operation == Operation::modulo
                             ? recorder_.apply(Operation::divide, first, copies[index(node.b)])
                             : first;
-      switches.push_back({timed->operation, place, timed->table});
+      found.push_back({switching->at.operation, place, switching->at.table});
     }
-    return switches;
+    return found;
   }
 
   int with_branch(int choice, int g) {
@@ -122,7 +124,8 @@ bool has_conditions(const Record& record) {
   for (int i = 0; i < record.num_nodes(); ++i) {
     const Node node = record.node(i);
     if (node.operation == Operation::choose && varies[index(node.a)] != 0) return true;
-    if (timed_switch(record, i)) return true;
+    const std::optional<Switching> switching = switching_at(record, i);
+    if (switching && (switching->is_timed() || switching->is_stepped())) return true;
   }
   return false;
 }
@@ -133,17 +136,17 @@ std::vector<int> nodes_of(const std::vector<Condition>& conditions) {
   return nodes;
 }
 
-std::vector<int> nodes_of(const std::vector<TimedSwitch>& switches) {
+std::vector<int> nodes_of(const std::vector<SwitchingNode>& switches) {
   std::vector<int> nodes;
-  for (const TimedSwitch& timed : switches) nodes.push_back(timed.node);
+  for (const SwitchingNode& each : switches) nodes.push_back(each.node);
   return nodes;
 }
 
 // The number of the branch that a value leads to.
-double branch_at(const TimedSwitch& timed, double value) {
-  if (timed.operation == Operation::choose) return is_met(value) ? 1.0 : 0.0;
-  if (timed.operation != Operation::function) return std::floor(value);
-  const std::vector<double>& knots = timed.table->breakpoints();
+double branch_at(const SwitchingNode& at, double value) {
+  if (at.operation == Operation::choose) return is_met(value) ? 1.0 : 0.0;
+  if (at.operation != Operation::function) return std::floor(value);
+  const std::vector<double>& knots = at.table->breakpoints();
   return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), value) - knots.begin());
 }
 
@@ -159,10 +162,13 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       conditions_(evaluator.record().conditions()),
       functions_(evaluator, nodes_of(conditions_)),
       timed_functions_(evaluator, nodes_of(evaluator.record().timed_switches())),
+      stepped_functions_(evaluator, nodes_of(evaluator.record().stepped_switches())),
       jet_(2 * index(evaluator.record().n())),
       values_(index(evaluator.record().m())),
       other_(values_.size()),
-      on_line_(conditions_.size()) {}
+      on_line_(conditions_.size()),
+      stepped_before_(stepped_functions_.count()),
+      stepped_after_(stepped_functions_.count()) {}
 
 void HeldConditions::hold(const double* g) {
   are_held_ = true;
@@ -178,10 +184,32 @@ void HeldConditions::release() {
   changed_();
 }
 
+// At values that are no numbers there is none.
+std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, const Point& to) {
+  const std::vector<SwitchingNode>& all = evaluator_.record().stepped_switches();
+  if (all.empty()) return std::nullopt;
+  stepped_functions_.evaluate(from.t, from.x, from.xdot, stepped_before_.data());
+  stepped_functions_.evaluate(to.t, to.x, to.xdot, stepped_after_.data());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double before = stepped_before_[k], after = stepped_after_[k];
+    if (std::isfinite(before) && std::isfinite(after) && branch_at(all[k], before) != branch_at(all[k], after))
+      return k;
+  }
+  return std::nullopt;
+}
+
 std::string HeldConditions::equation_with(std::size_t condition) const {
+  return equation_with_node(conditions_[condition].node);
+}
+
+std::string HeldConditions::equation_with_stepped(std::size_t which) const {
+  return equation_with_node(evaluator_.record().stepped_switches()[which].node);
+}
+
+std::string HeldConditions::equation_with_node(int node) const {
   const Record& record = evaluator_.record();
   std::vector<char> contains(index(record.num_nodes()), 0);
-  contains[index(conditions_[condition].node)] = 1;
+  contains[index(node)] = 1;
   for (int i = 0; i < record.num_nodes(); ++i) {
     const Operands operands = record.operands(i);
     for (int k = 0; k < operands.size(); ++k)
@@ -242,7 +270,7 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
 std::vector<std::size_t> HeldConditions::timed_switches(double from, double to) {
   constexpr double apart = 100.0;  // of the time between: how far back a function is looked at
   constexpr double part = 0.5;  // of what it has changed by since then: a function that does not jump changes by less
-  const std::vector<TimedSwitch>& all = evaluator_.record().timed_switches();
+  const std::vector<SwitchingNode>& all = evaluator_.record().timed_switches();
   std::vector<std::size_t> found;
   if (all.empty()) return found;
   const std::vector<double> nothing(jet_.size() / 2, 0.0);

@@ -53,17 +53,24 @@ class HeldConditions {
   std::vector<std::size_t> timed_switches(double from, double to);
   bool jumps_between(double from, double to, double earlier, const double* x);
 
+  // Floors, remainders and tables of x or x', which cannot be held: one that switches from one point to another, and
+  // the equation that contains it.
+  ConditionFunctions& stepped_functions() { return stepped_functions_; }
+  std::optional<std::size_t> stepped_switch(const Point& from, const Point& to);
+  std::string equation_with_stepped(std::size_t which) const;
+
  private:
+  std::string equation_with_node(int node) const;
   double value_on_line(std::size_t k, const Point& from, const Point& to, double part);
   bool residuals(double t, const double* jet, const double* g, std::vector<double>& F);
 
   TaylorEvaluator& evaluator_;
   std::function<void()> changed_;
   const std::vector<Condition>& conditions_;
-  ConditionFunctions functions_, timed_functions_;
+  ConditionFunctions functions_, timed_functions_, stepped_functions_;
   bool are_held_ = false;
   std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
-  std::vector<double> jet_, values_, other_, on_line_;
+  std::vector<double> jet_, values_, other_, on_line_, stepped_before_, stepped_after_;
 };
 
 }  // namespace sfdae::core

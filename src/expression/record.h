@@ -90,9 +90,9 @@ struct Condition {
   int node, parameter;
 };
 
-// A node that depends on t and the user's parameters alone. Equations switch where it is 0, the condition of a choice,
-// an integer (floor), or a knot of a table.
-struct TimedSwitch {
+// A node at certain values of which equations switch: at 0, if it is the condition of a choice, at integers (floor), or
+// at knots of a table.
+struct SwitchingNode {
   Operation operation;
   int node;
   const PointFunction* table = nullptr;
@@ -115,10 +115,11 @@ class Record {
     std::vector<Node> nodes;
     std::vector<double> constants;
     std::vector<FunctionCall> calls;
-    std::vector<Parameter> parameters;  // the user's, then those of conditions
-    std::vector<Condition> conditions;  // that can be held
-    std::vector<TimedSwitch> timed_switches;
-    std::vector<int> residuals;  // nodes, one for each equation
+    std::vector<Parameter> parameters;            // the user's, then those of conditions
+    std::vector<Condition> conditions;            // that can be held
+    std::vector<SwitchingNode> timed_switches;    // of t and the user's parameters alone
+    std::vector<SwitchingNode> stepped_switches;  // of x or x', which cannot be held
+    std::vector<int> residuals;                   // nodes, one for each equation
     EquationNames equation_names;
     std::vector<std::string> formulas;  // what messages call equations that are none, entries of M, say; else empty
   };
@@ -143,7 +144,8 @@ class Record {
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
   int num_user_parameters() const { return static_cast<int>(parts_.parameters.size() - parts_.conditions.size()); }
   const std::vector<Condition>& conditions() const { return parts_.conditions; }
-  const std::vector<TimedSwitch>& timed_switches() const { return parts_.timed_switches; }
+  const std::vector<SwitchingNode>& timed_switches() const { return parts_.timed_switches; }
+  const std::vector<SwitchingNode>& stepped_switches() const { return parts_.stepped_switches; }
 
   // Sparsity of F_x and F_x'.
   std::span<const Entry> entries(int equation) const {

@@ -62,9 +62,11 @@ class Recorder {
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names = {});
   // What the next equations have: conditions that can be held, whose parameters are the last ones, and the other.
-  void set_switches(std::vector<Condition> conditions, std::vector<TimedSwitch> timed) {
+  void set_switches(std::vector<Condition> conditions, std::vector<SwitchingNode> timed,
+                    std::vector<SwitchingNode> stepped) {
     parts_.conditions = std::move(conditions);
     parts_.timed_switches = std::move(timed);
+    parts_.stepped_switches = std::move(stepped);
   }
   // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
   std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,

@@ -23,11 +23,18 @@ constexpr double roundings_of_gap = 32.0;
 // Changes of branches in a row between which x moves by less, in tolerances, lead nowhere. (Chosen, as in hybrid
 // systems.)
 constexpr double no_progress = 10.0;
+// Of a step in which E x moves otherwise than slopes say, where what cannot be held switches: the next one. (Chosen, as
+// after failures.)
+constexpr double shorter_at_switch = 0.25;
+
+bool has_switches(HeldConditions& conditions) {
+  return conditions.count() > 0 || conditions.stepped_functions().count() > 0;
+}
 
 }  // namespace
 
 void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
-  conditions_ = conditions != nullptr && conditions->count() > 0 ? conditions : nullptr;
+  conditions_ = conditions != nullptr && has_switches(*conditions) ? conditions : nullptr;
   if (conditions_ == nullptr) return;
   for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &x_at_change_})
     each->resize(n);
@@ -106,7 +113,7 @@ void ConditionSteps::take_attempt(const Integrator& integrator) {
 
 bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivities) {
   const bool differentiates = integrator.system.differentiates();
-  if (conditions_ == nullptr || !(differentiates || with_sensitivities)) return false;
+  if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;
   take_attempt(integrator);
   if (!has_switched(tried_.g)) return false;
   if (with_sensitivities) return differentiates || !are_kinks(integrator);
@@ -123,6 +130,31 @@ bool ConditionSteps::are_kinks(const Integrator& integrator) {
   for (std::size_t k = 0; k < branches_.size(); ++k)
     if (is_met(tried_.g[k]) != is_met(branches_[k]) && !conditions_->is_kink(k, branches_.data(), from, to))
       return false;
+  return true;
+}
+
+// Where what cannot be held switches: the step becomes shorter until slopes explain what E x does, or it is known that
+// E x jumps there.
+bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
+  if (conditions_ == nullptr || conditions_->stepped_functions().count() == 0) return false;
+  if (is_held_ || !integrator.system.differentiates()) return false;
+  const StepState state = integrator.stepper->state();
+  tried_.t = state.tried_t;
+  std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());
+  if (conditions_->stepped_functions().depend_on_derivatives()) {
+    integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_before_.data()});
+    integrator.system.exact_derivative(tried_.x.data(), slopes_.data());
+  }
+  const auto found = conditions_->stepped_switch({state.t, integrator.stepper->x().data(), slopes_before_.data()},
+                                                 {tried_.t, tried_.x.data(), slopes_.data()});
+  if (!found || moves_as_slopes_say(integrator)) return false;
+  const double h = state.tried_t - state.t;
+  if (std::fabs(h) < Integrator::smallest_step(state.t, state.tried_t) / shorter_at_switch)
+    throw Failure(SFDAE_STEP_TOO_SMALL,
+                  format("at t = %.15g a table, floor or remainder of x switches, and unknowns whose derivatives are "
+                         "needed jump: see %s. Write it with conditions (choose), or stop there by an event.",
+                         state.t, conditions_->equation_with_stepped(*found).c_str()));
+  end_ = state.t + shorter_at_switch * h;
   return true;
 }
 
@@ -205,6 +237,7 @@ void ConditionSteps::note_failure(const Integrator& integrator, StepOutcome outc
   if (conditions_ == nullptr) return;
   end_.reset();
   has_after_ = false;
+  if (conditions_->count() == 0) return;
   const StepState state = integrator.stepper->state();
   const bool may_be_of_jump = outcome != StepOutcome::error_too_large || integrator.system.differentiates();
   if (!may_be_of_jump || is_due_) return;

@@ -34,6 +34,9 @@ class ConditionSteps {
   // sensitivities these jump where x' does: any condition is located where residuals jump.
   Verdict judge(const Integrator& integrator, bool with_sensitivities);
   std::optional<double> end() const { return end_; }
+  // A step has been tried with success, in which what cannot be held has switched, and E x moves otherwise than slopes
+  // say: the next one ends at end(). Throws Failure where E x jumps.
+  bool steps_with_jump(const Integrator& integrator);
   // A step has been tried with success, without branches held: whether x, or sensitivities, may have jumped in it.
   bool may_jump(const Integrator& integrator, bool with_sensitivities);
   // A step has failed, for whatever reason.

@@ -306,11 +306,13 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
 // From the same point, to another time: a condition on x switches in this step of size h.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
-  if (adjoint() != nullptr) {
-    if (conditions_.may_jump(integrator_, true)) throw_jump_with_sensitivities(t);
-    return false;
+  if (!conditions_.steps_with_jump(integrator_)) {
+    if (adjoint() != nullptr) {
+      if (conditions_.may_jump(integrator_, true)) throw_jump_with_sensitivities(t);
+      return false;
+    }
+    if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;
   }
-  if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;
   withdraw();
   if (!conditions_.is_due()) integrator_.stepper->set_next_step(std::copysign(*conditions_.end() - t, h));
   return true;

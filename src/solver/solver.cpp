@@ -109,7 +109,8 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
   const Record* const record = model.evaluator() != nullptr ? &model.evaluator()->record() : nullptr;
-  if (record != nullptr && !(record->conditions().empty() && record->timed_switches().empty()))
+  if (record != nullptr &&
+      (!record->conditions().empty() || !record->timed_switches().empty() || !record->stepped_switches().empty()))
     conditions.emplace(*model.evaluator(), [this] {
       model.parameters_changed();
       if (integration) integration->parameters_changed();

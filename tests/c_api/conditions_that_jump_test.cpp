@@ -152,6 +152,45 @@ TEST(Conditions, OfPulses) {
   }
 }
 
+// Floors, remainders and tables of unknowns have branches that cannot be held: where these make unknowns jump, the call
+// ends by name. Where they do not, it goes on.
+TEST(Conditions, OfFloorsAndTablesAreNamedWhereUnknownsJump) {
+  struct Law {
+    Expression (*value)(const Expression&);
+    double at_start;
+  };
+  const Law laws[] = {{[](const Expression& z) { return floor(z + 0.3); }, 0.0},
+                      {[](const Expression& z) { return modulo(z + 0.3, 1.0); }, 0.3},
+                      {[](const Expression& z) {
+                         return sfdae::table(z, 1, {-1.0, 0.7, 3.0}, {1.7, 0.0, 2.3});
+                       },
+                       0.7}};
+  for (const Law& law : laws)
+    for (bool has_jump : {true, false})
+      for (const sfdae::Options& options : all_options()) {
+        // p = law(z), v = p', a = v', s' = v' + v; or p = z, and y' = law(z).
+        const auto problem =
+            problem_of(5, [=](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+              F[0] = x[0] - (has_jump ? law.value(x[3]) : x[3]);
+              F[1] = xdot[0] - x[1];
+              F[2] = xdot[1] - x[2];
+              F[3] = xdot[3] - 1.0;
+              F[4] = xdot[4] - (has_jump ? x[2] + x[1] : law.value(x[3]));
+            });
+        sfdae::Solver solver(problem, options);
+        sfdae::Point point{0.0, {has_jump ? law.at_start : 0.0, 0.0, 0.0, 0.0, 0.0}, {}};
+        solver.start(point, end);
+        try {
+          ASSERT_EQ(solver.advance(1.2, point), SFDAE_OK);
+          EXPECT_FALSE(has_jump) << text_of(options);
+        } catch (const sfdae::Error& error) {
+          EXPECT_TRUE(has_jump) << error.what();
+          EXPECT_EQ(error.status(), SFDAE_STEP_TOO_SMALL) << error.what();
+          EXPECT_NEAR(point.t, 0.7, 1e-6) << error.what();
+        }
+      }
+}
+
 // Both branches lead back to the zero: no step goes on, and the message says so.
 TEST(Conditions, ThatLeadTowardEachOtherAreNamed) {
   const auto problem =
