@@ -60,33 +60,46 @@ void ConditionFunctions::evaluate(double t, const double* x, const double* xdot,
 std::vector<double> ConditionFunctions::resolution(double t, const double* x, const double* xdot,
                                                    const double* changes) {
   load(x, xdot);
-  std::vector<double> g(count()), gradients(count() * width_),
-      result(count(), std::numeric_limits<double>::infinity());
+  std::vector<double> g(count()), gradients(count() * width_), result(count(), 0.0);
   if (!functions_->gradients(t, jet_.data(), {0, -1, 0}, g.data(), nullptr, gradients.data())) return result;
-  std::fill(result.begin(), result.end(), 0.0);
   for (std::size_t j = 0; j < n_; ++j)
     for (std::size_t k = 0; k < count(); ++k) result[k] += std::fabs(gradients[j * count() + k]) * changes[j];
   return result;
 }
 
-std::vector<double> ConditionFunctions::shifts(std::size_t k, double t, const double* x, const double* xdot,
-                                               ConstView S, const std::vector<int>& parameters) {
-  load(x, xdot);
+std::optional<ConditionFunctions::Rates> ConditionFunctions::rates(const Point& at) {
+  load(at.x, at.xdot);
   std::fill(jet_.begin() + static_cast<std::ptrdiff_t>(2 * width_), jet_.end(), 0.0);
-  std::vector<double> result(parameters.size(), std::numeric_limits<double>::quiet_NaN());
-  std::vector<double> rates(2 * count()), gradients(count() * width_);
+  std::vector<double> values(2 * count());
+  Rates found{std::vector<double>(count()), std::vector<double>(count() * width_)};
+  if (!functions_->gradients(at.t, jet_.data(), {0, -1, 0}, values.data(), nullptr, found.gradients.data()))
+    return std::nullopt;
   // Column 1 has the derivatives by t along x'.
-  if (!functions_->values(t, jet_.data(), 1, rates.data()) ||
-      !functions_->gradients(t, jet_.data(), {0, -1, 0}, rates.data(), nullptr, gradients.data()))
-    return result;
-  functions_->values(t, jet_.data(), 1, rates.data());
-  const auto gradient = [&](std::size_t i) { return gradients[i * count() + k]; };
-  for (std::size_t j = 0; j < parameters.size(); ++j) {
-    double change = parameters[j] >= 0 ? gradient(n_ + index(parameters[j])) : 0.0;
-    for (std::size_t i = 0; i < n_; ++i) change += gradient(i) * S(static_cast<int>(i), static_cast<int>(j));
-    result[j] = change == 0.0 ? 0.0 : -change / rates[count() + k];
+  if (!functions_->values(at.t, jet_.data(), 1, values.data())) return std::nullopt;
+  std::copy(values.begin() + static_cast<std::ptrdiff_t>(count()), values.end(), found.by_time.begin());
+  return found;
+}
+
+std::optional<std::vector<double>> ConditionFunctions::shifts(const std::vector<std::size_t>& functions,
+                                                              const Point& at, ConstView S,
+                                                              const std::vector<int>& parameters) {
+  constexpr double same = 1e-6;  // of the larger one
+  std::vector<double> found(parameters.size(), 0.0);
+  if (functions.empty()) return found;
+  const std::optional<Rates> known = rates(at);
+  if (!known) return std::nullopt;
+  for (const std::size_t k : functions) {
+    const auto gradient = [&](std::size_t i) { return known->gradients[i * count() + k]; };
+    for (std::size_t j = 0; j < parameters.size(); ++j) {
+      double change = parameters[j] >= 0 ? gradient(n_ + index(parameters[j])) : 0.0;
+      for (std::size_t i = 0; i < n_; ++i) change += gradient(i) * S(static_cast<int>(i), static_cast<int>(j));
+      const double shift = change == 0.0 ? 0.0 : -change / known->by_time[k];
+      if (k == functions[0]) found[j] = shift;
+      const double largest = std::max(std::fabs(shift), std::fabs(found[j]));
+      if (!std::islessequal(std::fabs(shift - found[j]), same * largest)) return std::nullopt;
+    }
   }
-  return result;
+  return found;
 }
 
 }  // namespace sfdae::core

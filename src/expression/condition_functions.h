@@ -18,20 +18,29 @@ class ConditionFunctions {
   // asked. Those of conditions count as 0.
   ConditionFunctions(const TaylorEvaluator& evaluator, const std::vector<int>& nodes);
 
+  struct Point {
+    double t;
+    const double *x, *xdot;
+  };
+
   std::size_t count() const { return alone_.size(); }
   bool depend_on_derivatives() const { return depend_on_derivatives_; }
   // At a point, a number for each; NaN where one cannot be evaluated. Nothing is allocated.
   void evaluate(double t, const double* x, const double* xdot, double* g);
-  // By how much each may change if x changes by so much (n values); infinite where that cannot be evaluated.
+  // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
-  // dt/dp of the time at which function k has the value that it has at the point, for each direction j: x moves by
-  // column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. Not finite where the
-  // function stands still. No function of x'.
-  std::vector<double> shifts(std::size_t k, double t, const double* x, const double* xdot, ConstView S,
-                             const std::vector<int>& parameters);
+  // dt/dp of the time at which these functions have the values that they have at a point, for each direction j: x
+  // moves by column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. Nothing where
+  // their times move differently, or one of them stands still. No function depends on x'. Of no function: 0.
+  std::optional<std::vector<double>> shifts(const std::vector<std::size_t>& functions, const Point& at, ConstView S,
+                                            const std::vector<int>& parameters);
 
  private:
+  struct Rates {
+    std::vector<double> by_time, gradients;  // along x'; by unknowns and parameters, a column for each
+  };
   void load(const double* x, const double* xdot);
+  std::optional<Rates> rates(const Point& at);
 
   const TaylorEvaluator& evaluator_;
   std::size_t n_, width_;  // of unknowns; with parameters, which are unknowns of functions_

@@ -244,7 +244,7 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
   constexpr int halvings = 60;   // to the last bit
   constexpr double none = 1e-6;  // of what a branch changes at an end of the line: nothing at the zero
   std::vector<double> one(g, g + count()), other = one;
-  other[k] = -other[k];
+  other[k] = is_met(one[k]) ? -1.0 : 1.0;  // g may be 0
   const auto change = [&](double part, std::vector<double>& result) {
     value_on_line(k, from, to, part);
     const double t = from.t + part * (to.t - from.t);
@@ -260,8 +260,9 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
     (is_met(value_on_line(k, from, to, middle)) == is_positive ? low : high) = middle;
   }
   std::vector<double> at_zero(values_.size()), at_start(at_zero), at_end(at_zero);
+  const bool has_start = change(0.0, at_start), has_end = change(1.0, at_end);
   // A branch that ends at the zero says nothing about it.
-  if (!change(high, at_zero) || (!change(0.0, at_start) && !change(1.0, at_end))) return false;
+  if (!change(high, at_zero) || !(has_start || has_end)) return false;
   for (std::size_t i = 0; i < at_zero.size(); ++i)
     if (at_zero[i] > none * std::max(at_start[i], at_end[i])) return false;
   return true;
@@ -282,8 +283,11 @@ std::vector<std::size_t> HeldConditions::timed_switches(double from, double to) 
   evaluate(from, before);
   evaluate(to, after);
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (branch_at(all[k], before[k]) == branch_at(all[k], after[k])) continue;
-    const bool jumps = std::fabs(after[k] - before[k]) > part * std::fabs(before[k] - earlier[k]);
+    const bool is_known = std::isfinite(before[k]) && std::isfinite(after[k]);
+    if (std::isnan(before[k]) && std::isnan(after[k])) continue;
+    if (is_known && branch_at(all[k], before[k]) == branch_at(all[k], after[k])) continue;
+    const bool jumps =
+        is_known && std::isgreater(std::fabs(after[k] - before[k]), part * std::fabs(before[k] - earlier[k]));
     if (!jumps) found.push_back(k);
   }
   return found;

@@ -17,10 +17,10 @@
 
 namespace sfdae::core {
 
-// The same equations, with conditions that can be held, and with what else switches at times that depend on parameters.
+// Returns the same equations with conditions that can be held; they also list what else switches.
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record);
 
-// Of a value of g, which may be NaN.
+// Whether the condition with this value of g, which may be NaN, is met.
 inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class HeldConditions {
@@ -28,33 +28,30 @@ class HeldConditions {
   // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others.
   HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed);
 
-  // Of conditions on x or x'.
+  // The number of conditions on x or x'.
   std::size_t count() const { return functions_.count(); }
   ConditionFunctions& functions() { return functions_; }
-  // Branches from now on: those that these values of g lead to.
+  // From now on equations have the branches that these values of g lead to.
   void hold(const double* g);
-  // As g says from now on.
+  // From now on equations have the branches that g leads to.
   void release();
   // The equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
-  struct Point {
-    double t;
-    const double *x, *xdot;
-  };
+  using Point = ConditionFunctions::Point;
   // Whether residuals are continuous where condition k is zero, the others as these values of g have it, on the line
   // from one point to another, where it has another sign.
   bool is_kink(std::size_t k, const double* g, const Point& from, const Point& to);
 
-  // What switches because of t alone, at times that depend on parameters.
+  // Functions of t alone that switch equations, at times that depend on parameters.
   ConditionFunctions& timed_functions() { return timed_functions_; }
   // Which of these switch from one time to another, some roundings later, but not because they jump themselves, where
-  // others switch. Whether residuals at this x jump there, compared with what they are earlier, too.
+  // others switch. And whether residuals at this x jump there, compared with what they are earlier, too.
   std::vector<std::size_t> timed_switches(double from, double to);
   bool jumps_between(double from, double to, double earlier, const double* x);
 
-  // Floors, remainders and tables of x or x', which cannot be held: one that switches from one point to another, and
-  // the equation that contains it.
+  // Arguments of floors, remainders and tables of x or x'; their branches cannot be held. One that switches from one
+  // point to another, and the equation that contains it.
   ConditionFunctions& stepped_functions() { return stepped_functions_; }
   std::optional<std::size_t> stepped_switch(const Point& from, const Point& to);
   std::string equation_with_stepped(std::size_t which) const;

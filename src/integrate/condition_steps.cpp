@@ -36,7 +36,7 @@ bool has_switches(HeldConditions& conditions) {
 void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
   conditions_ = conditions != nullptr && has_switches(*conditions) ? conditions : nullptr;
   if (conditions_ == nullptr) return;
-  for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &x_at_change_})
+  for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &passed_.x})
     each->resize(n);
   for (Attempt* const each : {&tried_, &before_, &after_}) {
     each->x.resize(n);
@@ -65,13 +65,17 @@ bool ConditionSteps::switches_once() const {
   return last - first <= same;
 }
 
+// At the last point those of the solution so far, at the end of a step those of the equations, where they say them.
+void ConditionSteps::find_slopes(const Integrator& integrator, double t, const std::vector<double>& x,
+                                 std::vector<double>& slopes) {
+  const bool is_last = t == integrator.stepper->state().t;
+  if (is_last || !integrator.system.exact_derivative(x.data(), slopes.data()))
+    integrator.stepper->interpolate({t, nullptr, change_.data(), slopes.data()});
+}
+
 void ConditionSteps::evaluate(const Integrator& integrator, double t, const std::vector<double>& x,
                               std::vector<double>& g) {
-  if (conditions_->functions().depend_on_derivatives()) {
-    const bool is_last = t == integrator.stepper->state().t;
-    if (is_last || !integrator.system.exact_derivative(x.data(), slopes_.data()))
-      integrator.stepper->interpolate({t, nullptr, change_.data(), slopes_.data()});
-  }
+  if (conditions_->functions().depend_on_derivatives()) find_slopes(integrator, t, x, slopes_);
   conditions_->functions().evaluate(t, x.data(), slopes_.data(), g.data());
 }
 
@@ -80,13 +84,12 @@ bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
   const double h = state.tried_t - state.t;
   const std::vector<double>&before = integrator.stepper->x(), &after = tried_.x;
-  integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_.data()});
+  find_slopes(integrator, state.t, before, slopes_before_);
+  if (!integrator.system.exact_derivative(after.data(), slopes_.data())) return false;
   for (std::size_t i = 0; i < change_.size(); ++i) {
-    change_[i] = after[i] - before[i] - 0.5 * h * slopes_[i];
+    change_[i] = after[i] - before[i] - 0.5 * h * (slopes_before_[i] + slopes_[i]);
     tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
   }
-  if (!integrator.system.exact_derivative(after.data(), slopes_.data())) return false;
-  for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= 0.5 * h * slopes_[i];
   return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= clear_move;
 }
 
@@ -123,7 +126,7 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
 // Residuals are continuous where conditions have switched.
 bool ConditionSteps::are_kinks(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
-  integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_before_.data()});
+  find_slopes(integrator, state.t, integrator.stepper->x(), slopes_before_);
   if (!integrator.system.exact_derivative(tried_.x.data(), slopes_.data())) return false;
   const HeldConditions::Point from{state.t, integrator.stepper->x().data(), slopes_before_.data()};
   const HeldConditions::Point to{tried_.t, tried_.x.data(), slopes_.data()};
@@ -142,8 +145,8 @@ bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
   tried_.t = state.tried_t;
   std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());
   if (conditions_->stepped_functions().depend_on_derivatives()) {
-    integrator.stepper->interpolate({state.t, nullptr, change_.data(), slopes_before_.data()});
-    integrator.system.exact_derivative(tried_.x.data(), slopes_.data());
+    find_slopes(integrator, state.t, integrator.stepper->x(), slopes_before_);
+    find_slopes(integrator, tried_.t, tried_.x, slopes_);
   }
   const auto found = conditions_->stepped_switch({state.t, integrator.stepper->x().data(), slopes_before_.data()},
                                                  {tried_.t, tried_.x.data(), slopes_.data()});
@@ -278,7 +281,7 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
 
 void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
-  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - x_at_change_[i];
+  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - passed_.x[i];
   const std::size_t most = 2 * branches_.size() + 10;
   idle_ = integrator.weights.norm(change_.data()) <= no_progress ? idle_ + 1 : 0;
   if (idle_ <= most) return;
@@ -290,57 +293,49 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
 
 std::vector<double> ConditionSteps::shifts(const ConsistentPoint& at, ConstView S,
                                            const std::vector<int>& parameters) {
-  constexpr double same = 1e-6;  // of the larger one
   if (conditions_->functions().depend_on_derivatives())
     throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                   format("at t = %.15g a condition on x' switches; with sensitivities conditions have to be on t and "
                          "x. Make x' an unknown.",
                          at.t));
-  std::vector<double> found;
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    if (is_met(after_.g[k]) == is_met(branches_[k])) continue;
-    const std::vector<double> one =
-        conditions_->functions().shifts(k, at.t, at.x.data(), at.xdot.data(), S, parameters);
-    if (found.empty()) found = one;
-    for (std::size_t j = 0; j < one.size(); ++j)
-      if (!(std::fabs(one[j] - found[j]) <= same * std::max(std::fabs(one[j]), std::fabs(found[j]))))
-        throw Failure(SFDAE_SINGULAR,
-                      format("at t = %.15g a condition only touches zero, or several switch whose times move "
-                             "differently: sensitivities after that do not exist. See the condition in %s.",
-                             at.t, conditions_->equation_with(k).c_str()));
-  }
-  return found;
+  std::vector<std::size_t> switched;
+  for (std::size_t k = 0; k < branches_.size(); ++k)
+    if (is_met(after_.g[k]) != is_met(branches_[k])) switched.push_back(k);
+  const auto found = conditions_->functions().shifts(switched, {at.t, at.x.data(), at.xdot.data()}, S, parameters);
+  if (found) return *found;
+  throw Failure(SFDAE_SINGULAR,
+                format("at t = %.15g a condition only touches zero, or several switch whose times move "
+                       "differently: sensitivities after that do not exist. See the condition in %s.",
+                       at.t, conditions_->equation_with(switched[0]).c_str()));
 }
 
 ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
                                                 const std::function<ConsistentPoint()>& values_after) {
   demand_progress(integrator);
   std::vector<double> branches = after_.g;
-  try {
-    std::size_t k = 0;
-    for (std::size_t round = 0; round <= branches.size(); ++round) {
-      for (double& branch : branches) branch = is_met(branch) ? 1.0 : -1.0;
-      conditions_->hold(branches.data());
-      ConsistentPoint after = values_after();
-      k = contradiction(integrator, after, branches);
-      if (k == branches.size()) {
-        branches_ = branches;
-        is_due_ = false;
-        passed_ = {before_.t, after_.t};
-        x_at_change_ = after.x;
-        return after;
-      }
-      branches[k] = -branches[k];
+  std::size_t k = 0;
+  for (std::size_t round = 0; round <= branches.size(); ++round) {
+    for (double& branch : branches) branch = is_met(branch) ? 1.0 : -1.0;
+    conditions_->hold(branches.data());
+    ConsistentPoint after = values_after();
+    k = contradiction(integrator, after, branches);
+    if (k == branches.size()) {
+      changed_ = std::move(branches);
+      return after;
     }
-    throw Failure(
-        SFDAE_NO_CONSISTENT_VALUES,
-        format("at t = %.15g conditions switch, and no branches of theirs agree with the values that they lead "
-               "to: see the condition in %s.",
-               after_.t, conditions_->equation_with(k).c_str()));
-  } catch (...) {
-    conditions_->hold(branches_.data());
-    throw;
+    branches[k] = -branches[k];
   }
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                format("at t = %.15g conditions switch, and no branches of theirs agree with the values that they "
+                       "lead to: see the condition in %s.",
+                       after_.t, conditions_->equation_with(k).c_str()));
+}
+
+void ConditionSteps::start_after_change(const std::vector<double>& x) {
+  branches_ = changed_;
+  is_due_ = false;
+  passed_ = {before_.t, after_.t, x};
+  start();
 }
 
 void ConditionSteps::restore_branches() {
@@ -355,7 +350,7 @@ void ConditionSteps::archive(Archive& archive) {
   for (double* const time : {&before_.t, &after_.t, &passed_.from, &passed_.to}) archive.real(*time);
   archive.reals(after_.x, after_.x.size());
   archive.reals(after_.g, after_.g.size());
-  archive.reals(x_at_change_, x_at_change_.size());
+  archive.reals(passed_.x, passed_.x.size());
   if (!archive.is_reading()) return;
   hold();
 }

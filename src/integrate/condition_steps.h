@@ -29,6 +29,8 @@ class ConditionSteps {
   void resize(HeldConditions* conditions, std::size_t n);
   // x has changed at the last point; branches that are held stay.
   void start() { known_ = std::numeric_limits<double>::quiet_NaN(); }
+  // Branches have changed, and the steps go on with these values of x.
+  void start_after_change(const std::vector<double>& x);
 
   // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end(). With
   // sensitivities these jump where x' does: any condition is located where residuals jump.
@@ -51,14 +53,15 @@ class ConditionSteps {
   const std::vector<double>& x_after() const { return after_.x; }
   // t, or the point behind such a zero that is next to t.
   double beside(double t) const { return (t - passed_.from) * (t - passed_.to) < 0.0 ? passed_.to : t; }
-  // The values after it, with branches that agree with them. values_after: by impulses, with the branches that are
-  // held. Nothing has changed where this throws Failure.
+  // Returns the values after the zero, with branches that agree with them; values_after computes values by impulses,
+  // with the branches that are held. start_after_change() has to follow, or restore_branches(), as where this throws
+  // Failure.
   ConsistentPoint change_branches(const Integrator& integrator, const std::function<ConsistentPoint()>& values_after);
 
-  // dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there are none.
+  // Returns dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there is no such derivative.
   std::vector<double> shifts(const ConsistentPoint& at, ConstView S, const std::vector<int>& parameters);
 
-  // Branches of the equations are those that they have here.
+  // Gives the equations the branches of the last point.
   void restore_branches();
   bool is_plain() const { return !is_held_ && !is_due_; }
   void archive(Archive& archive);
@@ -71,6 +74,7 @@ class ConditionSteps {
   bool has_switched(const std::vector<double>& g) const;
   bool switches_once() const;
   void take_attempt(const Integrator& integrator);
+  void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
   bool moves_as_slopes_say(const Integrator& integrator);
   bool are_kinks(const Integrator& integrator);
@@ -89,15 +93,16 @@ class ConditionSteps {
   bool is_held_ = false, is_due_ = false;
   Attempt tried_, before_, after_;  // the last attempt; the nearest ones on both sides of the zero
   bool has_after_ = false, is_last_ = false, has_tried_ = false;
-  struct Zero {
-    double from = 0.0, to = 0.0;
+  struct Passed {
+    double from = 0.0, to = 0.0;  // the points beside it
+    std::vector<double> x;        // at the second one
   };
-  Zero passed_;   // the points beside the zero passed last
-  int slow_ = 0;  // attempts in a row that have not halved the interval
+  Passed passed_;  // the zero passed last
+  int slow_ = 0;   // attempts in a row that have not halved the interval
   std::optional<double> end_;
   std::vector<double> slopes_, slopes_before_, change_, tolerances_;
-  std::vector<double> x_at_change_;  // after the last change of branches
-  std::size_t idle_ = 0;             // changes in a row between which x has not moved
+  std::vector<double> changed_;  // branches that the zero leads to, as change_branches() has found them
+  std::size_t idle_ = 0;         // changes in a row between which x has not moved
 };
 
 }  // namespace sfdae::core

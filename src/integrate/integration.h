@@ -140,11 +140,11 @@ class Integration {
   void cross_gap(double tout);
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void change_branches(double tout);
-  void go_on_after_jump(double t, const ConsistentPoint& after);
-  bool moves_with_parameters(double h);
-  std::vector<double> shifts_of_time(double to, const ConsistentPoint& before, ConstView S);
   struct MovingSwitch;
-  void move_sensitivities(const MovingSwitch& moving, const ConsistentPoint& after);
+  void go_on_after_jump(double t, const ConsistentPoint& after, const MovingSwitch* moving);
+  bool moves_with_parameters(double h);
+  std::vector<double> shifts_of_time(double to, const ConsistentPoint& before);
+  std::vector<double> sensitivities_after(const MovingSwitch& moving, const ConsistentPoint& after);
   void record_gap(double from, double to, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout);

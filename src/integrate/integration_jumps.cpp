@@ -54,31 +54,25 @@ bool Integration::moves_with_parameters(double h) {
 }
 
 // Of a switching time of t, which is the same for all that switch there.
-std::vector<double> Integration::shifts_of_time(double to, const ConsistentPoint& before, ConstView S) {
-  constexpr double same = 1e-6;  // of the larger one
+std::vector<double> Integration::shifts_of_time(double to, const ConsistentPoint& before) {
   const std::vector<int>& parameters = sensitivities()->parameters();
-  std::vector<double> found(parameters.size(), 0.0);
-  if (options_.conditions == nullptr) return found;
-  bool is_first = true;
-  for (const std::size_t k : options_.conditions->timed_switches(before.t, to)) {
-    const std::vector<double> one = options_.conditions->timed_functions().shifts(k, before.t, before.x.data(),
-                                                                                  before.xdot.data(), S, parameters);
-    if (std::exchange(is_first, false)) found = one;
-    for (std::size_t j = 0; j < one.size(); ++j)
-      if (!(std::fabs(one[j] - found[j]) <= same * std::max(std::fabs(one[j]), std::fabs(found[j]))))
-        throw Failure(SFDAE_SINGULAR,
-                      format("at t = %.15g conditions on t switch whose times move differently with a parameter: "
-                             "sensitivities after that do not exist.",
-                             before.t));
-  }
-  return found;
+  HeldConditions* const conditions = options_.conditions;
+  if (conditions == nullptr) return std::vector<double>(parameters.size(), 0.0);
+  const auto found = conditions->timed_functions().shifts(conditions->timed_switches(before.t, to),
+                                                          {before.t, before.x.data(), before.xdot.data()},
+                                                          sensitivities()->columns(), parameters);
+  if (found) return *found;
+  throw Failure(SFDAE_SINGULAR,
+                format("at t = %.15g conditions on t switch whose times move differently with a parameter: "
+                       "sensitivities after that do not exist.",
+                       before.t));
 }
 
 // [GFB99] S. Galan, W. F. Feehery, P. I. Barton: Parametric sensitivity functions for hybrid discrete/continuous
 //         systems. Appl. Numer. Math. 31 (1999), 17-47.
-void Integration::move_sensitivities(const MovingSwitch& moving, const ConsistentPoint& after) {
-  auto& carried = dynamic_cast<Sensitivities&>(*companion_);
-  const int n = integrator_.system.unknowns(), count = carried.count();
+std::vector<double> Integration::sensitivities_after(const MovingSwitch& moving, const ConsistentPoint& after) {
+  const Sensitivities& carried = *sensitivities();
+  const int n = carried.unknowns(), count = carried.count();
   std::vector<double> moved = carried.last();
   const auto add = [&](std::vector<double>& S, double sign, const std::vector<double>& xdot) {
     for (std::size_t j = 0; j < index(count); ++j)
@@ -95,7 +89,7 @@ void Integration::move_sensitivities(const MovingSwitch& moving, const Consisten
                         ConstView{moved.data(), n, count, n}};
   if (!options_.jumps->differentiate(jump, View{result.data(), n, count, n})) throw_jump_with_sensitivities(after.t);
   add(result, -1.0, after.xdot);
-  carried.replace_last(std::move(result));
+  return result;
 }
 
 // The point before stays the last one where that throws.
@@ -115,29 +109,35 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   ConsistentPoint after = values_after();
   if (move(before, half, after.xdot) || moves) after = values_after();
   if (point) {
-    const ConstView S{sensitivities()->last().data(), integrator_.system.unknowns(), sensitivities()->count(),
-                      integrator_.system.unknowns()};
-    std::vector<double> shifts = shifts_of_time(t, *point, S);
+    std::vector<double> shifts = shifts_of_time(t, *point);
     point->x = before;
-    move_sensitivities({*point, toward, std::move(shifts)}, after);
+    const MovingSwitch moving{*point, toward, std::move(shifts)};
+    go_on_after_jump(t, after, &moving);
+  } else {
+    go_on_after_jump(t, after, nullptr);
   }
-  go_on_after_jump(t, after);
   record_gap(start, t, after.x);
 }
 
-void Integration::go_on_after_jump(double t, const ConsistentPoint& after) {
+// The last point stays what it was where sensitivities after the jump cannot be found, or steps not be started there.
+void Integration::go_on_after_jump(double t, const ConsistentPoint& after, const MovingSwitch* moving) {
+  std::vector<double> S;
+  if (moving != nullptr) S = sensitivities_after(*moving, after);
   resize_workspace();
   integrator_.start(t, after.x, after.xdot, options_);
+  if (conditions_.is_due()) conditions_.start_after_change(after.x);
+  else conditions_.start();
+  if (moving != nullptr) dynamic_cast<Sensitivities&>(*companion_).replace_last(std::move(S));
   integrator_.must_restart = companion_ != nullptr;  // once more, if that fails
   if (companion_) companion_->start(integrator_);
   integrator_.must_restart = false;
-  conditions_.start();
   approach_.reset();
   if (watch_) watch_->start(integrator_.direction);
   start_trail();
 }
 
-// A condition on x is zero between the last point and one next to it. It stays the last one where that throws.
+// A condition on x is zero between the last point and one next to it. The last point, and the branches there, stay
+// where that throws.
 void Integration::change_branches(double tout) {
   const double start = integrator_.stepper->state().t, t = conditions_.t_after();
   const double toward = (tout - t) * integrator_.direction > 0.0 ? tout : time_beside(t, integrator_.direction);
@@ -146,15 +146,19 @@ void Integration::change_branches(double tout) {
   std::vector<double> shifts;
   if (companion_) {
     before = options_.jumps->values_before(place);
-    const int n = integrator_.system.unknowns(), count = sensitivities()->count();
-    shifts =
-        conditions_.shifts(*before, {sensitivities()->last().data(), n, count, n}, sensitivities()->parameters());
+    shifts = conditions_.shifts(*before, sensitivities()->columns(), sensitivities()->parameters());
   }
-  const ConsistentPoint after =
-      conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(place); });
-  if (before) move_sensitivities({*before, toward, std::move(shifts)}, after);
-  go_on_after_jump(t, after);
-  record_gap(start, t, after.x);
+  try {
+    const ConsistentPoint after =
+        conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(place); });
+    std::optional<MovingSwitch> moving;
+    if (before) moving.emplace(MovingSwitch{*before, toward, std::move(shifts)});
+    go_on_after_jump(t, after, moving ? &*moving : nullptr);
+    record_gap(start, t, after.x);
+  } catch (...) {
+    conditions_.restore_branches();
+    throw;
+  }
 }
 
 // Within the gap, which begins there, the values are those after it.

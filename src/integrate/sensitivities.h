@@ -46,6 +46,7 @@ class Sensitivities final : public Companion {
   // At the last point, as the step has found them.
   void copy_last(double* S);
   const std::vector<double>& last() const { return S_; }
+  ConstView columns() const { return {S_.data(), unknowns(), count(), unknowns()}; }
   // Where x jumps, or its time moves; start() is due.
   void replace_last(std::vector<double> S) { S_ = std::move(S); }
   // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...

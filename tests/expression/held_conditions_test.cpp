@@ -99,14 +99,29 @@ TEST(HeldConditions, KnowByHowMuchTheirValuesMayChange) {
 TEST(HeldConditions, KnowHowTheirTimesMove) {
   Evaluation of(equations());
   const Vector x = {3.0, 1.0}, xdot = {1.0, 4.0}, S = {0.0, 2.0, 1.0, 0.0};
-  const auto shifts = of.conditions->functions().shifts(0, 0.0, x.data(), xdot.data(), {S.data(), 2, 2, 2}, {-1, -1});
-  EXPECT_EQ(shifts, (Vector{-0.5, 0.0}));
+  const auto shifts =
+      of.conditions->functions().shifts({0}, {0.0, x.data(), xdot.data()}, {S.data(), 2, 2, 2}, {-1, -1});
+  ASSERT_TRUE(shifts);
+  EXPECT_EQ(*shifts, (Vector{-0.5, 0.0}));
+  // The sign's condition has another time.
+  EXPECT_FALSE(
+      of.conditions->functions().shifts({0, 1}, {0.0, x.data(), xdot.data()}, {S.data(), 2, 2, 2}, {-1, -1}));
 }
 
 TEST(HeldConditions, KnowKinksFromJumps) {
   Evaluation of(equations());
   const Vector before = {-1.0, 0.9}, after = {1.0, 1.2}, xdot = {0.0, 0.0};
   const Vector g = of.functions(-1.0, 0.9);
+  const HeldConditions::Point from{0.0, before.data(), xdot.data()}, to{0.0, after.data(), xdot.data()};
+  EXPECT_TRUE(of.conditions->is_kink(0, g.data(), from, to));
+  EXPECT_FALSE(of.conditions->is_kink(1, g.data(), from, to));
+}
+
+// g is exactly 0 where the line begins: the other branch is the one that is met.
+TEST(HeldConditions, KnowKinksFromJumpsThatBeginAtZero) {
+  Evaluation of(equations());
+  const Vector before = {0.0, 1.0}, after = {1.0, 1.2}, xdot = {0.0, 0.0};
+  const Vector g = of.functions(0.0, 1.0);
   const HeldConditions::Point from{0.0, before.data(), xdot.data()}, to{0.0, after.data(), xdot.data()};
   EXPECT_TRUE(of.conditions->is_kink(0, g.data(), from, to));
   EXPECT_FALSE(of.conditions->is_kink(1, g.data(), from, to));
@@ -129,8 +144,9 @@ TEST(HeldConditions, KnowWhatSwitchesBecauseOfTimeAndParameters) {
   EXPECT_NE(at(0.3), at(0.7));
   const Vector nothing = {0.0};
   const auto shift = [&](double t) {
-    return of.conditions->timed_functions().shifts(at(t)[0], t - roundings, nothing.data(), nothing.data(),
-                                                   {nothing.data(), 1, 1, 1}, {0})[0];
+    const auto found = of.conditions->timed_functions().shifts(at(t), {t - roundings, nothing.data(), nothing.data()},
+                                                               {nothing.data(), 1, 1, 1}, {0});
+    return found ? (*found)[0] : std::nan("");
   };
   EXPECT_NEAR(shift(0.3), 0.0, 1e-12);
   EXPECT_NEAR(shift(0.7), 1.0, 1e-12);

@@ -169,6 +169,32 @@ TEST(SensitivitiesAtSwitches, OfTheAdjointAreThoseOfKinksAlone) {
   });
 }
 
+// Two conditions switch at the same time, which moves by another amount for each. Asked again, the run ends as before.
+TEST(SensitivitiesAtSwitches, ThatDoNotExistAreNamedAgainAndAgain) {
+  const Case given{"two times", 2, [](auto, auto p, auto x, auto xdot, auto F) {
+                     F[0] = xdot[0] - choose(x[1] - p, 1.0, 0.0) - choose(x[1] - (2.0 * p_now - p), 1.0, 0.0);
+                     F[1] = xdot[1] - 1.0;
+                   }};
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    sfdae::Solver solver(problem_of(given), options);
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"p"};
+    solver.set_sensitivities(wanted);
+    sfdae::Point point{0.0, Vector(2, 0.0), {}};
+    solver.start(point, end);
+    for (int time = 0; time < 3; ++time) {
+      try {
+        solver.advance(end, point);
+        ADD_FAILURE() << "no error";
+      } catch (const sfdae::Error& error) {
+        EXPECT_EQ(error.status(), SFDAE_SINGULAR) << error.what();
+      }
+    }
+  }
+}
+
 }  // namespace switching
 
 }  // namespace
