@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "expression/false_position.h"
 #include "expression/node_copies.h"
 #include "expression/recorder.h"
 #include "linalg/index.h"
@@ -136,6 +137,19 @@ std::vector<int> nodes_of(const std::vector<Condition>& conditions) {
   return nodes;
 }
 
+std::vector<int> nodes_of(const std::vector<Condition>& conditions, const std::vector<std::size_t>& which) {
+  std::vector<int> nodes;
+  for (const std::size_t k : which) nodes.push_back(conditions[k].node);
+  return nodes;
+}
+
+std::vector<std::size_t> conditions_without_slopes(const Record& record) {
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k < record.conditions().size(); ++k)
+    if ((record.dependence(record.conditions()[k].node) & on_derivatives) == 0) which.push_back(k);
+  return which;
+}
+
 std::vector<int> nodes_of(const std::vector<SwitchingNode>& switches) {
   std::vector<int> nodes;
   for (const SwitchingNode& each : switches) nodes.push_back(each.node);
@@ -163,9 +177,15 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       functions_(evaluator, nodes_of(conditions_)),
       timed_functions_(evaluator, nodes_of(evaluator.record().timed_switches())),
       stepped_functions_(evaluator, nodes_of(evaluator.record().stepped_switches())),
+      searched_(conditions_without_slopes(evaluator.record())),
+      search_(evaluator, nodes_of(conditions_, searched_)),
+      start_(count()),
+      end_(count()),
       jet_(2 * index(evaluator.record().n())),
       values_(index(evaluator.record().m())),
       other_(values_.size()),
+      at_end_(values_.size()),
+      here_(values_.size()),
       on_line_(conditions_.size()),
       stepped_before_(stepped_functions_.count()),
       stepped_after_(stepped_functions_.count()) {}
@@ -175,6 +195,16 @@ void HeldConditions::hold(const double* g) {
   for (std::size_t k = 0; k < count(); ++k)
     evaluator_.set_parameter(conditions_[k].parameter, is_met(g[k]) ? held : -held);
   changed_();
+}
+
+bool HeldConditions::find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end) {
+  start_.clear();
+  end_.clear();
+  for (const std::size_t k : searched_) {
+    start_.push_back(g_start[k]);
+    end_.push_back(g_end[k]);
+  }
+  return search_.find_simple(points, start_.data(), end_.data());
 }
 
 void HeldConditions::release() {
@@ -241,8 +271,8 @@ bool HeldConditions::residuals(double t, const double* jet, const double* g, std
 }
 
 bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, const Point& to) {
-  constexpr int halvings = 60;   // to the last bit
-  constexpr double none = 1e-6;  // of what a branch changes at an end of the line: nothing at the zero
+  constexpr double near = 1e-12;  // of the line
+  constexpr double none = 1e-6;   // of what a branch changes at an end of the line: nothing at the zero
   std::vector<double> one(g, g + count()), other = one;
   other[k] = is_met(one[k]) ? -1.0 : 1.0;  // g may be 0
   const auto change = [&](double part, std::vector<double>& result) {
@@ -253,19 +283,50 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
     for (std::size_t i = 0; i < values_.size(); ++i) result[i] = std::fabs(values_[i] - other_[i]);
     return true;
   };
-  double low = 0.0, high = 1.0;
-  const bool is_positive = is_met(value_on_line(k, from, to, low));
-  for (int halving = 0; halving < halvings; ++halving) {
-    const double middle = 0.5 * (low + high);
-    (is_met(value_on_line(k, from, to, middle)) == is_positive ? low : high) = middle;
-  }
+  const auto value = [&](double part) { return value_on_line(k, from, to, part); };
+  const double zero = zero_between(value, {0.0, 1.0, value(0.0), value(1.0)}, near);
   std::vector<double> at_zero(values_.size()), at_start(at_zero), at_end(at_zero);
   const bool has_start = change(0.0, at_start), has_end = change(1.0, at_end);
   // A branch that ends at the zero says nothing about it.
-  if (!change(high, at_zero) || !(has_start || has_end)) return false;
+  if (!change(zero, at_zero) || !(has_start || has_end)) return false;
   for (std::size_t i = 0; i < at_zero.size(); ++i)
     if (at_zero[i] > none * std::max(at_start[i], at_end[i])) return false;
   return true;
+}
+
+// By the branches that g leads to, in place of those that these values lead to; clearly, where changes are given.
+bool HeldConditions::changes_of_branches(const Point& at, const double* g, const double* changes,
+                                         std::vector<double>& result) {
+  const std::size_t n = jet_.size() / 2;
+  std::copy_n(at.x, n, jet_.begin());
+  std::copy_n(at.xdot, n, jet_.begin() + static_cast<std::ptrdiff_t>(n));
+  functions_.evaluate(at.t, at.x, at.xdot, on_line_.data());
+  if (changes != nullptr) {
+    const std::vector<double> unclear = functions_.resolution(at.t, at.x, at.xdot, changes);
+    for (std::size_t k = 0; k < count(); ++k)
+      if (std::fabs(on_line_[k]) <= unclear[k]) on_line_[k] = g[k];
+  }
+  if (!residuals(at.t, jet_.data(), on_line_.data(), values_) || !residuals(at.t, jet_.data(), g, other_))
+    return false;
+  for (std::size_t i = 0; i < values_.size(); ++i) result[i] = std::fabs(values_[i] - other_[i]);
+  return true;
+}
+
+// At the second of the points, whose changes are known.
+bool HeldConditions::leaves_no_trace(const Point& at, const double* g, const double* changes) {
+  constexpr double shown = 2.0;  // times what the second point shows
+  if (!changes_of_branches(at, g, changes, here_)) return true;
+  for (std::size_t i = 0; i < here_.size(); ++i)
+    if (here_[i] > shown * at_end_[i]) return true;
+  return false;
+}
+
+std::optional<std::size_t> HeldConditions::first_hidden(const double* g, const std::vector<Point>& between,
+                                                        const Point& to, const double* changes) {
+  if (!changes_of_branches(to, g, nullptr, at_end_)) std::fill(at_end_.begin(), at_end_.end(), 0.0);
+  for (std::size_t k = 0; k < between.size(); ++k)
+    if (leaves_no_trace(between[k], g, nullptr) && leaves_no_trace(between[k], g, changes)) return k;
+  return std::nullopt;
 }
 
 std::vector<std::size_t> HeldConditions::timed_switches(double from, double to) {

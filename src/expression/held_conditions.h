@@ -13,6 +13,7 @@
 
 #include "expression/condition_functions.h"
 #include "expression/record.h"
+#include "expression/switch_search.h"
 #include "expression/taylor_evaluator.h"
 
 namespace sfdae::core {
@@ -31,6 +32,11 @@ class HeldConditions {
   // The number of conditions on x or x'.
   std::size_t count() const { return functions_.count(); }
   ConditionFunctions& functions() { return functions_; }
+  // Of those on t and x alone, by number.
+  SwitchSearch& search() { return search_; }
+  const std::vector<std::size_t>& searched() const { return searched_; }
+  // SwitchSearch::find_simple, with values of all conditions.
+  bool find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end);
   // From now on equations have the branches that these values of g lead to.
   void hold(const double* g);
   // From now on equations have the branches that g leads to.
@@ -42,6 +48,12 @@ class HeldConditions {
   // Whether residuals are continuous where condition k is zero, the others as these values of g have it, on the line
   // from one point to another, where it has another sign.
   bool is_kink(std::size_t k, const double* g, const Point& from, const Point& to);
+
+  // Whether residuals change more at points between two others by the branches that g leads to there, instead of those
+  // that these values of g lead to, than they do at the second of them: what happens between the points leaves no trace
+  // there. The result is the first such point. What g may change by where x changes by so much does not count.
+  std::optional<std::size_t> first_hidden(const double* g, const std::vector<Point>& between, const Point& to,
+                                          const double* changes);
 
   // Functions of t alone that switch equations, at times that depend on parameters.
   ConditionFunctions& timed_functions() { return timed_functions_; }
@@ -60,14 +72,19 @@ class HeldConditions {
   std::string equation_with_node(int node) const;
   double value_on_line(std::size_t k, const Point& from, const Point& to, double part);
   bool residuals(double t, const double* jet, const double* g, std::vector<double>& F);
+  bool changes_of_branches(const Point& at, const double* g, const double* changes, std::vector<double>& result);
+  bool leaves_no_trace(const Point& at, const double* g, const double* changes);
 
   TaylorEvaluator& evaluator_;
   std::function<void()> changed_;
   const std::vector<Condition>& conditions_;
   ConditionFunctions functions_, timed_functions_, stepped_functions_;
+  std::vector<std::size_t> searched_;
+  SwitchSearch search_;
   bool are_held_ = false;
   std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
-  std::vector<double> jet_, values_, other_, on_line_, stepped_before_, stepped_after_;
+  std::vector<double> start_, end_;        // g of those searched
+  std::vector<double> jet_, values_, other_, at_end_, here_, on_line_, stepped_before_, stepped_after_;
 };
 
 }  // namespace sfdae::core

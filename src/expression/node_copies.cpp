@@ -7,16 +7,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Records node i of the record, whose operands are recorded as `copies` says; leaf: what parameters and derivatives
-// become; condition: what the condition of choice i becomes, given its copy.
+// Records node i of the record, whose operands are recorded as `copies` says; leaf: what those but constants become;
+// condition: what the condition of choice i becomes, given its copy.
 template <class Leaf, class Condition>
 int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf,
               Condition condition) {
   const Node node = record.node(i);
   switch (node.operation) {
     case Operation::constant: return recorder.constant(record.constant(node.a));
-    case Operation::time: return recorder.time();
-    case Operation::unknown: return recorder.unknown(node.a);
+    case Operation::time:
+    case Operation::unknown:
     case Operation::parameter:
     case Operation::derivative: return leaf(node);
     case Operation::function: {
@@ -51,6 +51,8 @@ std::vector<int> copy_with_conditions(const Record& record, Recorder& recorder,
                                       const std::function<int(int choice, int condition)>& condition) {
   for (const Parameter& parameter : record.parameters()) recorder.parameter(parameter.name, parameter.value);
   const auto leaf = [&](const Node& node) {
+    if (node.operation == Operation::time) return recorder.time();
+    if (node.operation == Operation::unknown) return recorder.unknown(node.a);
     if (node.operation == Operation::derivative) return recorder.derivative(node.a);
     const Parameter& parameter = record.parameters()[index(node.a)];
     return recorder.parameter(parameter.name, parameter.value);
@@ -65,11 +67,17 @@ std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives deriv
 
 std::vector<int> copy_with(const std::function<int(int parameter)>& node_of, const Record& record,
                            Derivatives derivatives, Recorder& recorder) {
-  const auto leaf = [&](const Node& node) {
-    if (node.operation == Operation::parameter) return node_of(node.a);
-    return derivatives == Derivatives::zero ? recorder.constant(0.0) : recorder.derivative(node.a);
-  };
-  return copy_all(record, recorder, leaf, as_it_is);
+  return copy_with_leaves(record, recorder, [&](const Node& leaf) {
+    if (leaf.operation == Operation::time) return recorder.time();
+    if (leaf.operation == Operation::unknown) return recorder.unknown(leaf.a);
+    if (leaf.operation == Operation::parameter) return node_of(leaf.a);
+    return derivatives == Derivatives::zero ? recorder.constant(0.0) : recorder.derivative(leaf.a);
+  });
+}
+
+std::vector<int> copy_with_leaves(const Record& record, Recorder& recorder,
+                                  const std::function<int(const Node& leaf)>& node_of) {
+  return copy_all(record, recorder, node_of, as_it_is);
 }
 
 }  // namespace sfdae::core

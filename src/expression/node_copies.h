@@ -24,4 +24,8 @@ std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives deriv
 std::vector<int> copy_with(const std::function<int(int parameter)>& node_of, const Record& record,
                            Derivatives derivatives, Recorder& recorder);
 
+// With nodes of the caller's in place of time, parameters, unknowns and derivatives.
+std::vector<int> copy_with_leaves(const Record& record, Recorder& recorder,
+                                  const std::function<int(const Node& leaf)>& node_of);
+
 }  // namespace sfdae::core

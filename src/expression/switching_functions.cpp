@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "expression/false_position.h"
 #include "expression/instruction_operands.h"
 #include "expression/point_function.h"
 #include "linalg/index.h"
@@ -167,33 +168,13 @@ double SwitchingFunctions::value(const Switch& of, double t) {
   return of.code == Code::modulo ? a / slots[slots_[of.b]] : a;
 }
 
-// By the rule of false position, where the value at an end that stays again counts half (Illinois), until no number is
-// left between both ends.
-// [Dow71] M. Dowell, P. Jarratt: A modified regula falsi method for computing the root of an equation. BIT 11
-//         (1971), 168-174.
 double SwitchingFunctions::locate(const Crossing& crossing, Interval t) {
-  constexpr int bisects_every = 4;
   const Switch& of = switches_[crossing.which];
   const auto beyond = [&](double time) { return value(of, time) - crossing.border; };
-  double a = t.low, b = t.high, at_a = beyond(a), at_b = beyond(b);
-  if ((at_a > 0.0) == (at_b > 0.0)) return std::fabs(at_a) < std::fabs(at_b) ? a : b;
-  bool was_a = false, was_b = false;
-  for (int k = 1;; ++k) {
-    const double middle = a + 0.5 * (b - a);
-    if (!(middle > a && middle < b)) return b;
-    double c = k % bisects_every == 0 ? middle : (at_a * b - at_b * a) / (at_a - at_b);
-    if (!std::isfinite(c)) c = middle;
-    // Beside an end that is next to the zero, so that the other one gets there, too.
-    c = std::clamp(c, std::nextafter(a, b), std::nextafter(b, a));
-    const double at_c = beyond(c);
-    const bool is_a = (at_c > 0.0) == (at_a > 0.0);
-    if (is_a && was_a) at_b *= 0.5;
-    if (!is_a && was_b) at_a *= 0.5;
-    (is_a ? a : b) = c;
-    (is_a ? at_a : at_b) = at_c;
-    was_a = is_a;
-    was_b = !is_a;
-  }
+  const Bracket bracket{t.low, t.high, beyond(t.low), beyond(t.high)};
+  if ((bracket.at_a > 0.0) == (bracket.at_b > 0.0))
+    return std::fabs(bracket.at_a) < std::fabs(bracket.at_b) ? bracket.a : bracket.b;
+  return zero_between(beyond, bracket);
 }
 
 int SwitchingFunctions::jumping_order(std::size_t which, double before, double after) const {

@@ -14,8 +14,6 @@ namespace {
 
 // A part of the size of times: gaps about smaller times are as wide as about this one. (Design, section 17.)
 constexpr double least_size = 1e-3;
-// Times are searched for so many times as far as they are needed, so that most steps find the answer.
-constexpr double looks_ahead = 4.0;
 // Pieces that are looked at in one search. (Design, section 17: 60 were the most in 35 kinds of inputs.)
 constexpr int most_pieces = 256;
 // Gaps that are kept. Steps and outputs within them ask for the last two.
@@ -86,7 +84,7 @@ const std::vector<SwitchingGap>& SwitchingTimes::find(double from, double toward
 // Up to the next gap, at most a while beyond `toward`; false: without an end where it had to give up.
 bool SwitchingTimes::extend(double toward) {
   double& known = direction_ > 0.0 ? high_ : low_;
-  const double ahead = known + looks_ahead * (toward - known);
+  const double ahead = known + looks_ahead_ * (toward - known);
   pieces_.clear();
   pieces_.push_back({known, std::isfinite(ahead) ? ahead : toward, false});
   open_ = {};

@@ -38,6 +38,8 @@ class SwitchingTimes {
     size_ = size;
     version_ = -1;  // what has been found before does not count
   }
+  // Times are searched for so many times as far as they are needed; 4 at first, so that most steps find the answer.
+  void set_looks_ahead(double factor) { looks_ahead_ = factor; }
   double half_gap(double t) const;
 
   // The gaps in an interval, increasing, up to `known_to()`. That is before `toward` where a gap beyond `from` has been
@@ -67,7 +69,7 @@ class SwitchingTimes {
   std::vector<SwitchingFunctions> parts_;
   std::vector<Branch> branches_, before_;  // on the piece, and before the gap
   std::vector<SwitchingGap> gaps_;         // all of them from low_ to high_
-  double low_ = 0.0, high_ = 0.0, known_to_ = 0.0, size_ = 1.0, direction_ = 1.0;
+  double low_ = 0.0, high_ = 0.0, known_to_ = 0.0, size_ = 1.0, direction_ = 1.0, looks_ahead_ = 4.0;
   long version_ = -1;
   std::vector<Piece> pieces_;  // to be looked at, the next one last
   Borders open_;               // the gap that has begun

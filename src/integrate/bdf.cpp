@@ -140,6 +140,15 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   return outcome;
 }
 
+PointsOfCurve Bdf::points_of_tried() const {
+  PointsOfCurve points;
+  points.add(history_.time(0), history_.x().data());
+  points.add(tried_.t, tried_.x.data());
+  for (int i = 1; i < std::min(tried_.order + 1, history_.points()); ++i)
+    points.add(history_.time(i), history_.x_at(i).data());
+  return points;
+}
+
 double Bdf::course_of_tried(const double* predicted, int points, const ErrorWeights& weights) const {
   TriedCourse course{{}, points, predicted, tried_.x};
   for (int i = 0; i < course.count; ++i) course.past[index(i)] = &history_.x_at(i);

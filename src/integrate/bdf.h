@@ -43,6 +43,7 @@ class Bdf final : public Stepper {
   TriedStep tried() const override {
     return {tried_.t, tried_.h, tried_.order, tried_.x.data(), tried_.c, tried_.w_rest.data(), nullptr, nullptr};
   }
+  PointsOfCurve points_of_tried() const override;
   const std::vector<double>& x() const override { return history_.x(); }
   const std::vector<double>& tried_x() const override { return tried_.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }

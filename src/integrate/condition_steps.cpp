@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what E x may move by beyond what slopes explain. (Chosen.)
-constexpr double clear_move = 1.0;
+// In tolerances: what E x may move by beyond what slopes explain, half of a jump. (Chosen.)
+constexpr double clear_move = 0.5;
 // Of the tolerances: x moves by less while a condition passes zero. (Chosen: positions that go on continuously do so to
 // this accuracy.)
 constexpr double located = 1e-4;
@@ -51,20 +51,6 @@ bool ConditionSteps::has_switched(const std::vector<double>& g) const {
   return false;
 }
 
-// Conditions switch at the same time, as g and -g do: in between there is nothing. Straight lines tell.
-bool ConditionSteps::switches_once() const {
-  constexpr double same = 1e-9;  // of the step; rounding errors are smaller
-  double first = 2.0, last = -1.0;
-  for (std::size_t k = 0; k < branches_.size(); ++k) {
-    if (is_met(tried_.g[k]) == is_met(branches_[k])) continue;
-    const double at_zero = branches_[k] / (branches_[k] - tried_.g[k]);
-    if (!std::isfinite(at_zero)) return false;
-    first = std::min(first, at_zero);
-    last = std::max(last, at_zero);
-  }
-  return last - first <= same;
-}
-
 // At the last point those of the solution so far, at the end of a step those of the equations, where they say them.
 void ConditionSteps::find_slopes(const Integrator& integrator, double t, const std::vector<double>& x,
                                  std::vector<double>& slopes) {
@@ -79,16 +65,22 @@ void ConditionSteps::evaluate(const Integrator& integrator, double t, const std:
   conditions_->functions().evaluate(t, x.data(), slopes_.data(), g.data());
 }
 
-// By the trapezoidal rule.
+// How far slopes at both ends of a step, by the trapezoidal rule, explain less of what x does than those of the
+// polynomial of the step do: its error counts for both.
 bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
   const double h = state.tried_t - state.t;
-  const std::vector<double>&before = integrator.stepper->x(), &after = tried_.x;
-  find_slopes(integrator, state.t, before, slopes_before_);
-  if (!integrator.system.exact_derivative(after.data(), slopes_.data())) return false;
+  const PointsOfCurve points = integrator.stepper->points_of_tried();
+  std::fill(change_.begin(), change_.end(), 0.0);
+  for (const double t : {state.t, tried_.t}) {
+    points.evaluate(t, change_.size(), tolerances_.data(), slopes_before_.data());
+    for (std::size_t i = 0; i < change_.size(); ++i) change_[i] += 0.5 * h * slopes_before_[i];
+  }
+  if (!integrator.system.exact_derivative(tried_.x.data(), slopes_.data())) return false;
+  integrator.stepper->interpolate({state.t, nullptr, tolerances_.data(), slopes_before_.data()});
   for (std::size_t i = 0; i < change_.size(); ++i) {
-    change_[i] = after[i] - before[i] - 0.5 * h * (slopes_before_[i] + slopes_[i]);
-    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
+    change_[i] -= 0.5 * h * (slopes_before_[i] + slopes_[i]);
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), tried_.x.data());
   }
   return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= clear_move;
 }
@@ -104,10 +96,16 @@ void ConditionSteps::release() {
   is_held_ = false;
 }
 
+// At the last point.
+void ConditionSteps::find_branches(const Integrator& integrator) {
+  const double t = integrator.stepper->state().t;
+  if (!is_held_ && known_ != t) evaluate(integrator, t, integrator.stepper->x(), branches_);
+  known_ = t;
+}
+
 void ConditionSteps::take_attempt(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
-  if (!is_held_ && known_ != state.t) evaluate(integrator, state.t, integrator.stepper->x(), branches_);
-  known_ = state.t;
+  find_branches(integrator);
   has_tried_ = true;
   tried_.t = state.tried_t;
   std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());
@@ -117,17 +115,76 @@ void ConditionSteps::take_attempt(const Integrator& integrator) {
 bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivities) {
   const bool differentiates = integrator.system.differentiates();
   if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;
-  take_attempt(integrator);
   if (!has_switched(tried_.g)) return false;
-  if (with_sensitivities) return differentiates || !are_kinks(integrator);
-  return !(switches_once() && moves_as_slopes_say(integrator));
+  if (!differentiates) return !are_kinks(integrator);
+  return with_sensitivities || !moves_as_slopes_say(integrator);
+}
+
+// What conditions do between the ends of a step, which only residuals in between show, is looked at in a step that ends
+// there.
+bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
+  if (conditions_ == nullptr || conditions_->count() == 0) return false;
+  take_attempt(integrator);
+  const SwitchSearch& search = conditions_->search();
+  const PointsOfCurve points = integrator.stepper->points_of_tried();
+  for (std::size_t i = 0; i < tolerances_.size(); ++i)
+    tolerances_[i] = located * integrator.weights.tolerance(static_cast<int>(i), points.x[1]);
+  find_switches(points);
+  if (search.times_between().empty() && search.known_to() == points.t[1]) return false;
+  const std::optional<double> hidden = first_hidden(integrator, points, search.times_between());
+  if (!hidden && search.known_to() == points.t[1]) return false;
+  const double h = points.t[1] - points.t[0];
+  const double part = std::max(shorter_at_switch, (search.known_to() - points.t[0]) / h);
+  const double end = hidden ? *hidden : points.t[0] + part * h;
+  if (std::fabs(end - points.t[0]) >= Integrator::smallest_step(points.t[0], points.t[1])) {
+    end_ = end;
+    has_after_ = false;
+    return true;
+  }
+  if (hidden) return false;  // it is shorter than times are resolved
+  throw Failure(SFDAE_STEP_TOO_SMALL,
+                format("at t = %.15g it cannot be known whether conditions on x switch: see the condition in %s.",
+                       points.t[0], conditions_->equation_with(conditions_->searched()[0]).c_str()));
+}
+
+// Within the step tried.
+void ConditionSteps::find_switches(const PointsOfCurve& points) {
+  SwitchSearch& search = conditions_->search();
+  if (!is_held_ && conditions_->find_simple_switches(points, branches_.data(), tried_.g.data())) return;
+  search.find(points, nullptr);
+  if (search.known_to() == points.t[1]) return;
+  // Rounding errors may decide: what is less than x is known to does not count.
+  const std::vector<double> changes =
+      conditions_->functions().resolution(points.t[1], points.x[1], nullptr, tolerances_.data());
+  std::vector<double> margins;
+  for (const std::size_t k : conditions_->searched()) margins.push_back(changes[k]);
+  search.find(points, margins.data());
+}
+
+// The first of these times at which what branches do to residuals is not seen at the end of the step.
+std::optional<double> ConditionSteps::first_hidden(const Integrator& integrator, const PointsOfCurve& points,
+                                                   const std::vector<double>& times) {
+  const std::size_t n = change_.size();
+  std::vector<double> values(2 * n * (times.size() + 1));
+  std::vector<HeldConditions::Point> between;
+  for (std::size_t k = 0; k <= times.size(); ++k) {
+    double* const x = values.data() + 2 * n * k;
+    const double t = k < times.size() ? times[k] : points.t[1];
+    points.evaluate(t, n, x, x + n);
+    between.push_back({t, x, x + n});
+  }
+  const HeldConditions::Point to = between.back();
+  between.pop_back();
+  const std::optional<std::size_t> first =
+      conditions_->first_hidden(branches_.data(), between, to, tolerances_.data());
+  return first ? std::optional<double>(times[*first]) : std::nullopt;
 }
 
 // Residuals are continuous where conditions have switched.
 bool ConditionSteps::are_kinks(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
   find_slopes(integrator, state.t, integrator.stepper->x(), slopes_before_);
-  if (!integrator.system.exact_derivative(tried_.x.data(), slopes_.data())) return false;
+  find_slopes(integrator, tried_.t, tried_.x, slopes_);
   const HeldConditions::Point from{state.t, integrator.stepper->x().data(), slopes_before_.data()};
   const HeldConditions::Point to{tried_.t, tried_.x.data(), slopes_.data()};
   for (std::size_t k = 0; k < branches_.size(); ++k)
@@ -163,11 +220,10 @@ bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
 
 ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool with_sensitivities) {
   is_last_ = has_tried_ = false;
+  if (conditions_ == nullptr) return Verdict::accepted;
+  if (ends_between_switches(integrator)) return Verdict::again;
   if (!is_held_ && !may_jump(integrator, with_sensitivities)) return Verdict::accepted;
-  if (is_held_) {
-    take_attempt(integrator);
-    return locate(integrator);
-  }
+  if (is_held_) return locate(integrator);
   hold();
   end_ = tried_.t;
   return Verdict::again;
@@ -207,7 +263,7 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
     return Verdict::again;
   }
   if (is_last_ && !is_after) return Verdict::accepted;
-  end_ = is_last_ ? before_.t : next_end(apart);
+  end_ = is_last_ ? before_.t : next_end(integrator, apart);
   is_last_ = false;
   return Verdict::again;
 }
@@ -219,19 +275,30 @@ double ConditionSteps::distance(const Integrator& integrator) {
 
 // Where the first of the conditions is zero if they are linear, but so far from an end that this end gets near enough
 // if it is not; the middle where that gains little. distance: of x at both ends.
-double ConditionSteps::next_end(double distance) {
+double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   const double a = before_.t, b = after_.t, middle = 0.5 * (a + b);
   if (slow_ >= 2 || !std::isfinite(distance)) return middle;
   double part = 1.0;
+  const double least = roundings_of_gap * Integrator::resolution(a, b) / std::fabs(b - a);
+  const double enough = std::min(0.5, std::max(0.5 * located / distance, least));
+  // Beyond the zero first, then before it, so near that x moves next to nothing in between.
+  const auto end_at = [&](double at_zero) {
+    const double beside = 0.8 * enough;
+    const double part = 1.0 - at_zero > 2.0 * beside ? at_zero + beside : at_zero - beside;
+    return a + std::clamp(part, enough, 1.0 - enough) * (b - a);
+  };
+  // At first the polynomial of the step tells more.
+  if (a == integrator.stepper->state().t && conditions_->search().first_switch()) {
+    const double at_zero = (*conditions_->search().first_switch() - a) / (b - a);
+    if (at_zero > 0.0 && at_zero < 1.0) return end_at(at_zero);
+  }
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const double at_a = before_.g[k], at_b = after_.g[k];
     if (is_met(at_b) == is_met(branches_[k])) continue;
     const double at_zero = at_a / (at_a - at_b);
     part = std::min(part, std::isfinite(at_zero) ? std::clamp(at_zero, 0.0, 1.0) : 0.5);
   }
-  const double enough = std::min(0.5, 0.5 * located / distance);
-  const double end = a + std::clamp(part, enough, 1.0 - enough) * (b - a);
-  return end != a && end != b ? end : middle;
+  return end_at(part);
 }
 
 // The next attempt, which is shorter, has the branches held if this one had not, and the other way round: E x jumps
@@ -242,8 +309,12 @@ void ConditionSteps::note_failure(const Integrator& integrator, StepOutcome outc
   has_after_ = false;
   if (conditions_->count() == 0) return;
   const StepState state = integrator.stepper->state();
-  const bool may_be_of_jump = outcome != StepOutcome::error_too_large || integrator.system.differentiates();
-  if (!may_be_of_jump || is_due_) return;
+  if (is_due_) return;
+  if (outcome == StepOutcome::error_too_large && !integrator.system.differentiates() && !is_held_) {
+    // Because of something else, unless residuals jump.
+    take_attempt(integrator);
+    if (!has_switched(tried_.g) || are_kinks(integrator)) return;
+  }
   evaluate(integrator, state.t, integrator.stepper->x(), tried_.g);
   if (!is_held_) {
     branches_ = tried_.g;

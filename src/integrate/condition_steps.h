@@ -36,10 +36,12 @@ class ConditionSteps {
   // sensitivities these jump where x' does: any condition is located where residuals jump.
   Verdict judge(const Integrator& integrator, bool with_sensitivities);
   std::optional<double> end() const { return end_; }
+  // A step has been tried with success: whether the next one ends at end(), as conditions do what its ends do not show.
+  bool ends_between_switches(const Integrator& integrator);
   // A step has been tried with success, in which what cannot be held has switched, and E x moves otherwise than slopes
   // say: the next one ends at end(). Throws Failure where E x jumps.
   bool steps_with_jump(const Integrator& integrator);
-  // A step has been tried with success, without branches held: whether x, or sensitivities, may have jumped in it.
+  // Then, without branches held: whether x, or sensitivities, may have jumped in it.
   bool may_jump(const Integrator& integrator, bool with_sensitivities);
   // A step has failed, for whatever reason.
   void note_failure(const Integrator& integrator, StepOutcome outcome);
@@ -52,7 +54,7 @@ class ConditionSteps {
   double t_after() const { return after_.t; }
   const std::vector<double>& x_after() const { return after_.x; }
   // t, or the point behind such a zero that is next to t.
-  double beside(double t) const { return (t - passed_.from) * (t - passed_.to) < 0.0 ? passed_.to : t; }
+  double beside(double t) const { return (t - passed_.from) * (t - passed_.to) <= 0.0 ? passed_.to : t; }
   // Returns the values after the zero, with branches that agree with them; values_after computes values by impulses,
   // with the branches that are held. start_after_change() has to follow, or restore_branches(), as where this throws
   // Failure.
@@ -72,17 +74,20 @@ class ConditionSteps {
     std::vector<double> x, g;
   };
   bool has_switched(const std::vector<double>& g) const;
-  bool switches_once() const;
   void take_attempt(const Integrator& integrator);
   void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
   bool moves_as_slopes_say(const Integrator& integrator);
   bool are_kinks(const Integrator& integrator);
+  void find_switches(const PointsOfCurve& points);
+  std::optional<double> first_hidden(const Integrator& integrator, const PointsOfCurve& points,
+                                     const std::vector<double>& times);
+  void find_branches(const Integrator& integrator);
   void hold();
   void release();
   Verdict locate(const Integrator& integrator);
   double distance(const Integrator& integrator);
-  double next_end(double distance);
+  double next_end(const Integrator& integrator, double distance);
   std::size_t contradiction(const Integrator& integrator, const ConsistentPoint& after,
                             const std::vector<double>& branches);
   void demand_progress(const Integrator& integrator);

@@ -307,11 +307,12 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
   if (!conditions_.steps_with_jump(integrator_)) {
-    if (adjoint() != nullptr) {
+    if (adjoint() == nullptr) {
+      if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;
+    } else if (!conditions_.ends_between_switches(integrator_)) {
       if (conditions_.may_jump(integrator_, true)) throw_jump_with_sensitivities(t);
       return false;
     }
-    if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;
   }
   withdraw();
   if (!conditions_.is_due()) integrator_.stepper->set_next_step(std::copysign(*conditions_.end() - t, h));

@@ -140,6 +140,7 @@ class Integration {
   void cross_gap(double tout);
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void change_branches(double tout);
+  ConsistentPoint values_with_branches(const PointOfInterest& before);
   struct MovingSwitch;
   void go_on_after_jump(double t, const ConsistentPoint& after, const MovingSwitch* moving);
   bool moves_with_parameters(double h);

@@ -92,6 +92,24 @@ std::vector<double> Integration::sensitivities_after(const MovingSwitch& moving,
   return result;
 }
 
+// Impulses are looked at only where what is differentiated has to move: elsewhere nothing is left for them to do, and
+// whether they are determined does not matter. Values before the jump are known to their tolerances.
+ConsistentPoint Integration::values_with_branches(const PointOfInterest& before) {
+  constexpr double none = 0.1;  // of the tolerances
+  try {
+    ConsistentPoint near = options_.jumps->values_near(before);
+    std::vector<double> change(near.x), tolerances(near.x.size());
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      change[i] -= before.x[i];
+      tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), near.x.data());
+    }
+    if (integrator_.system.change_of_differentiated(change.data(), tolerances.data()) <= none) return near;
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_CALLBACK_FAILED) throw;
+  }
+  return options_.jumps->values_after(before);
+}
+
 // The point before stays the last one where that throws.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
@@ -101,13 +119,12 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   std::vector<double> before(integrator_.stepper->x().size()), slopes(before);
   integrator_.stepper->interpolate({start, nullptr, before.data(), slopes.data()});
   before = integrator_.stepper->x();
-  const auto values_after = [&] { return options_.jumps->values_after({t, toward, before.data()}); };
   std::optional<ConsistentPoint> point;
   if (companion_) point = options_.jumps->values_before({start, toward, integrator_.stepper->x().data()});
   // Both halves of the gap as far as slopes lead: those after it are known when its end is.
   const bool moves = move(before, half, slopes);
-  ConsistentPoint after = values_after();
-  if (move(before, half, after.xdot) || moves) after = values_after();
+  ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
+  if (move(before, half, after.xdot) || moves) after = options_.jumps->values_after({t, toward, before.data()});
   if (point) {
     std::vector<double> shifts = shifts_of_time(t, *point);
     point->x = before;
@@ -150,7 +167,7 @@ void Integration::change_branches(double tout) {
   }
   try {
     const ConsistentPoint after =
-        conditions_.change_branches(integrator_, [&] { return options_.jumps->values_after(place); });
+        conditions_.change_branches(integrator_, [&] { return values_with_branches(place); });
     std::optional<MovingSwitch> moving;
     if (before) moving.emplace(MovingSwitch{*before, toward, std::move(shifts)});
     go_on_after_jump(t, after, moving ? &*moving : nullptr);

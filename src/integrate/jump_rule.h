@@ -14,6 +14,9 @@ class JumpRule {
   // The consistent values at the point, where data are those after the jump, for the values before it; the system
   // stands there afterwards. Throws Failure.
   virtual ConsistentPoint values_after(const PointOfInterest& before) = 0;
+  // The consistent values nearest to those before it, with the same data: what they are where no impulse is needed. The
+  // system stands there afterwards. Throws Failure.
+  virtual ConsistentPoint values_near(const PointOfInterest& before) = 0;
   // The consistent point there, with data as they are before the jump; nothing of an integration is disturbed. Throws
   // Failure.
   virtual ConsistentPoint values_before(const PointOfInterest& before) = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "linalg/divided_differences.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -49,12 +50,6 @@ struct NewtonPolynomial {
     }
   }
 };
-
-// to := (to - from) / gap.
-inline void take_difference(double* __restrict to, const double* __restrict from, double gap, std::size_t size) {
-  const double per_gap = 1.0 / gap;
-  for (std::size_t r = 0; r < size; ++r) to[r] = (to[r] - from[r]) * per_gap;
-}
 
 // Replaces values by divided differences; column(i), of `size` numbers, belongs to times[i], i < count.
 template <class Times, class Column>

@@ -156,6 +156,17 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   return outcome;
 }
 
+PointsOfCurve Radau::points_of_tried() const {
+  const StageMethod& method = tried_.method->stages;
+  const RadauNode& start = history_.newest();
+  PointsOfCurve points;
+  points.add(start.t, start.x.data());
+  points.add(tried_.end.t, tried_.end.x.data());
+  for (int i = 0; i + 1 < method.s; ++i)
+    points.add(start.t + method.c[index(i)] * tried_.h, tried_.stages.x.data() + index(i) * start.x.size());
+  return points;
+}
+
 double Radau::course_of_tried(const double* predicted, const ErrorWeights& weights) const {
   TriedCourse course{{}, course_points(), predicted, tried_.end.x};
   for (int i = 0; i < course.count; ++i) course.past[index(i)] = &history_.node(i).x;

@@ -34,6 +34,7 @@ class Radau final : public Stepper {
   StepOutcome test_beside(const StrangenessFreeSystem& system, const ErrorTerms& terms) override;
 
   StepState state() const override;
+  PointsOfCurve points_of_tried() const override;
   TriedStep tried() const override {
     return {tried_.end.t,
             tried_.h,

@@ -10,6 +10,7 @@
 
 #include "integrate/error_weights.h"
 #include "linalg/archive.h"
+#include "linalg/points_of_curve.h"
 #include "system/strangeness_free_system.h"
 
 namespace sfdae::core {
@@ -132,9 +133,11 @@ class Stepper {
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;
-  virtual TriedStep tried() const = 0;                     // after an attempt that was accepted, before commit()
-  virtual const std::vector<double>& x() const = 0;        // at the last point
-  virtual const std::vector<double>& tried_x() const = 0;  // at the end of the last attempt, where it was accepted
+  virtual TriedStep tried() const = 0;                // after an attempt that was accepted, before commit()
+  virtual PointsOfCurve points_of_tried() const = 0;  // likewise; the start and the end of the step are the first
+  virtual const std::vector<double>& x() const = 0;   // at the last point
+  // Where the attempt was accepted, or its error is too large.
+  virtual const std::vector<double>& tried_x() const = 0;  // at the end of the last attempt
   virtual const std::vector<double>& error() const = 0;    // of the last attempt, mapped to x
 
   // A point within the last step; its x is inaccurate in the constraints.

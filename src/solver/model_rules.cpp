@@ -18,6 +18,12 @@ ModelOptions plain(const ModelOptions& given) {
   return options;
 }
 
+ModelOptions keeping_differentiated(const ModelOptions& given) {
+  ModelOptions options = plain(given);
+  options.consistency.keeps_differentiated = true;
+  return options;
+}
+
 }  // namespace
 
 ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
@@ -32,12 +38,16 @@ ConsistentPoint JumpsOfModel::values_after(const PointOfInterest& before) {
   return after;
 }
 
+ConsistentPoint JumpsOfModel::values_near(const PointOfInterest& before) {
+  return solver_.model.consistent_point(before, keeping_differentiated(solver_.options.model));
+}
+
 bool JumpsOfModel::differentiate(const MovingJump& jump, View after) {
   return solver_.model.differentiate_jump(jump, solver_.options.model, after);
 }
 
 ConsistentPoint JumpsOfModel::values_before(const PointOfInterest& before) {
-  return solver_.model.consistent_point_beside(before, plain(solver_.options.model));
+  return solver_.model.consistent_point_beside(before, keeping_differentiated(solver_.options.model));
 }
 
 ModelOptions ContinuationOfModel::options() const { return plain(solver_.options.model); }

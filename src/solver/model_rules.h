@@ -16,6 +16,7 @@ class JumpsOfModel final : public JumpRule {
  public:
   explicit JumpsOfModel(Solver& solver) : solver_(solver) {}
   ConsistentPoint values_after(const PointOfInterest& before) override;
+  ConsistentPoint values_near(const PointOfInterest& before) override;
   ConsistentPoint values_before(const PointOfInterest& before) override;
   bool differentiate(const MovingJump& jump, View after) override;
   void forget() { last_.reset(); }

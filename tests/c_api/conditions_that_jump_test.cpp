@@ -228,6 +228,68 @@ TEST(Conditions, WithEventsAtTheSameTime) {
   }
 }
 
+// A pendulum with drag c |v| v: momentum equations have kinks, which nothing that is differentiated contains. Nothing
+// jumps there, however loose tolerances are, and whether impulses would be determined does not matter.
+TEST(Conditions, OfDragLeaveUnknownsContinuous) {
+  for (const double c : {0.01, 0.1, 1.0}) {
+    const auto pendulum =
+        problem_of(5, [c](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+          F[0] = xdot[0] - x[2];
+          F[1] = xdot[1] - x[3];
+          F[2] = xdot[2] + x[4] * x[0] + c * abs(x[2]) * x[2];
+          F[3] = xdot[3] + x[4] * x[1] + 9.81 + c * abs(x[3]) * x[3];
+          F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
+        });
+    const auto angle_at_end = [&](const sfdae::Options& options) {
+      sfdae::Solver solver(pendulum, options);
+      sfdae::Point point{0.0, {1.0, 0.0, 0.0, 0.0, 0.0}, {}};
+      solver.start(point, 10.0);
+      EXPECT_EQ(solver.advance(10.0, point), SFDAE_OK) << text_of(options);
+      EXPECT_THROW(solver.last_jump(), sfdae::Error);  // there is none
+      return std::atan2(point.x[0], -point.x[1]);
+    };
+    const double expected = angle_at_end(all_options(1e-9)[2]);
+    for (const double tolerance : {1e-3, 1e-4, 1e-6})
+      for (const sfdae::Options& options : all_options(tolerance))
+        EXPECT_NEAR(angle_at_end(options), expected, 200.0 * tolerance) << text_of(options) << ", c = " << c;
+  }
+}
+
+// Pulses of unit area where an unknown passes an interval, in equations that nothing differentiates: the ends of steps
+// do not show them. Conditions: both ends by themselves, one distance, products, squares, one within the other.
+TEST(Conditions, OfPulsesBetweenTheEndsOfSteps) {
+  constexpr double from = 0.7371;
+  const auto pulse = [=](int kind, const Expression& z, double width) -> Expression {
+    const double to = from + width, middle = from + 0.5 * width;
+    switch (kind) {
+      case 0: return sfdae::choose(z > from, 1.0, 0.0) * sfdae::choose(z < to, 1.0, 0.0);
+      case 1: return sfdae::choose(sfdae::abs(z - middle) < 0.5 * width, 1.0, 0.0);
+      case 2: return sfdae::choose((z - from) * (z - to) < 0.0, 1.0, 0.0);
+      case 3: return sfdae::choose(sfdae::pow(z - middle, 2.0) < 0.25 * width * width, 1.0, 0.0);
+      case 4: return sfdae::choose(z > from, sfdae::choose(z > to, 0.0, 1.0), 0.0);
+      default: return 2.0 * sfdae::max(1.0 - sfdae::abs(z - middle) / (0.5 * width), 0.0);
+    }
+  };
+  for (int kind = 0; kind < 6; ++kind)
+    for (const double width : {0.1, 1e-3, 1e-5, 1e-7}) {
+      if (kind == 5 && width < 1e-5) continue;  // slopes of 1e14 hide the other numbers
+      const auto problem =
+          problem_of(3, [&](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+            F[0] = xdot[0] - 0.5 * pulse(kind, x[1], width) / width;
+            F[1] = xdot[1] - 1.0;
+            F[2] = x[2] - 2.0 * x[0];
+          });
+      for (const sfdae::Options& options : all_options()) {
+        sfdae::Solver solver(problem, options);
+        sfdae::Point point{0.0, Vector(3, 0.0), {}};
+        solver.start(point, end);
+        ASSERT_EQ(solver.advance(end, point), SFDAE_OK) << text_of(options);
+        EXPECT_NEAR(point.x[0], 0.5, 1e-4) << text_of(options) << ", kind " << kind << ", width " << width;
+        EXPECT_NEAR(point.x[2], 1.0, 2e-4) << text_of(options) << ", kind " << kind << ", width " << width;
+      }
+    }
+}
+
 // Checkpoints after each step, of which those next to the jump hold branches, lead to the same numbers.
 TEST(Conditions, AreInCheckpoints) {
   for (const sfdae::Options& options : all_options()) {

@@ -76,8 +76,7 @@ class SwitchedProblem {
     b_ = random_.reals(n_, -1.0, 1.0);
     index_ = block - 1;
     clock_ = static_cast<Clock>(random_.integer(0, 2));
-    // A pulse that is no longer there at the end of a step is known where equations are differentiated.
-    input_ = static_cast<Input>(random_.integer(0, index_ > 0 ? 5 : 4));
+    input_ = static_cast<Input>(random_.integer(0, 5));
     frequency_ = random_.real(2.0, 6.0);
     phase_ = random_.real(0.0, 6.0);
     limit_ = clock_ == Clock::time         ? random_.real(0.3, 1.7)

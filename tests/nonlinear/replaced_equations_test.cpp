@@ -207,7 +207,9 @@ TEST(ReplacedEquations, AreGivenUpWhereNothingCancelsAnyMore) {
   ASSERT_TRUE(is_known(run.advance(1.0))) << run.message();
   EXPECT_NEAR(run.x[0], 2.0 / 3.0, 1e-5);
   const int status = run.advance(4.0);
-  EXPECT_TRUE(status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_STEP_TOO_SMALL) << run.message();
+  EXPECT_TRUE(status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_STEP_TOO_SMALL ||
+              status == SFDAE_RANK_UNCLEAR)
+      << run.message();
   EXPECT_NEAR(run.t, 1.5, 0.1);
 }
 

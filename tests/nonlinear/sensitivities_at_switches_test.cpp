@@ -169,6 +169,26 @@ TEST(SensitivitiesAtSwitches, OfTheAdjointAreThoseOfKinksAlone) {
   });
 }
 
+// A jump that has gone at the end of a step is a jump.
+TEST(SensitivitiesAtSwitches, OfTheAdjointEndAtPulsesBetweenTheEndsOfSteps) {
+  const Case given{"a pulse", 2, [](auto, auto p, auto x, auto xdot, auto F) {
+                     F[0] = xdot[0] - choose(x[1] - 0.9, 100.0, 0.0) * choose(0.9 + 0.01 * p - x[1], 1.0, 0.0);
+                     F[1] = xdot[1] - 1.0;
+                   }};
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    sfdae::Solver solver(problem_of(given), options);
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"p"};
+    wanted.adjoint = true;
+    solver.set_sensitivities(wanted);
+    sfdae::Point point{0.0, Vector(2, 0.0), {}};
+    solver.start(point, end);
+    EXPECT_THROW(solver.advance(end, point), sfdae::Error) << method;
+  }
+}
+
 // Two conditions switch at the same time, which moves by another amount for each. Asked again, the run ends as before.
 TEST(SensitivitiesAtSwitches, ThatDoNotExistAreNamedAgainAndAgain) {
   const Case given{"two times", 2, [](auto, auto p, auto x, auto xdot, auto F) {

@@ -1,0 +1,88 @@
+// Conditions g(t, x) > 0 while x moves along a polynomial from one point to another: all times at which they switch, as
+// g is a function of t alone then (switching_times.h).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "expression/switching_times.h"
+#include "expression/taylor_evaluator.h"
+#include "linalg/points_of_curve.h"
+
+namespace sfdae::core {
+
+// Which conditions are linear in t and x, and their derivatives by x.
+class ConditionSlopes {
+ public:
+  // unknowns: those that the conditions depend on; the numbers of factors are places there.
+  ConditionSlopes(const Record& record, const std::vector<int>& conditions, const std::vector<int>& unknowns);
+  struct Factor {
+    std::size_t unknown;
+    double value;
+  };
+  // For the parameters that the evaluator has now: of a condition that is linear, else null.
+  void update(const TaylorEvaluator& evaluator);
+  const std::vector<Factor>* factors(std::size_t condition) const {
+    return is_linear_[condition] != 0 ? &factors_[condition] : nullptr;
+  }
+
+ private:
+  std::optional<TaylorEvaluator> derivatives_;  // a value for each factor
+  std::vector<char> is_linear_;
+  std::vector<std::vector<Factor>> factors_;
+  std::vector<double> values_;
+  long version_ = -1;
+};
+
+class SwitchSearch {
+ public:
+  // Conditions are nodes of the record of the evaluator, which lives as long as this; parameters are those that it has
+  // when this is asked. No condition depends on x', and none on a user-supplied function, of which nothing is known
+  // between points.
+  SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<int>& conditions);
+
+  std::size_t count() const { return margins_.size(); }
+
+  // As find(), without margins and cheap: false, and nothing is known, unless conditions are linear in t and x, and
+  // divided differences say that each switches once at most. g is known at both ends.
+  bool find_simple(const PointsOfCurve& points, const double* g_start, const double* g_end);
+
+  // Times between two switches that follow each other, of any conditions, between the first and the second of these
+  // points: as far as all is known. What does not pass zero by its margin does not count; null: margins are 0. Nothing
+  // is allocated.
+  const std::vector<double>& find(const PointsOfCurve& points, const double* margins);
+  // Of the last search; and the time up to which all switches are known.
+  const std::vector<double>& times_between() const { return times_between_; }
+  double known_to() const { return known_to_; }
+  std::optional<double> first_switch() const { return first_; }
+
+ private:
+  void set_curve(const PointsOfCurve& points);
+  // A linear condition, and its values at both ends.
+  struct Line {
+    const std::vector<ConditionSlopes::Factor>* factors;
+    const PointsOfCurve* points;
+    double start, end;
+  };
+  void set_differences(const PointsOfCurve& points);
+  void set_bends(const PointsOfCurve& points);
+  double value_of(const Line& line, double part) const;
+  void find_times_between();
+
+  const TaylorEvaluator& evaluator_;
+  std::unique_ptr<TaylorEvaluator> along_;  // a function of the part of the way for each condition: 1 where it is met
+  std::unique_ptr<SwitchingTimes> switches_;
+  std::vector<int> unknowns_;  // that conditions depend on
+  std::optional<ConditionSlopes> linear_;
+  std::vector<double> differences_;         // of unknowns_, divided, by parts of the way: a row for each order
+  std::vector<double> distances_, slopes_;  // from the straight line through both ends, and of slopes, at most
+  std::vector<Line> lines_;                 // that switch
+  std::vector<double> margins_, branches_, times_between_, zeros_;
+  double known_to_ = 0.0;
+  std::optional<double> first_;
+};
+
+}  // namespace sfdae::core
