@@ -36,6 +36,7 @@ bool has_switches(HeldConditions& conditions) {
 void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
   conditions_ = conditions != nullptr && has_switches(*conditions) ? conditions : nullptr;
   if (conditions_ == nullptr) return;
+  movement_.resize(n);
   for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &passed_.x})
     each->resize(n);
   for (Attempt* const each : {&tried_, &before_, &after_}) {
@@ -63,26 +64,6 @@ void ConditionSteps::evaluate(const Integrator& integrator, double t, const std:
                               std::vector<double>& g) {
   if (conditions_->functions().depend_on_derivatives()) find_slopes(integrator, t, x, slopes_);
   conditions_->functions().evaluate(t, x.data(), slopes_.data(), g.data());
-}
-
-// How far slopes at both ends of a step, by the trapezoidal rule, explain less of what x does than those of the
-// polynomial of the step do: its error counts for both.
-bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
-  const StepState state = integrator.stepper->state();
-  const double h = state.tried_t - state.t;
-  const PointsOfCurve points = integrator.stepper->points_of_tried();
-  std::fill(change_.begin(), change_.end(), 0.0);
-  for (const double t : {state.t, tried_.t}) {
-    points.evaluate(t, change_.size(), tolerances_.data(), slopes_before_.data());
-    for (std::size_t i = 0; i < change_.size(); ++i) change_[i] += 0.5 * h * slopes_before_[i];
-  }
-  if (!integrator.system.exact_derivative(tried_.x.data(), slopes_.data())) return false;
-  integrator.stepper->interpolate({state.t, nullptr, tolerances_.data(), slopes_before_.data()});
-  for (std::size_t i = 0; i < change_.size(); ++i) {
-    change_[i] -= 0.5 * h * (slopes_before_[i] + slopes_[i]);
-    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), tried_.x.data());
-  }
-  return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= clear_move;
 }
 
 void ConditionSteps::hold() {
@@ -117,7 +98,7 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
   if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;
   if (!has_switched(tried_.g)) return false;
   if (!differentiates) return !are_kinks(integrator);
-  return with_sensitivities || !moves_as_slopes_say(integrator);
+  return with_sensitivities || movement_.unexplained(integrator) > clear_move;
 }
 
 // What conditions do between the ends of a step, which only residuals in between show, is looked at in a step that ends
@@ -207,7 +188,7 @@ bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
   }
   const auto found = conditions_->stepped_switch({state.t, integrator.stepper->x().data(), slopes_before_.data()},
                                                  {tried_.t, tried_.x.data(), slopes_.data()});
-  if (!found || moves_as_slopes_say(integrator)) return false;
+  if (!found || movement_.unexplained(integrator) <= clear_move) return false;
   const double h = state.tried_t - state.t;
   if (std::fabs(h) < Integrator::smallest_step(state.t, state.tried_t) / shorter_at_switch)
     throw Failure(SFDAE_STEP_TOO_SMALL,
@@ -354,8 +335,8 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
   for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - passed_.x[i];
   const std::size_t most = 2 * branches_.size() + 10;
-  idle_ = integrator.weights.norm(change_.data()) <= no_progress ? idle_ + 1 : 0;
-  if (idle_ <= most) return;
+  passed_.idle = integrator.weights.norm(change_.data()) <= no_progress ? passed_.idle + 1 : 0;
+  if (passed_.idle <= most) return;
   throw Failure(SFDAE_ZENO,
                 format("at t = %.15g conditions switch again and again while x stays where it is: both sides of one "
                        "of them lead toward each other.",
@@ -405,7 +386,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
 void ConditionSteps::start_after_change(const std::vector<double>& x) {
   branches_ = changed_;
   is_due_ = false;
-  passed_ = {before_.t, after_.t, x};
+  passed_ = {before_.t, after_.t, x, passed_.idle};
   start();
 }
 

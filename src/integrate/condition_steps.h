@@ -16,6 +16,7 @@
 
 #include "expression/held_conditions.h"
 #include "integrate/integrator.h"
+#include "integrate/movement_test.h"
 #include "linalg/archive.h"
 #include "system/model.h"
 
@@ -77,7 +78,6 @@ class ConditionSteps {
   void take_attempt(const Integrator& integrator);
   void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
-  bool moves_as_slopes_say(const Integrator& integrator);
   bool are_kinks(const Integrator& integrator);
   void find_switches(const PointsOfCurve& points);
   std::optional<double> first_hidden(const Integrator& integrator, const PointsOfCurve& points,
@@ -93,6 +93,7 @@ class ConditionSteps {
   void demand_progress(const Integrator& integrator);
 
   HeldConditions* conditions_ = nullptr;
+  MovementTest movement_;
   double known_ = std::numeric_limits<double>::quiet_NaN();  // branches_ are those of the last point, at this time
   std::vector<double> branches_;                             // numbers with their signs
   bool is_held_ = false, is_due_ = false;
@@ -101,13 +102,13 @@ class ConditionSteps {
   struct Passed {
     double from = 0.0, to = 0.0;  // the points beside it
     std::vector<double> x;        // at the second one
+    std::size_t idle = 0;         // zeros in a row between which x has not moved
   };
   Passed passed_;  // the zero passed last
   int slow_ = 0;   // attempts in a row that have not halved the interval
   std::optional<double> end_;
   std::vector<double> slopes_, slopes_before_, change_, tolerances_;
   std::vector<double> changed_;  // branches that the zero leads to, as change_branches() has found them
-  std::size_t idle_ = 0;         // changes in a row between which x has not moved
 };
 
 }  // namespace sfdae::core

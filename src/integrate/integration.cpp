@@ -127,6 +127,10 @@ CallResult Integration::run(double tout, bool one_step) {
       change_branches(tout);
       continue;
     }
+    if (hidden_.at) {
+      cross_jump(*std::exchange(hidden_.at, std::nullopt), tout);
+      continue;
+    }
     keep_to_piece(options_, integrator_.system, {t, tout, integrator_.direction}, start_);
     if (const auto gap = jump_at(options_, t, integrator_.direction)) {
       cross_jump(*gap, tout);
@@ -206,6 +210,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
     if (adjoint() == nullptr) conditions_.note_failure(integrator_, outcome);
+    hidden_.end.reset();
     choice_.note_attempt(false);
     return result;
   }
@@ -218,6 +223,7 @@ void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
+  if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
 
 // The size of a step toward t that notices what inputs do; in gaps they switch.
@@ -234,6 +240,7 @@ std::optional<double> Integration::limit_of_step(double t, double tout, double s
   constexpr double longer = 1.001;  // than steps become so that they end at tout (step_target.cpp)
   std::optional<double> limit = options_.stop_time;
   if (conditions_.end()) limit = conditions_.end();
+  if (hidden_.end) limit = hidden_.end;
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
   const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction}, longer * size);
@@ -291,6 +298,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   integrator_.stepper->commit();
   system.accept();
   conditions_.commit();
+  hidden_.end.reset();
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
@@ -303,9 +311,36 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   return call_monitor(h);
 }
 
+// Functions of the user's say nothing of the times at which they switch. Where E x moves otherwise than its slopes say,
+// steps become shorter until slopes explain it, or it is known that x jumps within the next one.
+bool Integration::may_hide_jump(double h) {
+  constexpr double clear = 5.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
+  DaeSystem& system = integrator_.system;
+  // Without differential equations each point stands for itself. Before a first step no slope is known to compare with.
+  if (!options_.hides_switches || !system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
+      integrator_.stepper->state().last.order == 0)
+    return false;
+  if (hidden_.test.unexplained_at_start(integrator_) <= clear) return false;
+  const double unexplained = hidden_.test.unexplained(integrator_);
+  // Without slopes nothing is known.
+  if (unexplained <= clear || std::isinf(unexplained)) return false;
+  const double t = integrator_.stepper->state().t;
+  withdraw();
+  if (std::fabs(h) * shorter < Integrator::smallest_step(t, start_ + integrator_.direction * span_)) {
+    hidden_.at = TimeBreakpoints::Gap{std::min(t, t + h), std::max(t, t + h), true};
+    hidden_.end.reset();
+    integrator_.stepper->set_next_step(h);
+  } else {
+    integrator_.stepper->set_next_step(shorter * h);
+    hidden_.end = t + shorter * h;
+  }
+  return true;
+}
+
 // From the same point, to another time: a condition on x switches in this step of size h.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
+  if (may_hide_jump(h)) return true;
   if (!conditions_.steps_with_jump(integrator_)) {
     if (adjoint() == nullptr) {
       if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;

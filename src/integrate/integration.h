@@ -155,6 +155,7 @@ class Integration {
   void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
   bool is_tried_again(double h);
+  bool may_hide_jump(double h);
   bool has_found_change(const StepSearch& search, double h);
   void look_closer(const LocatedChange& suspect, double h);
   void record_step(double from);
@@ -191,6 +192,12 @@ class Integration {
   StepOutput output_;
   InputWatch inputs_;
   ConditionSteps conditions_;
+  struct HiddenJump {
+    MovementTest test;
+    std::optional<TimeBreakpoints::Gap> at;  // x jumps there, beginning at the last point
+    std::optional<double> end;               // of the next step
+  };
+  HiddenJump hidden_;
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;

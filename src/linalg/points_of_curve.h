@@ -18,6 +18,12 @@ struct PointsOfCurve {
     t[count] = time;
     x[count++] = values;
   }
+  // By how much x' at the first point grows, times the distance to the second one, as x at that one grows by 1.
+  double part_of_second_in_slope() const {
+    double part = 1.0;
+    for (std::size_t k = 2; k < count; ++k) part *= (t[0] - t[k]) / (t[1] - t[k]);
+    return part;
+  }
   // x and x' there, of n components.
   void evaluate(double time, std::size_t n, double* value, double* slope) const {
     std::fill_n(value, n, 0.0);

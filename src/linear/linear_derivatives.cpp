@@ -55,13 +55,14 @@ bool basic_solution(View S, View r, int rank, double* y_1, Arena& arena) {
 // The array of level mu + 1 determines y_1 = tau x' once x is known: stages mu+2, ..., 2 of the elimination leave
 // [E_0; Y] y_1 = [A_0; X] x + [f_0; g].
 bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, const double* x, double* xdot,
-                           Arena& arena) {
+                           NextLevel next) {
   if (!problem.prescribed().empty()) return false;
   const AnalysisSettings& settings = at.settings;
   const int mu = at.analysis.values.mu, level = mu + 1, m = problem.m(), n = problem.n();
   const int highest = settings.orders_up_to_mu_only ? mu : settings.max_index;
   if (level > highest && (settings.orders_up_to_mu_only || !problem.is_constant())) return false;
-  TaylorData data;
+  TaylorData& data = next.data;
+  Arena& arena = next.arena;
   const CallbackError error = problem.evaluate(at.point.t, {level, level, level}, at.point.data.time_scale, data);
   if (ends_everything(error.status)) error.raise();
   if (error.status != SFDAE_OK) return false;

@@ -18,10 +18,16 @@ struct AnalyzedPoint {
   const LinearPoint& point;
 };
 
+// Where the array of level mu + 1 is built.
+struct NextLevel {
+  TaylorData& data;
+  Arena& arena;
+};
+
 // The free directions held. False if the array does not determine x', or is not available. Throws Failure for
 // requests to stop.
 bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, const double* x, double* xdot,
-                           Arena& arena);
+                           NextLevel next);
 
 // The part of x' that A2 x + f2 = 0 determines, orthogonal to T2, from points beside the current one in the given
 // direction. The current point is the same afterwards. Throws Failure.

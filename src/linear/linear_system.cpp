@@ -339,7 +339,8 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
 bool LinearSystem::exact_derivative(const double* x, double* xdot) {
   const Arena::Frame frame(arena_);
   const double* scaled_x = problem_.units().inward(x, arena_.take(index(problem_.n())));
-  if (!derivative_from_array(problem_, {settings_, analysis_, point()}, scaled_x, xdot, arena_)) return false;
+  if (!derivative_from_array(problem_, {settings_, analysis_, point()}, scaled_x, xdot, {next_level_, arena_}))
+    return false;
   problem_.units().outward(xdot);
   return true;
 }

@@ -94,6 +94,7 @@ class LinearSystem final : public DaeSystem {
   StepMatrix matrix_;  // for constant problems it is kept as long as c stays
   LinearStages stages_;
   StageTraces traces_;
+  TaylorData next_level_;  // of level mu + 1, for x'
 };
 
 }  // namespace sfdae::core

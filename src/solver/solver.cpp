@@ -207,6 +207,7 @@ void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
   integration_options.jumps = &jumps;
   integration_options.conditions = conditions ? &*conditions : nullptr;
+  integration_options.hides_switches = model.evaluator() == nullptr || model.evaluator()->has_source();
 }
 
 void Solver::pass_singular_points(long most) {

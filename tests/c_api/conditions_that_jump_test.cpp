@@ -228,6 +228,48 @@ TEST(Conditions, WithEventsAtTheSameTime) {
   }
 }
 
+// The same divider by functions that the library calls, of which it does not know when they switch: after 1 s, or with
+// the clock. Linear and nonlinear problems are different systems.
+TEST(Conditions, OfFunctionsThatNobodyHasDeclared) {
+  for (const double moment : {1.0, 0.3217}) {
+    sfdae::NonlinearProblem nonlinear(3, 3);
+    nonlinear.total_derivative = [moment](double t, int k, sfdae::ConstMatrixRef x, sfdae::TotalDerivatives to) {
+      to.F[0] = x(0, k) - (x(2, k + 1) - x(1, k + 1));
+      to.F[1] = x(2, k + 1) - 2.0 * x(1, k + 1) - x(1, k);
+      to.F[2] = x(2, k) - (k == 0 && t > moment ? 1.0 : 0.0);
+      if (k > 0) return;
+      if (to.F_x) to.F_x(0, 0) = to.F_x(2, 2) = 1.0, to.F_x(1, 1) = -1.0;
+      if (!to.F_xdot) return;
+      to.F_xdot(0, 1) = to.F_xdot(1, 2) = 1.0;
+      to.F_xdot(0, 2) = -1.0;
+      to.F_xdot(1, 1) = -2.0;
+    };
+    sfdae::LinearProblem linear(3, 3);
+    linear.E = [](double, int order, sfdae::MatrixRef E) {
+      if (order > 0) return;
+      E(0, 1) = E(1, 2) = 1.0;
+      E(0, 2) = -1.0;
+      E(1, 1) = -2.0;
+    };
+    linear.A = [](double, int order, sfdae::MatrixRef A) {
+      if (order == 0) A(0, 0) = A(2, 2) = -1.0, A(1, 1) = 1.0;
+    };
+    linear.f = [moment](double t, int order, sfdae::VectorRef f) { f[2] = order == 0 && t > moment ? 1.0 : 0.0; };
+    for (const sfdae::Options& options : all_options()) {
+      const auto expect_right = [&](sfdae::Solver solver) {
+        sfdae::Point point{0.0, Vector(3, 0.0), {}};
+        solver.start(point, end);
+        ASSERT_EQ(solver.advance(end, point), SFDAE_OK) << text_of(options);
+        EXPECT_NEAR(point.x[1], 0.5 * std::exp(0.5 * (moment - end)), 1e-5) << text_of(options);
+        EXPECT_NEAR(solver.last_jump().t, moment, 1e-9) << text_of(options);
+        EXPECT_LT(solver.statistics().steps, 400) << text_of(options);
+      };
+      expect_right(sfdae::Solver(nonlinear, options));
+      expect_right(sfdae::Solver(linear, options));
+    }
+  }
+}
+
 // A pendulum with drag c |v| v: momentum equations have kinks, which nothing that is differentiated contains. Nothing
 // jumps there, however loose tolerances are, and whether impulses would be determined does not matter.
 TEST(Conditions, OfDragLeaveUnknownsContinuous) {
