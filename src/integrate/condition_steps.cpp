@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -98,13 +99,14 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
   if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;
   if (!has_switched(tried_.g)) return false;
   if (!differentiates) return !are_kinks(integrator);
-  return with_sensitivities || movement_.unexplained(integrator) > clear_move;
+  return with_sensitivities || !moves_as_slopes_say(integrator);
 }
 
 // What conditions do between the ends of a step, which only residuals in between show, is looked at in a step that ends
 // there.
 bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   if (conditions_ == nullptr || conditions_->count() == 0) return false;
+  const QuietArithmetic quiet;
   take_attempt(integrator);
   const SwitchSearch& search = conditions_->search();
   const PointsOfCurve points = integrator.stepper->points_of_tried();
@@ -112,7 +114,7 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
     tolerances_[i] = located * integrator.weights.tolerance(static_cast<int>(i), points.x[1]);
   find_switches(points);
   if (search.times_between().empty() && search.known_to() == points.t[1]) return false;
-  const std::optional<double> hidden = first_hidden(integrator, points, search.times_between());
+  const std::optional<double> hidden = first_hidden(points, search.times_between());
   if (!hidden && search.known_to() == points.t[1]) return false;
   const double h = points.t[1] - points.t[0];
   const double part = std::max(shorter_at_switch, (search.known_to() - points.t[0]) / h);
@@ -143,8 +145,7 @@ void ConditionSteps::find_switches(const PointsOfCurve& points) {
 }
 
 // The first of these times at which what branches do to residuals is not seen at the end of the step.
-std::optional<double> ConditionSteps::first_hidden(const Integrator& integrator, const PointsOfCurve& points,
-                                                   const std::vector<double>& times) {
+std::optional<double> ConditionSteps::first_hidden(const PointsOfCurve& points, const std::vector<double>& times) {
   const std::size_t n = change_.size();
   std::vector<double> values(2 * n * (times.size() + 1));
   std::vector<HeldConditions::Point> between;
@@ -161,8 +162,14 @@ std::optional<double> ConditionSteps::first_hidden(const Integrator& integrator,
   return first ? std::optional<double>(times[*first]) : std::nullopt;
 }
 
+// Not where nothing is known of them.
+bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
+  return std::islessequal(movement_.unexplained(integrator), clear_move);
+}
+
 // Residuals are continuous where conditions have switched.
 bool ConditionSteps::are_kinks(const Integrator& integrator) {
+  const QuietArithmetic quiet;
   const StepState state = integrator.stepper->state();
   find_slopes(integrator, state.t, integrator.stepper->x(), slopes_before_);
   find_slopes(integrator, tried_.t, tried_.x, slopes_);
@@ -188,7 +195,7 @@ bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
   }
   const auto found = conditions_->stepped_switch({state.t, integrator.stepper->x().data(), slopes_before_.data()},
                                                  {tried_.t, tried_.x.data(), slopes_.data()});
-  if (!found || movement_.unexplained(integrator) <= clear_move) return false;
+  if (!found || moves_as_slopes_say(integrator)) return false;
   const double h = state.tried_t - state.t;
   if (std::fabs(h) < Integrator::smallest_step(state.t, state.tried_t) / shorter_at_switch)
     throw Failure(SFDAE_STEP_TOO_SMALL,

@@ -78,10 +78,10 @@ class ConditionSteps {
   void take_attempt(const Integrator& integrator);
   void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
+  bool moves_as_slopes_say(const Integrator& integrator);
   bool are_kinks(const Integrator& integrator);
   void find_switches(const PointsOfCurve& points);
-  std::optional<double> first_hidden(const Integrator& integrator, const PointsOfCurve& points,
-                                     const std::vector<double>& times);
+  std::optional<double> first_hidden(const PointsOfCurve& points, const std::vector<double>& times);
   void find_branches(const Integrator& integrator);
   void hold();
   void release();

@@ -320,10 +320,10 @@ bool Integration::may_hide_jump(double h) {
   if (!options_.hides_switches || !system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
       integrator_.stepper->state().last.order == 0)
     return false;
-  if (hidden_.test.unexplained_at_start(integrator_) <= clear) return false;
+  if (!std::isgreater(hidden_.test.unexplained_at_start(integrator_), clear)) return false;
   const double unexplained = hidden_.test.unexplained(integrator_);
   // Without slopes nothing is known.
-  if (unexplained <= clear || std::isinf(unexplained)) return false;
+  if (!std::isgreater(unexplained, clear) || std::isinf(unexplained)) return false;
   const double t = integrator_.stepper->state().t;
   withdraw();
   if (std::fabs(h) * shorter < Integrator::smallest_step(t, start_ + integrator_.direction * span_)) {
