@@ -191,6 +191,7 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       stepped_after_(stepped_functions_.count()) {}
 
 void HeldConditions::hold(const double* g) {
+  if (!can_be_held()) return;
   are_held_ = true;
   for (std::size_t k = 0; k < count(); ++k)
     evaluator_.set_parameter(conditions_[k].parameter, is_met(g[k]) ? held : -held);
@@ -294,7 +295,8 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
   return true;
 }
 
-// By the branches that g leads to, in place of those that these values lead to; clearly, where changes are given.
+// Finds what residuals change by with the branches that g leads to (clearly, where changes are given), in place of
+// those that these values lead to.
 bool HeldConditions::changes_of_branches(const Point& at, const double* g, const double* changes,
                                          std::vector<double>& result) {
   const std::size_t n = jet_.size() / 2;
@@ -312,7 +314,7 @@ bool HeldConditions::changes_of_branches(const Point& at, const double* g, const
   return true;
 }
 
-// At the second of the points, whose changes are known.
+// Whether the second of the points, where changes are known, does not show what branches do here.
 bool HeldConditions::leaves_no_trace(const Point& at, const double* g, const double* changes) {
   constexpr double shown = 2.0;  // times what the second point shows
   if (!changes_of_branches(at, g, changes, here_)) return true;

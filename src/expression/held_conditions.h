@@ -26,17 +26,19 @@ inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class HeldConditions {
  public:
-  // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others.
+  // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others;
+  // none: branches cannot be held, as steps are made by other equations, and hold() does nothing.
   HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed);
 
   // The number of conditions on x or x'.
   std::size_t count() const { return functions_.count(); }
   ConditionFunctions& functions() { return functions_; }
-  // Of those on t and x alone, by number.
+  // The search for switches of conditions on t and x alone, and the numbers of these conditions.
   SwitchSearch& search() { return search_; }
   const std::vector<std::size_t>& searched() const { return searched_; }
-  // SwitchSearch::find_simple, with values of all conditions.
+  // Calls SwitchSearch::find_simple, with values of all conditions.
   bool find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end);
+  bool can_be_held() const { return changed_ != nullptr; }
   // From now on equations have the branches that these values of g lead to.
   void hold(const double* g);
   // From now on equations have the branches that g leads to.

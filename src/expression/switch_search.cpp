@@ -104,7 +104,7 @@ class Recording {
       default: return recorder_.constant(0.0);
     }
   }
-  // Newton's form.
+  // The polynomial in Newton's form.
   int curve(int unknown) {
     const auto [place, is_new] = curves_.try_emplace(unknown, Curve{static_cast<int>(curves_.size()), -1});
     if (!is_new) return place->second.node;
@@ -229,7 +229,7 @@ void SwitchSearch::set_bends(const PointsOfCurve& points) {
   }
 }
 
-// At a part of the way, of a linear condition.
+// The value of a linear condition at a part of the way.
 double SwitchSearch::value_of(const Line& line, double part) const {
   double bend = 0.0;
   for (const ConditionSlopes::Factor& factor : *line.factors) {
@@ -267,7 +267,7 @@ bool SwitchSearch::find_simple(const PointsOfCurve& points, const double* g_star
   return true;
 }
 
-// The lines switch once each.
+// Each of the lines switches once.
 void SwitchSearch::find_times_between() {
   constexpr double near = 1e-13;  // of the way
   zeros_.clear();

@@ -23,8 +23,9 @@ class ConditionSlopes {
     std::size_t unknown;
     double value;
   };
-  // For the parameters that the evaluator has now: of a condition that is linear, else null.
+  // Computes derivatives for the parameters that the evaluator has now.
   void update(const TaylorEvaluator& evaluator);
+  // Null: the condition is not linear.
   const std::vector<Factor>* factors(std::size_t condition) const {
     return is_linear_[condition] != 0 ? &factors_[condition] : nullptr;
   }
@@ -54,7 +55,7 @@ class SwitchSearch {
   // points: as far as all is known. What does not pass zero by its margin does not count; null: margins are 0. Nothing
   // is allocated.
   const std::vector<double>& find(const PointsOfCurve& points, const double* margins);
-  // Of the last search; and the time up to which all switches are known.
+  // Both belong to the last search: these times, and the time up to which all switches are known.
   const std::vector<double>& times_between() const { return times_between_; }
   double known_to() const { return known_to_; }
   std::optional<double> first_switch() const { return first_; }

@@ -78,7 +78,7 @@ void ConditionSteps::release() {
   is_held_ = false;
 }
 
-// At the last point.
+// Finds the branches at the last point.
 void ConditionSteps::find_branches(const Integrator& integrator) {
   const double t = integrator.stepper->state().t;
   if (!is_held_ && known_ != t) evaluate(integrator, t, integrator.stepper->x(), branches_);
@@ -98,7 +98,7 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
   const bool differentiates = integrator.system.differentiates();
   if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;
   if (!has_switched(tried_.g)) return false;
-  if (!differentiates) return !are_kinks(integrator);
+  if (!differentiates || !conditions_->can_be_held()) return !are_kinks(integrator);
   return with_sensitivities || !moves_as_slopes_say(integrator);
 }
 
@@ -130,7 +130,7 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
                        points.t[0], conditions_->equation_with(conditions_->searched()[0]).c_str()));
 }
 
-// Within the step tried.
+// Finds the switches within the step tried.
 void ConditionSteps::find_switches(const PointsOfCurve& points) {
   SwitchSearch& search = conditions_->search();
   if (!is_held_ && conditions_->find_simple_switches(points, branches_.data(), tried_.g.data())) return;
@@ -162,7 +162,7 @@ std::optional<double> ConditionSteps::first_hidden(const PointsOfCurve& points, 
   return first ? std::optional<double>(times[*first]) : std::nullopt;
 }
 
-// Not where nothing is known of them.
+// False where nothing is known of slopes.
 bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
   return std::islessequal(movement_.unexplained(integrator), clear_move);
 }
@@ -185,7 +185,7 @@ bool ConditionSteps::are_kinks(const Integrator& integrator) {
 // E x jumps there.
 bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
   if (conditions_ == nullptr || conditions_->stepped_functions().count() == 0) return false;
-  if (is_held_ || !integrator.system.differentiates()) return false;
+  if (is_held_ || !integrator.system.differentiates() || !conditions_->can_be_held()) return false;
   const StepState state = integrator.stepper->state();
   tried_.t = state.tried_t;
   std::copy(integrator.stepper->tried_x().begin(), integrator.stepper->tried_x().end(), tried_.x.begin());

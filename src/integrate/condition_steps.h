@@ -4,8 +4,9 @@
 // enough, as both ends of a step may be consistent though E x has to jump between them. If a condition has switched in
 // a step and E x has moved otherwise than its slopes say, the step is tried again with the branches of its start held:
 // equations are smooth then, also beyond the zero of the condition, which is located by steps from the same point. The
-// last of these is accepted. Then the branch changes, and with it x, by impulses of the new equations. The same is
-// done where steps fail.
+// last of these is accepted. Then the branch changes, and with it x, by impulses of the new equations where E x cannot
+// stay. The same is done where steps fail. Conditions may also switch back within a step: where its end does not show
+// what they do to the equations in between, the step ends in between.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

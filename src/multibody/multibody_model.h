@@ -88,6 +88,9 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   std::unique_ptr<RecordedProblem> recorded_first_order_problem() {
     return recorded_ != nullptr ? recorded_->first_order_problem() : nullptr;
   }
+  std::shared_ptr<const Record> first_order_record() const {
+    return recorded_ != nullptr ? recorded_->first_order_record() : nullptr;
+  }
   // Throws Failure.
   ExtendedSystem extended_system(double t, const double* x);
 

@@ -64,10 +64,13 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, MultibodyFormulas formu
   allocate();
 }
 
-std::unique_ptr<RecordedProblem> RecordedMultibody::first_order_problem() {
+std::shared_ptr<const Record> RecordedMultibody::first_order_record() const {
   Recorder recorder = recording_->recorder;
-  auto problem =
-      std::make_unique<RecordedProblem>(first_order_equations(recorder, recording_->formulas), PrescribedInputs{});
+  return first_order_equations(recorder, recording_->formulas);
+}
+
+std::unique_ptr<RecordedProblem> RecordedMultibody::first_order_problem() {
+  auto problem = std::make_unique<RecordedProblem>(first_order_record(), PrescribedInputs{});
   for (int i = 0; i < num_parameters_; ++i) problem->evaluator().set_parameter(i, terms_.evaluator().parameter(i));
   return problem;
 }

@@ -45,6 +45,7 @@ class RecordedMultibody final : public MultibodyProblem {
   int num_parameters() const { return num_parameters_; }
   // first_order_equations() of multibody_formulas.h, with the values that parameters have now.
   std::unique_ptr<RecordedProblem> first_order_problem();
+  std::shared_ptr<const Record> first_order_record() const;
 
  private:
   void allocate();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -108,15 +109,28 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
-  const Record* const record = model.evaluator() != nullptr ? &model.evaluator()->record() : nullptr;
-  if (record != nullptr &&
-      (!record->conditions().empty() || !record->timed_switches().empty() || !record->stepped_switches().empty()))
-    conditions.emplace(*model.evaluator(), [this] {
-      model.parameters_changed();
-      if (integration) integration->parameters_changed();
-    });
+  find_conditions();
   use_breakpoints(options.integration);
   use_tolerances(model, options.integration.tolerances);
+}
+
+void Solver::find_conditions() {
+  if (const auto record = model.multibody() != nullptr ? model.multibody()->first_order_record() : nullptr) {
+    first_order.emplace(with_conditions(record));
+    for (int i = 0; i < model.evaluator()->num_parameters(); ++i)
+      first_order->set_parameter(i, model.evaluator()->parameter(i));
+  }
+  TaylorEvaluator* const equations = first_order ? &*first_order : model.evaluator();
+  if (equations == nullptr) return;
+  const Record& record = equations->record();
+  if (record.conditions().empty() && record.timed_switches().empty() && record.stepped_switches().empty()) return;
+  std::function<void()> changed;
+  if (!first_order)
+    changed = [this] {
+      model.parameters_changed();
+      if (integration) integration->parameters_changed();
+    };
+  conditions.emplace(*equations, std::move(changed));
 }
 
 void Solver::end_integration() {
@@ -183,6 +197,7 @@ void Solver::set_parameter(const char* name, double value) {
   if (!number) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
   if (!std::isfinite(value)) refuse_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
   evaluator->set_parameter(*number, value);
+  if (first_order) first_order->set_parameter(*number, value);
   model.parameters_changed();
   forget_analysis();
 }

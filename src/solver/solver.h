@@ -105,6 +105,8 @@ struct Solver {
   std::unique_ptr<Events> events;  // options.integration points to them
   std::optional<TimeBreakpoints> breakpoints;
   std::optional<TimeInputs> inputs;
+  // Recorded equations of a mechanical system, which its own formulas belong to: to look at their conditions.
+  std::optional<TaylorEvaluator> first_order;
   std::optional<HeldConditions> conditions;  // on x, in recorded equations
   JumpsOfModel jumps{*this};
   ContinuationOfModel continuation{*this};
@@ -117,6 +119,7 @@ struct Solver {
   std::atomic<bool> busy{false};  // with a call
 
  private:
+  void find_conditions();
   // The analysis and limits that consistent values at the point need; an integration ends.
   void prepare_start(const PointOfInterest& point);
   void make_analysis(PointOfInterest point);

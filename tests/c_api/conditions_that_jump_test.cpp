@@ -332,6 +332,49 @@ TEST(Conditions, OfPulsesBetweenTheEndsOfSteps) {
     }
 }
 
+// A mass that slides along a rail gets its energy within an interval of positions, from forces of a mechanical system.
+sfdae::MultibodyProblem pushed(double from, double width) {
+  sfdae::MultibodyProblem problem(2, 1);
+  problem.equations = [=](const auto& t, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    const auto begin = parameter(t, "begin", from);
+    to.f[0] = choose(q[0] > begin, 1.5 / width, 0.0) * choose(q[0] < begin + width, 1.0, 0.0);
+    to.g[0] = q[1] - 0.5;
+  };
+  return problem;
+}
+
+TEST(Conditions, OfMechanicalSystemsAreLookedAtBetweenTheEndsOfSteps) {
+  for (const double width : {0.1, 1e-2, 1e-3, 1e-5})
+    for (const sfdae::Options& options : all_options()) {
+      sfdae::Solver solver(pushed(0.7371, width), options);
+      sfdae::Point point{0.0, {0.0, 0.5, 1.0, 0.0, 0.0}, {}};
+      solver.start(point, end);
+      ASSERT_EQ(solver.advance(end, point), SFDAE_OK) << text_of(options);
+      EXPECT_NEAR(point.x[2], 2.0, 1e-3) << text_of(options) << ", width " << width;
+      EXPECT_NEAR(point.x[0], 0.7371 + 2.0 * (end - 0.7371), 1e-2 + width) << text_of(options);
+    }
+}
+
+// Their times move with the parameter: sensitivities jump, which is not computed for mechanical systems.
+TEST(Conditions, OfMechanicalSystemsEndSensitivitiesByName) {
+  for (const sfdae::Options& options : all_options()) {
+    sfdae::Solver solver(pushed(0.7, 0.5), options);
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"begin"};
+    solver.set_sensitivities(wanted);
+    sfdae::Point point{0.0, {0.0, 0.5, 1.0, 0.0, 0.0}, {}};
+    solver.start(point, end);
+    try {
+      solver.advance(end, point);
+      ADD_FAILURE() << text_of(options);
+    } catch (const sfdae::Error& error) {
+      EXPECT_NE(std::string(error.what()).find("cannot be carried over the jump"), std::string::npos) << error.what();
+      EXPECT_NEAR(point.t, 0.7, 1e-6);
+    }
+  }
+}
+
 // Checkpoints after each step, of which those next to the jump hold branches, lead to the same numbers.
 TEST(Conditions, AreInCheckpoints) {
   for (const sfdae::Options& options : all_options()) {
