@@ -29,9 +29,10 @@ class ConditionFunctions {
   void evaluate(double t, const double* x, const double* xdot, double* g);
   // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
-  // dt/dp of the time at which these functions have the values that they have at a point, for each direction j: x
-  // moves by column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. Nothing where
-  // their times move differently, or one of them stands still. No function depends on x'. Of no function: 0.
+  // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
+  // x moves by column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. The result is
+  // empty where times of the functions move differently, or one of them stands still, and 0 if there are no functions.
+  // No function depends on x'.
   std::optional<std::vector<double>> shifts(const std::vector<std::size_t>& functions, const Point& at, ConstView S,
                                             const std::vector<int>& parameters);
 

@@ -120,17 +120,6 @@ class Branches {
   std::vector<Condition> conditions_;
 };
 
-bool has_conditions(const Record& record) {
-  const std::vector<char> varies = varying_nodes(record);
-  for (int i = 0; i < record.num_nodes(); ++i) {
-    const Node node = record.node(i);
-    if (node.operation == Operation::choose && varies[index(node.a)] != 0) return true;
-    const std::optional<Switching> switching = switching_at(record, i);
-    if (switching && (switching->is_timed() || switching->is_stepped())) return true;
-  }
-  return false;
-}
-
 std::vector<int> nodes_of(const std::vector<Condition>& conditions) {
   std::vector<int> nodes;
   for (const Condition& condition : conditions) nodes.push_back(condition.node);
@@ -166,8 +155,19 @@ double branch_at(const SwitchingNode& at, double value) {
 
 }  // namespace
 
+bool contains_switches(const Record& record) {
+  const std::vector<char> varies = varying_nodes(record);
+  for (int i = 0; i < record.num_nodes(); ++i) {
+    const Node node = record.node(i);
+    if (node.operation == Operation::choose && varies[index(node.a)] != 0) return true;
+    const std::optional<Switching> switching = switching_at(record, i);
+    if (switching && (switching->is_timed() || switching->is_stepped())) return true;
+  }
+  return false;
+}
+
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record) {
-  return has_conditions(*record) ? Branches(*record).record() : record;
+  return contains_switches(*record) ? Branches(*record).record() : record;
 }
 
 HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed)
@@ -314,7 +314,7 @@ bool HeldConditions::changes_of_branches(const Point& at, const double* g, const
   return true;
 }
 
-// Whether the second of the points, where changes are known, does not show what branches do here.
+// Returns whether the point `to`, at which changes of residuals are known, does not show what branches do here.
 bool HeldConditions::leaves_no_trace(const Point& at, const double* g, const double* changes) {
   constexpr double shown = 2.0;  // times what the second point shows
   if (!changes_of_branches(at, g, changes, here_)) return true;

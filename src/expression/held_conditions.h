@@ -18,10 +18,12 @@
 
 namespace sfdae::core {
 
+// Whether equations switch where something depends on x, or on t and parameters.
+bool contains_switches(const Record& record);
 // Returns the same equations with conditions that can be held; they also list what else switches.
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record);
 
-// Whether the condition with this value of g, which may be NaN, is met.
+// Returns whether the condition with this value of g, which may be NaN, is met.
 inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class HeldConditions {
@@ -51,9 +53,9 @@ class HeldConditions {
   // from one point to another, where it has another sign.
   bool is_kink(std::size_t k, const double* g, const Point& from, const Point& to);
 
-  // Whether residuals change more at points between two others by the branches that g leads to there, instead of those
-  // that these values of g lead to, than they do at the second of them: what happens between the points leaves no trace
-  // there. The result is the first such point. What g may change by where x changes by so much does not count.
+  // Finds the first of the points between two others at which branches change residuals more than at the second of the
+  // two, `to`, so that `to` does not show it. Compared are the branches that g leads to at a point and those that the
+  // given values of g lead to. Values of g count as uncertain by what they change by as x does by `changes`.
   std::optional<std::size_t> first_hidden(const double* g, const std::vector<Point>& between, const Point& to,
                                           const double* changes);
 

@@ -157,7 +157,7 @@ void ConditionSlopes::update(const TaylorEvaluator& evaluator) {
   version_ = evaluator.changes_of_parameters();
   for (int i = 0; i < evaluator.num_parameters(); ++i) derivatives_->set_parameter(i, evaluator.parameter(i));
   const std::vector<double> jet(2 * index(evaluator.record().n()), 0.0);
-  // Where they cannot be evaluated nothing is known to be linear.
+  // No condition counts as linear where its derivatives cannot be evaluated.
   if (!derivatives_->values(0.0, jet.data(), 0, values_.data())) std::fill(is_linear_.begin(), is_linear_.end(), 0);
   auto value = values_.begin();
   for (std::vector<Factor>& each : factors_)
@@ -201,12 +201,11 @@ Differences parts_of(const PointsOfCurve& points) {
 void SwitchSearch::set_differences(const PointsOfCurve& points) {
   const Differences part = parts_of(points);
   const std::size_t unknowns = unknowns_.size();
-  const auto row = [&](std::size_t k) { return differences_.data() + k * unknowns; };
-  for (std::size_t k = 0; k < points.count; ++k)
-    for (std::size_t j = 0; j < unknowns; ++j) row(k)[j] = points.x[k][unknowns_[j]];
-  for (std::size_t k = 1; k < points.count; ++k)
-    for (std::size_t i = points.count - 1; i >= k; --i)
-      take_difference(row(i), row(i - 1), part[i] - part[i - k], unknowns);
+  const auto row = [&](int k) { return differences_.data() + index(k) * unknowns; };
+  const int count = static_cast<int>(points.count);
+  for (int k = 0; k < count; ++k)
+    for (std::size_t j = 0; j < unknowns; ++j) row(k)[j] = points.x[index(k)][unknowns_[j]];
+  divided_differences(part, count, unknowns, row);
 }
 
 // Beside the straight line a polynomial is s (s - 1) r(s), s = 0 ... 1: r and r' are bounded by Horner's scheme.

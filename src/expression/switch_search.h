@@ -51,9 +51,9 @@ class SwitchSearch {
   // divided differences say that each switches once at most. g is known at both ends.
   bool find_simple(const PointsOfCurve& points, const double* g_start, const double* g_end);
 
-  // Times between two switches that follow each other, of any conditions, between the first and the second of these
-  // points: as far as all is known. What does not pass zero by its margin does not count; null: margins are 0. Nothing
-  // is allocated.
+  // Finds a time between every two switches that follow each other, of any conditions, on the way from the first to the
+  // second of these points, up to known_to(). A condition switches where it passes zero by its margin; null: margins
+  // are 0. The function allocates nothing.
   const std::vector<double>& find(const PointsOfCurve& points, const double* margins);
   // Both belong to the last search: these times, and the time up to which all switches are known.
   const std::vector<double>& times_between() const { return times_between_; }

@@ -102,8 +102,7 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
   return with_sensitivities || !moves_as_slopes_say(integrator);
 }
 
-// What conditions do between the ends of a step, which only residuals in between show, is looked at in a step that ends
-// there.
+// A step ends between two switches if only residuals between its ends show what conditions do there.
 bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   if (conditions_ == nullptr || conditions_->count() == 0) return false;
   const QuietArithmetic quiet;

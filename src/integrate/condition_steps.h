@@ -101,7 +101,7 @@ class ConditionSteps {
   Attempt tried_, before_, after_;  // the last attempt; the nearest ones on both sides of the zero
   bool has_after_ = false, is_last_ = false, has_tried_ = false;
   struct Passed {
-    double from = 0.0, to = 0.0;  // the points beside it
+    double from = 0.0, to = 0.0;  // the points before and after it
     std::vector<double> x;        // at the second one
     std::size_t idle = 0;         // zeros in a row between which x has not moved
   };

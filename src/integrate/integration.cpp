@@ -311,8 +311,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   return call_monitor(h);
 }
 
-// Functions of the user's say nothing of the times at which they switch. Where E x moves otherwise than its slopes say,
-// steps become shorter until slopes explain it, or it is known that x jumps within the next one.
+// Callbacks do not tell when they switch. Where E x moves otherwise than its slopes say, the solver makes steps shorter
+// until slopes explain the movement, or until it knows that x jumps within the next step.
 bool Integration::may_hide_jump(double h) {
   constexpr double clear = 5.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
   DaeSystem& system = integrator_.system;

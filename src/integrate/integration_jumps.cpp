@@ -92,8 +92,8 @@ std::vector<double> Integration::sensitivities_after(const MovingSwitch& moving,
   return result;
 }
 
-// Impulses are looked at only where what is differentiated has to move: elsewhere nothing is left for them to do, and
-// whether they are determined does not matter. Values before the jump are known to their tolerances.
+// Impulses are computed only where E x has to move. Where it can stay, impulses have nothing to do, and it does not
+// matter whether they are determined. Values before the jump are known to their tolerances.
 ConsistentPoint Integration::values_with_branches(const PointOfInterest& before) {
   constexpr double none = 0.1;  // of the tolerances
   try {

@@ -35,7 +35,7 @@ struct IntegrationOptions : Acceptance {
   void* monitor_user = nullptr;
   Events* events = nullptr;                  // not owned; none
   TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
-  bool hides_switches = false;               // equations are functions of the user's, which may switch at any time
+  bool hides_switches = false;               // equations are callbacks, which may switch at any time
   HeldConditions* conditions = nullptr;      // not owned; none: on x, at which E x may jump
   TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
   JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump

@@ -1,4 +1,4 @@
-// Whether x, where it is differentiated, has moved in a step as its slopes say.
+// A test of whether E x has moved in a step as its slopes say.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/movement_test.h"
 

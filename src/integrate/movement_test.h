@@ -1,5 +1,5 @@
-// Whether x, where it is differentiated, has moved in a step as its slopes say. With derivatives of equations in the
-// system both ends of a step may be consistent though E x has to jump between them: no error test shows it.
+// A test of whether E x has moved in a step as its slopes say. With derivatives of equations in the system both ends of
+// a step may be consistent though E x has to jump between them: no error test shows it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,7 +17,7 @@ class MovementTest {
   // trapezoidal rule, than those of the polynomial of the step do, in tolerances. The error of the rule counts for
   // both; half of a jump remains. Infinite: slopes are not known.
   double unexplained(const Integrator& integrator);
-  // What the slope at the start alone makes of it, as if x had jumped before the end. Cheap.
+  // Estimates the same by the slope at the start alone, as if x had jumped before the end. This is cheap.
   double unexplained_at_start(const Integrator& integrator);
 
  private:

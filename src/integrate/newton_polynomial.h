@@ -51,14 +51,6 @@ struct NewtonPolynomial {
   }
 };
 
-// Replaces values by divided differences; column(i), of `size` numbers, belongs to times[i], i < count.
-template <class Times, class Column>
-void divided_differences(const Times& times, int count, std::size_t size, Column column) {
-  for (int k = 1; k < count; ++k)
-    for (int i = count - 1; i >= k; --i)
-      take_difference(column(i), column(i - 1), times[index(i)] - times[index(i - k)], size);
-}
-
 // Divided differences for Hermite interpolation, which replace values and slopes: columns 2i and 2i + 1 belong to one
 // node, the slope of which stands in the latter.
 template <class Times, class Column>

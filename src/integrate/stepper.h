@@ -136,9 +136,9 @@ class Stepper {
   virtual TriedStep tried() const = 0;                // after an attempt that was accepted, before commit()
   virtual PointsOfCurve points_of_tried() const = 0;  // likewise; the start and the end of the step are the first
   virtual const std::vector<double>& x() const = 0;   // at the last point
-  // Where the attempt was accepted, or its error is too large.
-  virtual const std::vector<double>& tried_x() const = 0;  // at the end of the last attempt
-  virtual const std::vector<double>& error() const = 0;    // of the last attempt, mapped to x
+  // Returns x at the end of the last attempt, which was accepted or has an error that is too large.
+  virtual const std::vector<double>& tried_x() const = 0;
+  virtual const std::vector<double>& error() const = 0;  // of the last attempt, mapped to x
 
   // A point within the last step; its x is inaccurate in the constraints.
   virtual void interpolate(const PointValues& point) = 0;

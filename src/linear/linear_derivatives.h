@@ -18,7 +18,7 @@ struct AnalyzedPoint {
   const LinearPoint& point;
 };
 
-// Where the array of level mu + 1 is built.
+// Memory for the array of level mu + 1.
 struct NextLevel {
   TaylorData& data;
   Arena& arena;

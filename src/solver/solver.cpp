@@ -99,13 +99,14 @@ void use_tolerances(Model& model, const Tolerances& tolerances) {
     evaluator->set_movement({tolerances.rtol.different(), tolerances.atol.different()});
 }
 
+using Evaluators = std::vector<const TaylorEvaluator*>;
+
 constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
 
 }  // namespace
 
 Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_options)
     : owned_model(std::move(its_model)), model(*owned_model), options(std::move(its_options)) {
-  using Evaluators = std::vector<const TaylorEvaluator*>;
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
@@ -115,8 +116,10 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
 }
 
 void Solver::find_conditions() {
-  if (const auto record = model.multibody() != nullptr ? model.multibody()->first_order_record() : nullptr) {
-    first_order.emplace(with_conditions(record));
+  const auto switches = [](const TaylorEvaluator* evaluator) { return contains_switches(evaluator->record()); };
+  const auto formulas = model.multibody() != nullptr ? model.evaluators_of_inputs() : Evaluators();
+  if (std::any_of(formulas.begin(), formulas.end(), switches)) {
+    first_order.emplace(with_conditions(model.multibody()->first_order_record()));
     for (int i = 0; i < model.evaluator()->num_parameters(); ++i)
       first_order->set_parameter(i, model.evaluator()->parameter(i));
   }

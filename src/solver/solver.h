@@ -105,7 +105,7 @@ struct Solver {
   std::unique_ptr<Events> events;  // options.integration points to them
   std::optional<TimeBreakpoints> breakpoints;
   std::optional<TimeInputs> inputs;
-  // Recorded equations of a mechanical system, which its own formulas belong to: to look at their conditions.
+  // The first-order equations of a recorded mechanical system whose formulas contain conditions: to look at these.
   std::optional<TaylorEvaluator> first_order;
   std::optional<HeldConditions> conditions;  // on x, in recorded equations
   JumpsOfModel jumps{*this};

@@ -120,7 +120,7 @@ TEST(SwitchSearch, KnowsHowFarItKnows) {
   EXPECT_LT(search.known_to(), 0.2);
 }
 
-// Where values at both ends and divided differences tell, they tell the same as intervals.
+// Values at both ends and divided differences, where they suffice, lead to the same times as intervals do.
 TEST(SwitchSearch, OfLinearConditionsAgreesWithIntervals) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-1.0, 1.0);

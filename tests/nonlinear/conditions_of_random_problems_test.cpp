@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random linear equations E x' = A x + b u of index 0 to 4 with an input u that steps, bends or is a pulse where a
 // condition holds: u as a function of unknowns (a clock, an oscillator, a decay) has to lead to the same solution as u
-// as a function of t, whose switching times are found otherwise. Where u is a function that the library calls, nothing
-// is known of these times: the solution has to be the same.
+// as a function of t, whose switching times are found otherwise. The solution also has to be the same where u is a
+// callback, of which the library does not know when it switches.
 //
 // SFDAE_TEST_SCALE scales the number of problems.
 #include <sfdae/sfdae.hpp>
