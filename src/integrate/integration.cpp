@@ -314,16 +314,17 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
 // Callbacks do not tell when they switch. Where E x moves otherwise than its slopes say, the solver makes steps shorter
 // until slopes explain the movement, or until it knows that x jumps within the next step.
 bool Integration::may_hide_jump(double h) {
-  constexpr double clear = 5.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
+  constexpr double clear = 5.0, clear_at_start = 50.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
   DaeSystem& system = integrator_.system;
   // Without differential equations each point stands for itself. Before a first step no slope is known to compare with.
   if (!options_.hides_switches || !system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
       integrator_.stepper->state().last.order == 0)
     return false;
-  if (!std::isgreater(hidden_.test.unexplained_at_start(integrator_), clear)) return false;
+  const double at_start = hidden_.test.unexplained_at_start(integrator_);
+  if (!std::isgreater(at_start, clear)) return false;
   const double unexplained = hidden_.test.unexplained(integrator_);
-  // Without slopes nothing is known.
-  if (!std::isgreater(unexplained, clear) || std::isinf(unexplained)) return false;
+  // Callbacks may lack the derivatives that give slopes at the end. Then the start alone decides, less accurately.
+  if (std::isinf(unexplained) ? at_start <= clear_at_start : !std::isgreater(unexplained, clear)) return false;
   const double t = integrator_.stepper->state().t;
   withdraw();
   if (std::fabs(h) * shorter < Integrator::smallest_step(t, start_ + integrator_.direction * span_)) {

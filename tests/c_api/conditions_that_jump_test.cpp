@@ -232,6 +232,13 @@ TEST(Conditions, WithEventsAtTheSameTime) {
 // the clock. Linear and nonlinear problems are different systems.
 TEST(Conditions, OfFunctionsThatNobodyHasDeclared) {
   for (const double moment : {1.0, 0.3217}) {
+    // No more derivatives than mu = 1 needs: x' at the end of a step is not known.
+    sfdae::LinearProblem short_of_derivatives(3, 3);
+    short_of_derivatives.E = [](double, int order, sfdae::MatrixRef E) {
+      if (order > 1) return SFDAE_ORDER_NOT_AVAILABLE;
+      if (order == 0) E(0, 1) = E(1, 2) = 1.0, E(0, 2) = -1.0, E(1, 1) = -2.0;
+      return 0;
+    };
     sfdae::NonlinearProblem nonlinear(3, 3);
     nonlinear.total_derivative = [moment](double t, int k, sfdae::ConstMatrixRef x, sfdae::TotalDerivatives to) {
       to.F[0] = x(0, k) - (x(2, k + 1) - x(1, k + 1));
@@ -255,6 +262,8 @@ TEST(Conditions, OfFunctionsThatNobodyHasDeclared) {
       if (order == 0) A(0, 0) = A(2, 2) = -1.0, A(1, 1) = 1.0;
     };
     linear.f = [moment](double t, int order, sfdae::VectorRef f) { f[2] = order == 0 && t > moment ? 1.0 : 0.0; };
+    short_of_derivatives.A = linear.A;
+    short_of_derivatives.f = linear.f;
     for (const sfdae::Options& options : all_options()) {
       const auto expect_right = [&](sfdae::Solver solver) {
         sfdae::Point point{0.0, Vector(3, 0.0), {}};
@@ -266,6 +275,7 @@ TEST(Conditions, OfFunctionsThatNobodyHasDeclared) {
       };
       expect_right(sfdae::Solver(nonlinear, options));
       expect_right(sfdae::Solver(linear, options));
+      if (options.structure == SFDAE_STRUCTURE_OFF) expect_right(sfdae::Solver(short_of_derivatives, options));
     }
   }
 }
