@@ -74,9 +74,10 @@ SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      
  * such functions of t switch; if E x has to jump there, x jumps by impulses (modes.h). Where derivatives of equations
  * are needed, conditions of functions of x at which E x has to jump are found in the same way, and so are those at
  * which an algebraic equation has no solution near the last one; where floor, modulo or tables of x make E x jump the
- * call ends with SFDAE_STEP_TOO_SMALL. Steps that
- * meet other switches of functions of x fail until they are short enough for the error test; to end a step there, use
- * an event (sfdae_set_events). SFDAE_ZENO: both branches of a condition lead back to its zero. */
+ * call ends with SFDAE_STEP_TOO_SMALL. Where both branches of a condition lead back to its zero, x moves along that
+ * surface: the equations become continuous within a tenth of the tolerances; SFDAE_ZENO, if that is not possible. Steps
+ * that meet other switches of functions of x fail until they are short enough for the error test; to end a step there,
+ * use an event (sfdae_set_events). */
 SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */
 SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /**< the smaller one */
 SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /**< the larger one */

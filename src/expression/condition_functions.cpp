@@ -57,11 +57,15 @@ void ConditionFunctions::evaluate(double t, const double* x, const double* xdot,
     if (!functions_->values_of(alone_[k], t, jet_.data(), 0, g)) g[k] = std::numeric_limits<double>::quiet_NaN();
 }
 
+bool ConditionFunctions::linearize(double t, const double* x, const double* xdot, double* g, double* gradients) {
+  load(x, xdot);
+  return functions_->gradients(t, jet_.data(), {0, -1, 0}, g, nullptr, gradients);
+}
+
 std::vector<double> ConditionFunctions::resolution(double t, const double* x, const double* xdot,
                                                    const double* changes) {
-  load(x, xdot);
   std::vector<double> g(count()), gradients(count() * width_), result(count(), 0.0);
-  if (!functions_->gradients(t, jet_.data(), {0, -1, 0}, g.data(), nullptr, gradients.data())) return result;
+  if (!linearize(t, x, xdot, g.data(), gradients.data())) return result;
   for (std::size_t j = 0; j < n_; ++j)
     for (std::size_t k = 0; k < count(); ++k) result[k] += std::fabs(gradients[j * count() + k]) * changes[j];
   return result;
@@ -97,6 +101,51 @@ std::optional<std::vector<double>> ConditionFunctions::shifts(const std::vector<
       if (k == functions[0]) found[j] = shift;
       const double largest = std::max(std::fabs(shift), std::fabs(found[j]));
       if (!std::islessequal(std::fabs(shift - found[j]), same * largest)) return std::nullopt;
+    }
+  }
+  return found;
+}
+
+// Of the tolerances: what x moves by within a width adds up in what x is integrated to. (Chosen: a block at rest creeps
+// by 0.1 tolerances in a unit of time.)
+constexpr double width_of_tolerances = 0.1;
+// Widths have so many roundings, for parts of branches to have the errors that are wanted (sliding_layers.h), and as
+// many as relative tolerances have parts, as unknowns may be proportional to parts of branches. (Chosen.)
+constexpr double least_roundings = 1e7, roundings_of_tolerance = 10.0;
+
+std::vector<RegularizedCondition> ConditionFunctions::surfaces(const std::vector<std::size_t>& functions,
+                                                               const Point& at, const double* tolerances) {
+  constexpr double same = 1e-9;  // of gradients that are parallel
+  std::vector<double> g(count()), gradients(count() * width_);
+  std::vector<RegularizedCondition> found;
+  if (!linearize(at.t, at.x, at.xdot, g.data(), gradients.data())) return found;
+  const auto slope = [&](std::size_t k, std::size_t i) { return gradients[i * count() + k]; };
+  const auto steepest = [&](std::size_t k) {
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < n_; ++i)
+      if (std::fabs(slope(k, i)) > std::fabs(slope(k, largest))) largest = i;
+    return largest;
+  };
+  std::vector<char> is_taken(count(), 0);
+  for (const std::size_t leader : functions) {
+    if (is_taken[leader] != 0) continue;
+    double open = 0.0, size = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      open += std::fabs(slope(leader, i)) * tolerances[i];
+      size += std::fabs(slope(leader, i) * at.x[i]);
+    }
+    const double roundings = std::max(least_roundings, roundings_of_tolerance * size / open);
+    const double least = std::numeric_limits<double>::epsilon() * roundings * size;
+    const double width = std::min(open, std::max(width_of_tolerances * open, least));
+    const std::size_t i_max = steepest(leader);
+    for (std::size_t k = 0; k < count(); ++k) {
+      const double ratio = slope(k, i_max) / slope(leader, i_max);
+      bool is_same = std::isfinite(ratio) && ratio != 0.0 && std::fabs(g[k]) <= std::fabs(ratio) * open;
+      for (std::size_t i = 0; is_same && i < n_; ++i)
+        is_same = std::fabs(slope(k, i) - ratio * slope(leader, i)) <= same * std::fabs(slope(k, i_max));
+      if ((!is_same && k != leader) || is_taken[k] != 0) continue;
+      is_taken[k] = 1;
+      found.push_back({k, width, leader, ratio < 0.0});
     }
   }
   return found;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "expression/regularized_conditions.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/matrix.h"
 
@@ -27,8 +28,17 @@ class ConditionFunctions {
   bool depend_on_derivatives() const { return depend_on_derivatives_; }
   // At a point, a number for each; NaN where one cannot be evaluated. Nothing is allocated.
   void evaluate(double t, const double* x, const double* xdot, double* g);
+  // Values, and derivatives by the unknowns: count() x n, columns first, of an array with width() columns. False where
+  // they cannot be evaluated. Nothing is allocated.
+  bool linearize(double t, const double* x, const double* xdot, double* g, double* gradients);
+  std::size_t width() const { return width_; }
   // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
+  // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
+  // that are zero on the same surface. Their widths are far below what x is known to by its tolerances, and far above
+  // rounding errors; 0 where there is no such width.
+  std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
+                                             const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
   // x moves by column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. The result is
   // empty where times of the functions move differently, or one of them stands still, and 0 if there are no functions.

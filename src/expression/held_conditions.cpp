@@ -72,8 +72,10 @@ class Branches {
       : record_(record), varies_(varying_nodes(record)), is_live_(live_nodes(record)), recorder_(record.n()) {}
 
   std::shared_ptr<const Record> record() {
-    const std::vector<int> copies = copy_with_conditions(
-        record_, recorder_, [this](int choice, int condition) { return with_branch(choice, condition); });
+    const std::vector<int> copies = copy_with_choices(record_, recorder_, [this](const CopiedChoice& copied) {
+      const int g = with_branch(copied.choice, copied.condition);
+      return recorder_.apply(Operation::choose, g, copied.if_met, copied.otherwise);
+    });
     std::vector<int> residuals;
     for (int i = 0; i < record_.m(); ++i) residuals.push_back(copies[index(record_.residual(i))]);
     std::vector<SwitchingNode> timed = switches(copies, &Switching::is_timed);
@@ -187,8 +189,8 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       at_end_(values_.size()),
       here_(values_.size()),
       on_line_(conditions_.size()),
-      stepped_before_(stepped_functions_.count()),
-      stepped_after_(stepped_functions_.count()) {}
+      stepped_branches_{std::vector<double>(stepped_functions_.count()),
+                        std::vector<double>(stepped_functions_.count())} {}
 
 void HeldConditions::hold(const double* g) {
   if (!can_be_held()) return;
@@ -219,10 +221,10 @@ void HeldConditions::release() {
 std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, const Point& to) {
   const std::vector<SwitchingNode>& all = evaluator_.record().stepped_switches();
   if (all.empty()) return std::nullopt;
-  stepped_functions_.evaluate(from.t, from.x, from.xdot, stepped_before_.data());
-  stepped_functions_.evaluate(to.t, to.x, to.xdot, stepped_after_.data());
+  stepped_functions_.evaluate(from.t, from.x, from.xdot, stepped_branches_.before.data());
+  stepped_functions_.evaluate(to.t, to.x, to.xdot, stepped_branches_.after.data());
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const double before = stepped_before_[k], after = stepped_after_[k];
+    const double before = stepped_branches_.before[k], after = stepped_branches_.after[k];
     if (std::isfinite(before) && std::isfinite(after) && branch_at(all[k], before) != branch_at(all[k], after))
       return k;
   }
@@ -271,7 +273,7 @@ bool HeldConditions::residuals(double t, const double* jet, const double* g, std
   return beside_->values(t, jet, 0, F.data());
 }
 
-bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, const Point& to) {
+HeldConditions::Passing HeldConditions::passing(std::size_t k, const double* g, const Point& from, const Point& to) {
   constexpr double near = 1e-12;  // of the line
   constexpr double none = 1e-6;   // of what a branch changes at an end of the line: nothing at the zero
   std::vector<double> one(g, g + count()), other = one;
@@ -289,10 +291,14 @@ bool HeldConditions::is_kink(std::size_t k, const double* g, const Point& from, 
   std::vector<double> at_zero(values_.size()), at_start(at_zero), at_end(at_zero);
   const bool has_start = change(0.0, at_start), has_end = change(1.0, at_end);
   // A branch that ends at the zero says nothing about it.
-  if (!change(zero, at_zero) || !(has_start || has_end)) return false;
-  for (std::size_t i = 0; i < at_zero.size(); ++i)
-    if (at_zero[i] > none * std::max(at_start[i], at_end[i])) return false;
-  return true;
+  if (!change(zero, at_zero) || !(has_start || has_end)) return Passing::jump;
+  bool matters = false;
+  for (std::size_t i = 0; i < at_zero.size(); ++i) {
+    const double beside = std::max(at_start[i], at_end[i]);
+    if (at_zero[i] > none * beside) return Passing::jump;
+    matters = matters || beside > 0.0;
+  }
+  return matters ? Passing::kink : Passing::nothing;
 }
 
 // Finds what residuals change by with the branches that g leads to (clearly, where changes are given), in place of

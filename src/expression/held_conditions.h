@@ -13,6 +13,7 @@
 
 #include "expression/condition_functions.h"
 #include "expression/record.h"
+#include "expression/sliding_layers.h"
 #include "expression/switch_search.h"
 #include "expression/taylor_evaluator.h"
 
@@ -45,13 +46,17 @@ class HeldConditions {
   void hold(const double* g);
   // From now on equations have the branches that g leads to.
   void release();
+  // Of these equations; null: none. It lives as long as this.
+  SlidingLayers* layers() const { return layers_; }
+  void set_layers(SlidingLayers* layers) { layers_ = layers; }
   // The equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
   using Point = ConditionFunctions::Point;
-  // Whether residuals are continuous where condition k is zero, the others as these values of g have it, on the line
-  // from one point to another, where it has another sign.
-  bool is_kink(std::size_t k, const double* g, const Point& from, const Point& to);
+  // What residuals do where condition k is zero, the others as these values of g have it, on the line from one point to
+  // another, where it has another sign: they jump, they are continuous, or they do not depend on it.
+  enum class Passing { jump, kink, nothing };
+  Passing passing(std::size_t k, const double* g, const Point& from, const Point& to);
 
   // Finds the first of the points between two others at which branches change residuals more than at the second of the
   // two, `to`, so that `to` does not show it. Compared are the branches that g leads to at a point and those that the
@@ -86,9 +91,13 @@ class HeldConditions {
   std::vector<std::size_t> searched_;
   SwitchSearch search_;
   bool are_held_ = false;
+  SlidingLayers* layers_ = nullptr;
   std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
   std::vector<double> start_, end_;        // g of those searched
-  std::vector<double> jet_, values_, other_, at_end_, here_, on_line_, stepped_before_, stepped_after_;
+  std::vector<double> jet_, values_, other_, at_end_, here_, on_line_;
+  struct {
+    std::vector<double> before, after;
+  } stepped_branches_;
 };
 
 }  // namespace sfdae::core

@@ -14,9 +14,14 @@ namespace sfdae::core {
 // Of each node of the record, the number that it has in the recorder; parameters keep their numbers if none are there
 // yet.
 std::vector<int> copy_nodes(const Record& record, Recorder& recorder);
-// With what the caller makes of the condition of each choice in its place, given its copy.
-std::vector<int> copy_with_conditions(const Record& record, Recorder& recorder,
-                                      const std::function<int(int choice, int condition)>& condition);
+// With what the caller makes of each choice in its place, given the copies of its operands; and 0 in place of the
+// parameters of conditions.
+struct CopiedChoice {
+  int choice;  // in the record
+  int condition, if_met, otherwise;
+};
+std::vector<int> copy_with_choices(const Record& record, Recorder& recorder,
+                                   const std::function<int(const CopiedChoice&)>& copy_of);
 // With the numbers that parameters have now in their place, and 0 in that of x' unless it is wanted.
 enum class Derivatives { kept, zero };
 std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives derivatives, Recorder& recorder);

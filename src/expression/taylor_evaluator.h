@@ -42,6 +42,7 @@ class TaylorEvaluator {
   TaylorEvaluator& operator=(const TaylorEvaluator&) = delete;
 
   const Record& record() const { return *record_; }
+  const std::shared_ptr<const Record>& shared_record() const { return record_; }
   const Tape& tape() const { return tape_; }
 
   // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the

@@ -21,9 +21,10 @@ constexpr double clear_move = 0.5;
 constexpr double located = 1e-4;
 // Both points are so far apart that rounding errors of x do not undo the switch. (As about switching times of t.)
 constexpr double roundings_of_gap = 32.0;
-// Changes of branches in a row between which x moves by less, in tolerances, lead nowhere. (Chosen, as in hybrid
-// systems.)
+// Changes of branches in a row between which E x moves by less, in tolerances, lead nowhere, if one condition switches
+// more often than a cubic. (Chosen, as in hybrid systems.)
 constexpr double no_progress = 10.0;
+constexpr int most_visits = 3;
 // Of a step in which E x moves otherwise than slopes say, where what cannot be held switches: the next one. (Chosen, as
 // after failures.)
 constexpr double shorter_at_switch = 0.25;
@@ -45,6 +46,7 @@ void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
     each->g.resize(conditions_->count());
   }
   branches_.resize(conditions_->count());
+  passed_.visits.resize(conditions_->count());
 }
 
 bool ConditionSteps::has_switched(const std::vector<double>& g) const {
@@ -175,7 +177,8 @@ bool ConditionSteps::are_kinks(const Integrator& integrator) {
   const HeldConditions::Point from{state.t, integrator.stepper->x().data(), slopes_before_.data()};
   const HeldConditions::Point to{tried_.t, tried_.x.data(), slopes_.data()};
   for (std::size_t k = 0; k < branches_.size(); ++k)
-    if (is_met(tried_.g[k]) != is_met(branches_[k]) && !conditions_->is_kink(k, branches_.data(), from, to))
+    if (is_met(tried_.g[k]) != is_met(branches_[k]) &&
+        conditions_->passing(k, branches_.data(), from, to) == HeldConditions::Passing::jump)
       return false;
   return true;
 }
@@ -288,28 +291,29 @@ double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   return end_at(part);
 }
 
-// The next attempt, which is shorter, has the branches held if this one had not, and the other way round: E x jumps
-// ahead, or the equations end where a branch does. Next to the zero that has been passed last branches stay.
-void ConditionSteps::note_failure(const Integrator& integrator, StepOutcome outcome) {
-  if (conditions_ == nullptr) return;
+// The next attempt, which is as long, has the branches held if this one had not: E x jumps ahead, or the equations end
+// where a branch does. If that fails, too, a shorter one has them as they are. Next to the zero that has been passed
+// last branches stay.
+bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome) {
+  if (conditions_ == nullptr) return false;
   end_.reset();
   has_after_ = false;
-  if (conditions_->count() == 0) return;
+  if (conditions_->count() == 0 || is_due_) return false;
   const StepState state = integrator.stepper->state();
-  if (is_due_) return;
   if (outcome == StepOutcome::error_too_large && !integrator.system.differentiates() && !is_held_) {
     // Because of something else, unless residuals jump.
     take_attempt(integrator);
-    if (!has_switched(tried_.g) || are_kinks(integrator)) return;
+    if (!has_switched(tried_.g) || are_kinks(integrator)) return false;
   }
   evaluate(integrator, state.t, integrator.stepper->x(), tried_.g);
   if (!is_held_) {
     branches_ = tried_.g;
     known_ = state.t;
     hold();
-  } else if (!has_switched(tried_.g)) {
-    release();
+    return conditions_->can_be_held();
   }
+  if (!has_switched(tried_.g)) release();
+  return false;
 }
 
 void ConditionSteps::commit() {
@@ -324,11 +328,15 @@ void ConditionSteps::commit() {
   known_ = tried_.t;
 }
 
+void ConditionSteps::find_tolerances(const Integrator& integrator, const std::vector<double>& x) {
+  for (std::size_t i = 0; i < tolerances_.size(); ++i)
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), x.data());
+}
+
 // The first condition whose value clearly says otherwise than its branch; none: their number.
 std::size_t ConditionSteps::contradiction(const Integrator& integrator, const ConsistentPoint& after,
                                           const std::vector<double>& branches) {
-  for (std::size_t i = 0; i < tolerances_.size(); ++i)
-    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.x.data());
+  find_tolerances(integrator, after.x);
   conditions_->functions().evaluate(after.t, after.x.data(), after.xdot.data(), tried_.g.data());
   const std::vector<double> clear =
       conditions_->functions().resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
@@ -340,13 +348,35 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
 void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
   for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - passed_.x[i];
-  const std::size_t most = 2 * branches_.size() + 10;
-  passed_.idle = integrator.weights.norm(change_.data()) <= no_progress ? passed_.idle + 1 : 0;
-  if (passed_.idle <= most) return;
+  find_tolerances(integrator, x);
+  const bool is_idle = integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= no_progress;
+  bool is_visited = false;
+  passed_.sliding.clear();
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    if (!is_idle) passed_.visits[k] = 0;
+    if (is_met(after_.g[k]) != is_met(branches_[k])) ++passed_.visits[k];
+    is_visited = is_visited || passed_.visits[k] > most_visits;
+  }
+  if (!is_visited) return;
+  const double t = integrator.stepper->state().t;
+  find_slopes(integrator, t, x, slopes_);
+  // What is continuous need not become so.
+  const HeldConditions::Point before{before_.t, before_.x.data(), slopes_.data()};
+  const HeldConditions::Point after{after_.t, after_.x.data(), slopes_.data()};
+  std::size_t named = 0;
+  std::vector<std::size_t> sliding;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    if (passed_.visits[k] <= most_visits) continue;
+    named = k;
+    const bool is_switched = is_met(after_.g[k]) != is_met(branches_[k]);
+    if (!is_switched || conditions_->passing(k, branches_.data(), before, after) != HeldConditions::Passing::kink)
+      sliding.push_back(k);
+  }
+  passed_.sliding = conditions_->functions().surfaces(sliding, {t, x.data(), slopes_.data()}, tolerances_.data());
   throw Failure(SFDAE_ZENO,
                 format("at t = %.15g conditions switch again and again while x stays where it is: both sides of one "
-                       "of them lead toward each other.",
-                       integrator.stepper->state().t));
+                       "of them lead toward each other. See the condition in %s.",
+                       t, conditions_->equation_with(named).c_str()));
 }
 
 std::vector<double> ConditionSteps::shifts(const ConsistentPoint& at, ConstView S,
@@ -392,7 +422,9 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
 void ConditionSteps::start_after_change(const std::vector<double>& x) {
   branches_ = changed_;
   is_due_ = false;
-  passed_ = {before_.t, after_.t, x, passed_.idle};
+  passed_.from = before_.t;
+  passed_.to = after_.t;
+  passed_.x = x;
   start();
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "expression/held_conditions.h"
+#include "expression/regularized_conditions.h"
 #include "integrate/integrator.h"
 #include "integrate/movement_test.h"
 #include "linalg/archive.h"
@@ -45,8 +46,11 @@ class ConditionSteps {
   bool steps_with_jump(const Integrator& integrator);
   // Then, without branches held: whether x, or sensitivities, may have jumped in it.
   bool may_jump(const Integrator& integrator, bool with_sensitivities);
-  // A step has failed, for whatever reason.
-  void note_failure(const Integrator& integrator, StepOutcome outcome);
+  // A step has failed, for whatever reason: whether the next attempt is of the same size.
+  bool is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome);
+  // Branches should have been held there, and these equations cannot hold them.
+  bool lacks_branches() const { return is_held_ && !passed_.goes_on_without_branches && !conditions_->can_be_held(); }
+  void go_on_without_branches() { passed_.goes_on_without_branches = true; }
   // The step judged last has become the last one.
   void commit();
 
@@ -61,6 +65,10 @@ class ConditionSteps {
   // with the branches that are held. start_after_change() has to follow, or restore_branches(), as where this throws
   // Failure.
   ConsistentPoint change_branches(const Integrator& integrator, const std::function<ConsistentPoint()>& values_after);
+
+  // Conditions of the surfaces that x moves along, if change_branches() failed last as they switched again and again;
+  // else none.
+  const std::vector<RegularizedCondition>& sliding() const { return passed_.sliding; }
 
   // Returns dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there is no such derivative.
   std::vector<double> shifts(const ConsistentPoint& at, ConstView S, const std::vector<int>& parameters);
@@ -87,6 +95,7 @@ class ConditionSteps {
   void hold();
   void release();
   Verdict locate(const Integrator& integrator);
+  void find_tolerances(const Integrator& integrator, const std::vector<double>& x);
   double distance(const Integrator& integrator);
   double next_end(const Integrator& integrator, double distance);
   std::size_t contradiction(const Integrator& integrator, const ConsistentPoint& after,
@@ -103,7 +112,9 @@ class ConditionSteps {
   struct Passed {
     double from = 0.0, to = 0.0;  // the points before and after it
     std::vector<double> x;        // at the second one
-    std::size_t idle = 0;         // zeros in a row between which x has not moved
+    std::vector<int> visits;      // of each condition: how often it switched while x did not move
+    std::vector<RegularizedCondition> sliding;
+    bool goes_on_without_branches = false;
   };
   Passed passed_;  // the zero passed last
   int slow_ = 0;   // attempts in a row that have not halved the interval

@@ -36,6 +36,7 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
   set.tightening_ = tightening;
   set.safety_ = safety;
   set.floor_ = floor_;
+  set.ceiling_ = ceiling_;
   set.floor_ratio_ = floor_ratio_;
   set.rtol_ = tolerances.rtol;
   set.atol_ = tolerances.atol;
@@ -53,6 +54,7 @@ void ErrorWeights::update(const double* x) {
     // Without rtol the tolerance is relative to the component itself.
     const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
     double weight = factor * (rtol_[i] * size + atol_[i]);
+    if (ceiling_ != nullptr) weight = std::min(weight, std::max(ceiling_[i], rounding_safety * unit_roundoff * size));
     if (floor_ != nullptr && floor_[i] > 0.0) {
       floor_ratio_ = weight > 1.0 / no_tolerance ? std::max(floor_ratio_, floor_[i] / weight) : no_tolerance;
       weight = std::max(weight, floor_[i]);

@@ -23,6 +23,8 @@ class ErrorWeights {
   // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps
   // cannot reduce.
   void set_floor(const double* floor) { floor_ = floor; }
+  // Weights are never more than these (n values that live on and may change, or null), unless rounding errors are.
+  void set_ceiling(const double* ceiling) { ceiling_ = ceiling; }
   // Of the last update: the largest floor over the weight without it.
   double floor_ratio() const { return floor_ratio_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
@@ -53,7 +55,7 @@ class ErrorWeights {
 
   Tightening tightening_ = Tightening::none;
   double safety_ = 1.0;
-  const double* floor_ = nullptr;
+  const double *floor_ = nullptr, *ceiling_ = nullptr;
   double floor_ratio_ = 0.0;
   PerComponent rtol_, atol_, reduction_;
   std::vector<double> inverse_;

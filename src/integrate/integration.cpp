@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "expression/sliding_layers.h"
 #include "integrate/integration_results.h"
 #include "integrate/kinks.h"
 #include "integrate/step_events.h"
@@ -141,6 +142,7 @@ CallResult Integration::run(double tout, bool one_step) {
     else if (is_at_kink(options_, integrator_.stepper->state())) restart_at_kink();
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
+    if (lacks_branches()) return result_without_branches(t);
     const bool is_step_taken = counts_.own.steps > steps;
     if (is_step_taken)
       if (auto event = search_events(tout)) return std::move(*event);
@@ -191,7 +193,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   size = fine_step(size);
   const double smallest = Integrator::smallest_step(state.t, tout);
   if (size < smallest) {
-    if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
+    if (state.failures_in_a_row > 0 && !ends_as_located()) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
   const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout, size),
@@ -202,6 +204,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const double h = target.t - state.t;
   std::optional<JumpTest> jumps;
   if (crosses_kink(options_, state.t, h)) jumps.emplace(index(integrator_.system.unknowns()));
+  limit_errors_in_layers();
   if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted)
@@ -209,7 +212,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   if (outcome == StepOutcome::accepted && companion_) outcome = companion_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
-    if (adjoint() == nullptr) conditions_.note_failure(integrator_, outcome);
+    if (adjoint() == nullptr) try_with_branches(outcome, h);
     hidden_.end.reset();
     choice_.note_attempt(false);
     return result;
@@ -218,11 +221,34 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   return accept_step(h, state.next_step, tout, jumps);
 }
 
+// Parts of branches are known so accurately that what is not seen of them, for times that are as short as its root,
+// does not matter to x.
+void Integration::limit_errors_in_layers() {
+  constexpr double exponent = 2.0 / 3.0;
+  Stepper& stepper = *integrator_.stepper;
+  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
+  if (layers == nullptr) return integrator_.weights.set_ceiling(nullptr);
+  const double part = std::pow(integrator_.weights.tightest(stepper.x().data()), exponent);
+  layers->find_limits(stepper.state().t, stepper.x().data(), part, limits_);
+  integrator_.weights.set_ceiling(limits_.data());
+}
+
+// After a failure of a step of size h: the same step with branches held, or a much shorter one without.
+void Integration::try_with_branches(StepOutcome outcome, double h) {
+  constexpr double shorter = 0.25;  // as after steps without a point
+  const bool was_held = !conditions_.is_plain();
+  const double next = integrator_.stepper->state().next_step;
+  if (conditions_.is_tried_with_branches_held(integrator_, outcome) && !change_)
+    integrator_.stepper->set_next_step(h);
+  else if (was_held && std::fabs(next) > shorter * std::fabs(h)) integrator_.stepper->set_next_step(shorter * h);
+}
+
 // For the points of the system at present.
 void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
+  if (options_.conditions != nullptr) limits_.resize(index(integrator_.system.unknowns()));
   if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
 
@@ -457,8 +483,9 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   integrator_.stepper->reduce_after_failure(h);
   note(AttemptEnd::reduced);
   const StepState state = integrator_.stepper->state();
-  if (state.failures_in_a_row > max_point_failures ||
-      std::fabs(state.next_step) < Integrator::smallest_step(state.t, tout))
+  // With conditions every other attempt has branches held, and regularized ones make steps much shorter.
+  const int most = (options_.conditions != nullptr ? 4 : 1) * max_point_failures;
+  if (state.failures_in_a_row > most || std::fabs(state.next_step) < Integrator::smallest_step(state.t, tout))
     return give_up(outcome);
   return std::nullopt;
 }

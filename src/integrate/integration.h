@@ -63,6 +63,15 @@ class Integration {
   const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
   // Of the equations, where another integration has had others.
   void restore_branches() { conditions_.restore_branches(); }
+  // Goes on with the solution of an integration that has ended at the initial point, with other equations: counts, the
+  // interval of interest and the place where steps are recorded are the same. The first step is no longer than that.
+  void continue_from(Integration& before, double longest);
+  // Steps fail where branches of conditions should be held, and these equations cannot hold them: advance() ends with
+  // SFDAE_ZENO. Unless it has to go on as it can.
+  bool lacks_branches() const { return conditions_.lacks_branches(); }
+  void go_on_without_branches() { conditions_.go_on_without_branches(); }
+  // ConditionSteps::sliding, at the last point.
+  const std::vector<RegularizedCondition>& sliding() const { return conditions_.sliding(); }
   // Parameters of the equations have other values than at the start.
   void parameters_changed() {
     if (auto* const carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->parameters_changed();
@@ -152,6 +161,10 @@ class Integration {
   std::optional<CallResult> attempt_step(double tout);
   std::optional<double> limit_of_step(double t, double tout, double size) const;
   double noticing_step(double t);
+  // The next step is short because something is located, not because others have failed.
+  bool ends_as_located() const { return conditions_.end() || hidden_.end; }
+  void limit_errors_in_layers();
+  void try_with_branches(StepOutcome outcome, double h);
   void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
   bool is_tried_again(double h);
@@ -209,6 +222,7 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
+  std::vector<double> limits_;  // of errors in layers
   Branches branches_;
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest

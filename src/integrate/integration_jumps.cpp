@@ -178,6 +178,19 @@ void Integration::change_branches(double tout) {
   }
 }
 
+void Integration::continue_from(Integration& before, double longest) {
+  const double step = integrator_.stepper->state().next_step;
+  if (std::fabs(step) > longest) integrator_.stepper->set_next_step(std::copysign(longest, step));
+  counts_.restore(before.counts(), integrator_.system);
+  integrator_.contradictions.largest = before.integrator_.contradictions.largest;
+  choice_ = before.choice_;
+  start_ = before.start_;
+  span_ = before.span_;
+  slopes_ = before.slopes_;
+  branches_.passed = before.branches_.passed;
+  solution_ = std::move(before.solution_);
+}
+
 // Within the gap, which begins there, the values are those after it.
 void Integration::record_gap(double from, double to, const std::vector<double>& after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();

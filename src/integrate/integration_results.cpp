@@ -93,6 +93,10 @@ void throw_jump_with_sensitivities(double t) {
              t));
 }
 
+CallResult result_without_branches(double t) {
+  return {SFDAE_ZENO, format("at t = %.15g steps fail, and branches of conditions may be the reason.", t)};
+}
+
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator) {
   const double t = integrator.stepper->state().t;
   const CallbackError& callback_error = integrator.system.callback_error();

@@ -21,6 +21,7 @@ CallResult result_of_change(const DaeSystem& system, const LocatedChange& change
 // E x jumps at t, or next to it.
 [[noreturn]] void throw_jump_with_sensitivities(double t);
 // The smallest step fails, and not for a change of the characteristic values.
+CallResult result_without_branches(double t);
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
 
 }  // namespace sfdae::core

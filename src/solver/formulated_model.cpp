@@ -54,6 +54,11 @@ EvaluationCounts FormulatedModel::evaluations() const {
   };
   if (all_.owned_equations) add(*all_.owned_equations);
   if (all_.array) add(all_.array->problem());
+  if (instead_ != nullptr) {
+    const EvaluationCounts more = instead_->evaluations();
+    counts.E += more.E, counts.A += more.A, counts.f += more.f;
+    counts.F += more.F, counts.linearizations += more.linearizations;
+  }
   return counts;
 }
 
@@ -80,7 +85,14 @@ void FormulatedModel::analyze(const PointOfInterest& point, const ModelOptions& 
   active_ = &choose_formulation(all_, point, options, decisions);
 }
 
+void FormulatedModel::use_instead(FormulatedModel* other) {
+  if (instead_ == nullptr) own_active_ = active_;
+  instead_ = other;
+  active_ = other != nullptr ? other : own_active_;
+}
+
 void FormulatedModel::forget_system() {
+  instead_ = nullptr;
   active_ = all_.own.get();
   if (all_.extension) all_.extension->forget_system();
   if (all_.array) all_.array->forget_system();
@@ -152,6 +164,10 @@ ConsistentPoint FormulatedModel::consistent_point_beside(const PointOfInterest& 
 
 bool FormulatedModel::expect(SystemForm form, bool for_sensitivities) {
   const bool is_extension = form == SystemForm::extension;
+  if (instead_ != nullptr) {
+    before_ = instead_;
+    return instead_->expect(form, for_sensitivities);
+  }
   if (is_extension && ((all_.multibody != nullptr && for_sensitivities) || !all_.make_extension())) return false;
   before_ = active_;
   active_ = all_.own.get();
@@ -198,6 +214,7 @@ void FormulatedModel::analyze_own() {
 }
 
 WholeModel& FormulatedModel::whole() {
+  if (instead_ != nullptr) return instead_->whole();
   if (all_.multibody != nullptr) return local_coordinates();
   if (active_ == all_.own.get() || all_.own->system() != nullptr) return *all_.own;
   if (n() > most_dense_unknowns)
@@ -218,7 +235,7 @@ WholeModel& FormulatedModel::whole() {
 WholeModel& FormulatedModel::same_whole() {
   WholeModel& model = whole();
   const CharacteristicValues &of_array = model.system()->analysis().values, &own = system()->analysis().values;
-  if (all_.multibody != nullptr || of_array == own) return model;
+  if ((all_.multibody != nullptr && instead_ == nullptr) || of_array == own) return model;
   throw Failure(SFDAE_RANK_UNCLEAR,
                 "the whole derivative array has other characteristic values, (" + describe(of_array) +
                     "), than those in use, (" + describe(own) +
@@ -238,6 +255,7 @@ MultibodyModel& FormulatedModel::local_coordinates() {
 
 // Linear equations are differentiated as nonlinear ones.
 bool FormulatedModel::differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) {
+  if (instead_ != nullptr) return instead_->differentiate_jump(moving, options, after);
   if (all_.multibody != nullptr) return false;
   if (!all_.has_array()) return whole().differentiate_jump(moving, options, after);
   all_.make_array();

@@ -30,6 +30,9 @@ class FormulatedModel final : public Model {
   TaylorEvaluator* structure_evaluator();
   // Rows of the derivative array that structure does not ask for are left out.
   bool follows_structure() const;
+  // A model of the same problem, with equations that differ from its own within tolerances only, that is in use until
+  // the next analysis; it has been analyzed, or is to be restored. Null: the one before it is in use again.
+  void use_instead(FormulatedModel* other);
 
   Problem& problem() override { return all_.own->problem(); }
   int m() const override { return all_.own->m(); }
@@ -79,6 +82,8 @@ class FormulatedModel final : public Model {
   ConsistentPoint with_consistent_motion(const PointOfInterest& point, const ModelOptions& options, Find find);
 
   Formulations all_;
+  FormulatedModel* instead_ = nullptr;
+  Model* own_active_ = nullptr;        // without it
   Model *active_, *before_ = nullptr;  // before: when a checkpoint is restored
   ModelOptions options_;               // of the last analysis
 };

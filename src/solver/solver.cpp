@@ -78,19 +78,40 @@ void demand_derivatives(Solver& solver, const PointOfInterest& point) {
   }
 }
 
+constexpr const char* no_checkpoint = "this is not a checkpoint of this version, or it is damaged.";
+constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
+
 CheckpointIdentity identity_of_integration(const Solver& solver) {
   return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
 }
 
-// The number of doubles that the identity of the checkpoint takes; it has to be that of this solver.
-std::size_t end_of_identity(const Solver& solver, const SavedCheckpoint& saved) {
+// What begins a checkpoint: its identity, and conditions that are continuous.
+struct CheckpointStart {
+  RegularizationRounds rounds;
+  std::size_t length;  // in doubles
+};
+CheckpointStart read_start(const Solver& solver, const SavedCheckpoint& saved) {
   Archive archive = Archive::reader(saved.values, saved.length);
+  CheckpointStart start;
   try {
     identity_of(solver.model, solver.options.model, solver.options.integration.method).demand_same(archive);
+    archive_rounds(archive, start.rounds);
   } catch (const DamagedArchive&) {
-    refuse_argument("this is not a checkpoint of this version, or it is damaged.");
+    refuse_argument(no_checkpoint);
   }
-  return archive.size();
+  start.length = archive.size();
+  return start;
+}
+void archive_start(const Solver& solver, Archive& archive) {
+  RegularizationRounds rounds;
+  if (solver.regularized) rounds = solver.regularized->rounds();
+  identity_of_integration(solver).write(archive);
+  archive_rounds(archive, rounds);
+}
+std::size_t length_of_start(const Solver& solver) {
+  Archive counter = Archive::counter();
+  archive_start(solver, counter);
+  return counter.size();
 }
 
 void use_tolerances(Model& model, const Tolerances& tolerances) {
@@ -100,8 +121,6 @@ void use_tolerances(Model& model, const Tolerances& tolerances) {
 }
 
 using Evaluators = std::vector<const TaylorEvaluator*>;
-
-constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
 
 }  // namespace
 
@@ -123,7 +142,7 @@ void Solver::find_conditions() {
     for (int i = 0; i < model.evaluator()->num_parameters(); ++i)
       first_order->set_parameter(i, model.evaluator()->parameter(i));
   }
-  TaylorEvaluator* const equations = first_order ? &*first_order : model.evaluator();
+  TaylorEvaluator* const equations = equations_with_conditions();
   if (equations == nullptr) return;
   const Record& record = equations->record();
   if (record.conditions().empty() && record.timed_switches().empty() && record.stepped_switches().empty()) return;
@@ -144,6 +163,8 @@ void Solver::end_integration() {
 void Solver::forget_analysis() {
   end_integration();
   model.forget_system();
+  regularized.reset();
+  use_breakpoints(options.integration);
   initial_report.reset();
 }
 
@@ -225,6 +246,7 @@ void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
   integration_options.jumps = &jumps;
   integration_options.conditions = conditions ? &*conditions : nullptr;
+  if (regularized) integration_options.conditions = regularized->conditions();
   integration_options.hides_switches = model.evaluator() == nullptr || model.evaluator()->has_source();
 }
 
@@ -256,6 +278,7 @@ void Solver::set_limits(double t, double toward_direction) {
 void Solver::prepare_start(const PointOfInterest& point) {
   const double wanted = point.direction();
   breakpoints->set_size(std::max(std::fabs(point.t), std::fabs(point.toward)));
+  if (regularized) forget_analysis();
   if (!system() || (wanted != direction && !model.is_constant())) make_analysis(point);
   direction = wanted;
   end_integration();
@@ -323,7 +346,14 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
   integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
                                               InitialPoint{t, toward, found.x, found.xdot});
   breakpoints->set_differentiations(system()->analysis().values.mu);
-  carry_sensitivities(found);
+  if (sensitivities) {
+    try {
+      carry_sensitivities(*sensitivities, found, false);
+    } catch (...) {
+      end_integration();
+      throw;
+    }
+  }
   integration->record(solution);
   write(found, x, xdot);
   initial_report = report_of(found);
@@ -333,7 +363,10 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
 CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
   if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
   integration->want_slopes(xdot != nullptr);
-  return integration->advance(tout, one_step, t, x, xdot);
+  CallResult result = integration->advance(tout, one_step, t, x, xdot);
+  while (result.status < 0 && goes_on_with_branches(tout, result))
+    result = integration->advance(tout, one_step, t, x, xdot);
+  return result;
 }
 
 Jump Solver::jump(const PointOfInterest& before) {
@@ -374,28 +407,37 @@ void Solver::demand_checkpoints() const {
 
 std::size_t Solver::checkpoint_length() {
   demand_checkpoints();
-  return identity_of_integration(*this).size() + checkpoint_size(*model.system(), *integration);
+  return length_of_start(*this) + checkpoint_size(*model.system(), *integration);
 }
 
 void Solver::save_checkpoint(double* to, std::size_t length) {
   demand_checkpoints();
-  const CheckpointIdentity identity = identity_of_integration(*this);
-  const std::size_t needed = identity.size() + checkpoint_size(*model.system(), *integration);
+  const std::size_t start = length_of_start(*this);
+  const std::size_t needed = start + checkpoint_size(*model.system(), *integration);
   if (length < needed) refuse_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
-  core::save_checkpoint(*model.system(), *integration, to + identity.size());
-  Archive archive = Archive::writer(to, identity.size());
-  identity.write(archive);
+  core::save_checkpoint(*model.system(), *integration, to + start);
+  Archive archive = Archive::writer(to, start);
+  archive_start(*this, archive);
 }
 
 void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
   if (sensitivities && sensitivities->by_adjoint) refuse_argument(no_checkpoints);
   std::optional<WantedSensitivities> wanted;
   if (sensitivities) wanted.emplace(WantedSensitivities{sensitivities->parameters, sensitivities->options});
-  const std::size_t begin = end_of_identity(*this, saved);
+  CheckpointStart start = read_start(*this, saved);
+  std::unique_ptr<RegularizedEquations> equations;
+  try {
+    equations = regularize(std::move(start.rounds));
+  } catch (const DamagedArchive&) {
+    refuse_argument(no_checkpoint);
+  }
+  std::unique_ptr<RegularizedEquations> before = use(std::move(equations));
   try {
     integration = core::restore_checkpoint(model, options.model, options.integration,
-                                           {saved.values + begin, saved.length - begin}, wanted ? &*wanted : nullptr);
+                                           {saved.values + start.length, saved.length - start.length},
+                                           wanted ? &*wanted : nullptr);
   } catch (...) {
+    use(std::move(before));
     if (integration) integration->restore_branches();
     throw;
   }

@@ -20,6 +20,7 @@
 #include "problem/failure.h"
 #include "solver/formulated_model.h"
 #include "solver/model_rules.h"
+#include "solver/regularized_equations.h"
 #include "solver/sensitivity_request.h"
 #include "solver/status_of.h"
 #include "watch/events.h"
@@ -108,6 +109,8 @@ struct Solver {
   // The first-order equations of a recorded mechanical system whose formulas contain conditions: to look at these.
   std::optional<TaylorEvaluator> first_order;
   std::optional<HeldConditions> conditions;  // on x, in recorded equations
+  // Equations of the integration under way, if it has met conditions both branches of which lead back to their zero.
+  std::unique_ptr<RegularizedEquations> regularized;
   JumpsOfModel jumps{*this};
   ContinuationOfModel continuation{*this};
   long max_passed = 0;                     // singular points in an integration
@@ -123,8 +126,19 @@ struct Solver {
   // The analysis and limits that consistent values at the point need; an integration ends.
   void prepare_start(const PointOfInterest& point);
   void make_analysis(PointOfInterest point);
-  // Those that were asked for go with the integration from its start, at the values found, where the system stands.
-  void carry_sensitivities(const ConsistentPoint& found);
+  // Those that were asked for go with the integration from its start, at the values found, where the system stands;
+  // keeps_differentiated: these have directions that agree with what is differentiated, whatever start values are.
+  void carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found, bool keeps_differentiated);
+  TaylorEvaluator* equations_with_conditions() { return first_order ? &*first_order : model.evaluator(); }
+  std::unique_ptr<RegularizedEquations> regularize(RegularizationRounds rounds);
+  // Equations take the place of those in use, which are returned; null: the problem's own ones.
+  std::unique_ptr<RegularizedEquations> use(std::unique_ptr<RegularizedEquations> equations);
+  // The integration has ended where branches of conditions may be the reason, and goes on: with equations that are
+  // continuous where both branches of a condition lead back to its zero, or, where equations cannot hold branches, with
+  // others that can. If it cannot, the result may say why.
+  bool goes_on_with_branches(double tout, CallResult& result);
+  // sliding: the conditions that become continuous.
+  void start_with_branches(double tout, const std::vector<RegularizedCondition>& sliding);
   void demand_checkpoints() const;
   PointOfInterest initial_point(double t, double toward, const double* x, const double* xdot) const;
 };

@@ -20,16 +20,16 @@ std::vector<double> directions_at(const SensitivityRequest& wanted, const std::v
   return directions;
 }
 
-std::unique_ptr<Companion> started_companion(Solver& solver, const ConsistentPoint& found) {
+std::unique_ptr<Companion> started_companion(Solver& solver, const SensitivityRequest& wanted,
+                                             const ConsistentPoint& found, bool keeps_differentiated) {
   const std::vector<double>& x = found.x;
-  const SensitivityRequest& wanted = *solver.sensitivities;
   std::unique_ptr<SensitivitySystem> system = solver.model.sensitivities(wanted.parameters);
   if (!system)
     refuse_argument(
         "there are no sensitivities of these equations: prescribed components, or linear equations with more or "
         "fewer equations than unknowns.");
   ConsistencyRequest request = solver.options.model.request_at(x.data());
-  if (wanted.last_follows && request.kind == InitialValues::accept) {
+  if (keeps_differentiated || (wanted.last_follows && request.kind == InitialValues::accept)) {
     request.kind = InitialValues::nearest;
     request.keeps_differentiated = true;
     request.weights.clear();
@@ -53,14 +53,9 @@ void Solver::ask_for_sensitivities(std::optional<SensitivityRequest> request) {
   sensitivities = std::move(request);
 }
 
-void Solver::carry_sensitivities(const ConsistentPoint& found) {
-  if (!sensitivities) return;
-  try {
-    integration->carry(started_companion(*this, found));
-  } catch (...) {
-    end_integration();
-    throw;
-  }
+void Solver::carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found,
+                                 bool keeps_differentiated) {
+  integration->carry(started_companion(*this, wanted, found, keeps_differentiated));
 }
 
 CallResult Solver::differentiate_event(const EventSlopes& slopes, double* dt) {

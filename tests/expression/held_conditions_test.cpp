@@ -113,8 +113,8 @@ TEST(HeldConditions, KnowKinksFromJumps) {
   const Vector before = {-1.0, 0.9}, after = {1.0, 1.2}, xdot = {0.0, 0.0};
   const Vector g = of.functions(-1.0, 0.9);
   const HeldConditions::Point from{0.0, before.data(), xdot.data()}, to{0.0, after.data(), xdot.data()};
-  EXPECT_TRUE(of.conditions->is_kink(0, g.data(), from, to));
-  EXPECT_FALSE(of.conditions->is_kink(1, g.data(), from, to));
+  EXPECT_EQ(of.conditions->passing(0, g.data(), from, to), HeldConditions::Passing::kink);
+  EXPECT_EQ(of.conditions->passing(1, g.data(), from, to), HeldConditions::Passing::jump);
 }
 
 // g is exactly 0 where the line begins: the other branch is the one that is met.
@@ -123,8 +123,8 @@ TEST(HeldConditions, KnowKinksFromJumpsThatBeginAtZero) {
   const Vector before = {0.0, 1.0}, after = {1.0, 1.2}, xdot = {0.0, 0.0};
   const Vector g = of.functions(0.0, 1.0);
   const HeldConditions::Point from{0.0, before.data(), xdot.data()}, to{0.0, after.data(), xdot.data()};
-  EXPECT_TRUE(of.conditions->is_kink(0, g.data(), from, to));
-  EXPECT_FALSE(of.conditions->is_kink(1, g.data(), from, to));
+  EXPECT_EQ(of.conditions->passing(0, g.data(), from, to), HeldConditions::Passing::kink);
+  EXPECT_EQ(of.conditions->passing(1, g.data(), from, to), HeldConditions::Passing::jump);
 }
 
 // t % p > 0.3: the condition switches at 0.3 and, since the remainder jumps, at p, where only the latter moves.

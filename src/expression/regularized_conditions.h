@@ -1,0 +1,35 @@
+// Equations that are continuous where a condition passes zero.
+//
+// Where both branches of a condition g > 0 lead back to g = 0, the solution moves along that surface [Fil88]. Choices
+// by such a condition become continuous [ST96]: with u = 1/2 + g / (2 width) the value is that of the one branch for
+// u <= 0, that of the other for u >= 1, and (1 - u) times the one and u times the other in between. The solution
+// stays within the width of the surface, and for smaller widths it tends to the motion along the surface.
+//
+// [Fil88] A. F. Filippov: Differential Equations with Discontinuous Righthand Sides. Kluwer, 1988.
+// [ST96]  J. Sotomayor, M. A. Teixeira: Regularization of discontinuous vector fields. Int. Conf. on Differential
+//         Equations, Lisboa 1995. World Scientific, 1998, 207-223.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "expression/record.h"
+
+namespace sfdae::core {
+
+struct RegularizedCondition {
+  std::size_t condition;  // its number in the record
+  double width;           // positive, in the unit of g
+  // The condition of the same surface whose g and width count, its own number as a rule; and whether this one has the
+  // other sign. Together they make one choice between both sides.
+  std::size_t leader;
+  bool is_opposite;
+};
+
+// Returns the equations in which choices by these conditions are continuous, with conditions that can be held. The
+// user's parameters keep their numbers.
+std::shared_ptr<const Record> with_regularized(const Record& record, const std::vector<RegularizedCondition>& which);
+
+}  // namespace sfdae::core

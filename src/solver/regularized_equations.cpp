@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/regularized_equations.h"
+
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+std::shared_ptr<const Record> RegularizedEquations::with_rounds(const TaylorEvaluator& given) {
+  std::shared_ptr<const Record> record = given.shared_record();
+  for (const auto& round : rounds_) {
+    for (const RegularizedCondition& each : round)
+      if (each.condition >= record->conditions().size() || !std::isfinite(each.width) || !(each.width > 0.0))
+        throw DamagedArchive();
+    layers_.add(record, given, round);
+    record = with_regularized(*record, round);
+  }
+  return record;
+}
+
+namespace {
+
+// The number, or the one that is read. It is archived so that no bit of it may be another one.
+std::size_t archived(Archive& archive, std::size_t number) {
+  long after = static_cast<long>(number) + 1, unused = 0;
+  archive.counts(after, unused);
+  if (after < 1 || unused != 0) throw DamagedArchive();
+  return static_cast<std::size_t>(after - 1);
+}
+
+}  // namespace
+
+void archive_rounds(Archive& archive, RegularizationRounds& rounds) {
+  const auto archive_size = [&archive](auto& list) {
+    const std::size_t count = archived(archive, list.size());
+    if (!archive.is_reading()) return;
+    if (count > archive.rest()) throw DamagedArchive();
+    list.resize(count);
+  };
+  WordHash hash;
+  archive_size(rounds);
+  hash.add(rounds.size());
+  for (auto& round : rounds) {
+    archive_size(round);
+    hash.add(round.size());
+    for (RegularizedCondition& each : round) {
+      each.condition = archived(archive, each.condition);
+      each.leader = archived(archive, each.leader);
+      each.is_opposite = archived(archive, each.is_opposite ? 1 : 0) == 1;
+      archive.real(each.width);
+      hash.add(each.condition);
+      hash.add(2 * each.leader + (each.is_opposite ? 1 : 0));
+      hash.add(&each.width, 1);
+    }
+  }
+  const double sum = hash.value_as_real();
+  double saved = sum;
+  archive.real(saved);
+  if (saved != sum) throw DamagedArchive();
+}
+
+RegularizedEquations::RegularizedEquations(const TaylorEvaluator& given, RegularizationRounds its_rounds,
+                                           std::function<void()> changed)
+    : rounds_(std::move(its_rounds)), model_(make_model(with_rounds(given))) {
+  TaylorEvaluator& evaluator = *model_->evaluator();
+  for (int i = 0; i < given.record().num_user_parameters(); ++i) evaluator.set_parameter(i, given.parameter(i));
+  model_->parameters_changed();
+  conditions_ = std::make_unique<HeldConditions>(evaluator, std::move(changed));
+  conditions_->set_layers(&layers_);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,111 @@
+// A solver where both branches of a condition lead back to its zero.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "linalg/index.h"
+#include "solver/solver.h"
+
+namespace sfdae::core {
+
+std::unique_ptr<RegularizedEquations> Solver::regularize(RegularizationRounds rounds) {
+  if (rounds.empty()) return nullptr;
+  if (equations_with_conditions() == nullptr) throw DamagedArchive();
+  auto equations = std::make_unique<RegularizedEquations>(*equations_with_conditions(), std::move(rounds), [this] {
+    regularized->model().parameters_changed();
+    if (integration) integration->parameters_changed();
+  });
+  return equations;
+}
+
+std::unique_ptr<RegularizedEquations> Solver::use(std::unique_ptr<RegularizedEquations> equations) {
+  std::swap(regularized, equations);
+  model.use_instead(regularized ? &regularized->model() : nullptr);
+  use_breakpoints(options.integration);
+  return equations;
+}
+
+namespace {
+
+// Conditions the branches of which cannot be held can be neither passed nor regularized.
+bool may_be_of_branches(int status) {
+  return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
+}
+
+// The shortest of the times in which slopes lead across the width of a condition.
+double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditions& conditions, double t,
+                   const ConsistentPoint& at) {
+  std::vector<double> speeds(at.xdot);
+  for (double& speed : speeds) speed = std::fabs(speed);
+  const std::vector<double> rates = conditions.functions().resolution(t, at.x.data(), at.xdot.data(), speeds.data());
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const RegularizedCondition& each : sliding)
+    if (rates[each.condition] > 0.0) shortest = std::min(shortest, each.width / rates[each.condition]);
+  return shortest;
+}
+
+}  // namespace
+
+bool Solver::goes_on_with_branches(double tout, CallResult& result) {
+  if (!may_be_of_branches(result.status) || integration->adjoint() != nullptr) return false;
+  const bool can_be_held = regularized || !conditions || conditions->can_be_held();
+  const bool lacks_branches = integration->lacks_branches();
+  std::vector<RegularizedCondition> sliding;
+  if (can_be_held) sliding = integration->sliding();
+  const auto has_width = [](const RegularizedCondition& each) {
+    return std::isfinite(each.width) && each.width > 0.0;
+  };
+  if (can_be_held && (sliding.empty() || !std::all_of(sliding.begin(), sliding.end(), has_width))) return false;
+  try {
+    start_with_branches(tout, sliding);
+    return true;
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    if (lacks_branches) integration->go_on_without_branches();
+    else if (result.status == SFDAE_ZENO)
+      result.message +=
+          std::string(" The motion along the surface between them has not been found: ") + failure.what();
+    return lacks_branches;
+  }
+}
+
+// The integration stays what it was where that throws.
+void Solver::start_with_branches(double tout, const std::vector<RegularizedCondition>& sliding) {
+  const Stepper& stepper = integration->stepper();
+  const double t = stepper.state().t;
+  const std::vector<double>& x = stepper.x();
+  HeldConditions& those_before = *options.integration.conditions;
+  RegularizationRounds rounds = regularized ? regularized->rounds() : RegularizationRounds();
+  rounds.push_back(sliding);
+  const PointOfInterest point{t, tout, x.data()};
+  std::unique_ptr<RegularizedEquations> equations = regularize(std::move(rounds));
+  std::vector<RankDecision> found_decisions;
+  equations->model().analyze(point, options.model, found_decisions);
+  std::unique_ptr<RegularizedEquations> before = use(std::move(equations));
+  std::unique_ptr<Integration> ended;
+  try {
+    const ConsistentPoint found = jumps.values_near(point);
+    auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
+                                              InitialPoint{t, tout, found.x, found.xdot});
+    ended = std::exchange(integration, std::move(next));
+    if (const Sensitivities* const carried = ended->sensitivities()) {
+      SensitivityRequest request = *sensitivities;
+      const std::vector<double>& S = carried->last();
+      request.directions.assign(S.begin(), S.end());
+      request.shifts.clear();
+      carry_sensitivities(request, found, true);
+    }
+    integration->continue_from(*ended, time_across(sliding, those_before, t, found));
+  } catch (...) {
+    if (ended) integration = std::move(ended);
+    use(std::move(before));
+    throw;
+  }
+  breakpoints->set_differentiations(system()->analysis().values.mu);
+  decisions = KeptDecisions(found_decisions);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Conditions on unknowns both branches of which lead back to the zero: relays, friction at rest.
+// SFDAE_TEST_SCALE scales the number of random problems.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "family_run.h"
+#include "random_family.h"
+
+namespace conditions_that_slide {
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using sfdae_test::RandomNumbers;
+using Vector = std::vector<double>;
+
+sfdae::Options with(int method, double tolerance, int structure = SFDAE_STRUCTURE_AUTOMATIC) {
+  sfdae::Options options;
+  options.method = method;
+  options.structure = structure;
+  options.rtol = options.atol = tolerance;
+  return options;
+}
+
+std::vector<sfdae::Options> all_options(double tolerance) {
+  std::vector<sfdae::Options> all;
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC})
+      all.push_back(with(method, tolerance, structure));
+  return all;
+}
+
+std::string text_of(const sfdae::Options& options) {
+  return "method " + std::to_string(options.method) + ", structure " + std::to_string(options.structure) +
+         ", tolerance " + std::to_string(options.rtol);
+}
+
+// The sign of a number, as it may be written.
+constexpr int laws = 5;
+Expression law(int number, const Expression& v) {
+  switch (number) {
+    case 0: return sign(v);
+    case 1: return choose(v > 0.0, 1.0, -1.0);
+    case 2: return 1.0 - 2.0 * (v < 0.0);
+    case 3: return choose(v < 0.0, -1.0, choose(v > 0.0, 1.0, 0.0));
+    default: return choose(v > 0.0, 2.0, 0.0) - 1.0;
+  }
+}
+
+// The second unknown is the output of the relay.
+TEST(ConditionsThatSlide, OfRelaysHoldTheSurface) {
+  for (int number = 0; number < laws; ++number)
+    for (double tolerance : {1e-4, 1e-7})
+      for (const sfdae::Options& options : all_options(tolerance)) {
+        sfdae::NonlinearProblem problem(2, 2);
+        problem.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+          F[0] = xdot[0] + x[1] - 0.5 * sin(t);
+          F[1] = x[1] - law(number, x[0]);
+        };
+        sfdae::Solver solver(problem, options);
+        sfdae::Point point{0.0, {1.0, 1.0}, {}};
+        solver.start(point, 5.0);
+        ASSERT_EQ(solver.advance(5.0, point), SFDAE_OK) << text_of(options);
+        EXPECT_NEAR(point.x[0], 0.0, tolerance) << text_of(options);
+        EXPECT_NEAR(point.x[1], 0.5 * std::sin(5.0), 100.0 * tolerance) << text_of(options) << ", law " << number;
+        EXPECT_LT(solver.statistics().steps, 2000) << text_of(options);
+      }
+}
+
+// v' = pull sin t - mu sign v, from rest, until the block comes to rest again.
+struct Block {
+  double pull = 2.0, mu = 1.0;
+  double breaks_loose() const { return std::asin(mu / pull); }
+  double speed(double t) const {
+    const double t1 = breaks_loose();
+    return pull * (std::cos(t1) - std::cos(t)) - mu * (t - t1);
+  }
+};
+
+sfdae::NonlinearProblem block_at_rest() {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = xdot[1] + parameter(t, "mu", 1.0) * sign(x[1]) - 2.0 * sin(t);
+  };
+  return problem;
+}
+
+TEST(ConditionsThatSlide, OfFrictionLetGoAgain) {
+  const Block block;
+  for (const sfdae::Options& options : all_options(1e-7)) {
+    sfdae::Solver solver(block_at_rest(), options);
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"mu"};
+    solver.set_sensitivities(wanted);
+    sfdae::Point point{0.0, {0.0, 0.0}, {}};
+    solver.start(point, 2.0);
+    solver.advance(0.5, point);
+    EXPECT_NEAR(point.x[1], 0.0, 1e-7) << text_of(options);
+    EXPECT_NEAR(solver.sensitivities(0.5).S(1, 0), 0.0, 1e-5) << text_of(options);
+    solver.advance(2.0, point);
+    EXPECT_NEAR(point.x[1], block.speed(2.0), 1e-5) << text_of(options);
+    EXPECT_NEAR(solver.sensitivities(2.0).S(1, 0), -(2.0 - block.breaks_loose()), 1e-3) << text_of(options);
+  }
+}
+
+// What goes on from there does so bit by bit as without the checkpoint, in a solver that has not met the surface.
+TEST(ConditionsThatSlide, AreInCheckpoints) {
+  for (const sfdae::Options& options : all_options(1e-6)) {
+    sfdae::Solver first(block_at_rest(), options), second(block_at_rest(), options);
+    sfdae::Point point{0.0, {0.0, 0.0}, {}};
+    first.start(point, 2.0);
+    first.advance(0.3, point);
+    const Vector checkpoint = first.save_checkpoint();
+    second.restore_checkpoint(checkpoint);
+    sfdae::Point other = point;
+    first.advance(2.0, point);
+    second.advance(2.0, other);
+    EXPECT_EQ(point.x, other.x) << text_of(options);
+    // A new start begins with the conditions as they are.
+    sfdae::Point again{0.0, {0.0, 1.0}, {}};
+    second.start(again, 0.5);
+    second.advance(0.5, again);
+    EXPECT_NEAR(again.x[1], 1.0 + 2.0 * (1.0 - std::cos(0.5)) - 0.5, 1e-5) << text_of(options);
+  }
+}
+
+TEST(ConditionsThatSlide, LeaveTheParametersTheyHave) {
+  sfdae::Solver solver(block_at_rest(), with(SFDAE_METHOD_RADAU, 1e-7));
+  solver.set_parameter("mu", 0.5);
+  sfdae::Point point{0.0, {0.0, 0.0}, {}};
+  solver.start(point, 1.5);
+  solver.advance(1.5, point);
+  EXPECT_NEAR(point.x[1], (Block{2.0, 0.5}).speed(1.5), 1e-5);
+}
+
+// ---- Chains of blocks on moving belts, against pieces that are integrated one after the other ------------------
+
+// m q_i'' = k (q_(i+1) - 2 q_i + q_(i-1)) + pull_i sin(omega_i t) - mu_i sign(q_i' - belt_i), ends are fixed.
+struct Chain {
+  int n;
+  double m, k;
+  Vector mu, belt, pull, omega, start;  // start: q, then q'
+};
+
+Chain random_chain(RandomNumbers& random) {
+  Chain chain{
+      random.integer(1, 3), std::pow(10.0, random.uniform(-1.0, 1.0)), random.uniform(0.5, 20.0), {}, {}, {}, {}, {}};
+  const bool from_rest = (random.integer(0, 1) == 1);
+  for (int i = 0; i < chain.n; ++i) {
+    chain.mu.push_back(random.uniform(0.1, 2.0));
+    chain.belt.push_back((random.integer(0, 1) == 1) ? 0.0 : random.uniform(-0.7, 0.7));
+    chain.pull.push_back(random.uniform(-2.0, 2.0));
+    chain.omega.push_back(random.uniform(0.5, 4.0));
+  }
+  for (int i = 0; i < chain.n; ++i) chain.start.push_back(from_rest ? 0.0 : random.uniform(-1.0, 1.0));
+  for (int i = 0; i < chain.n; ++i)
+    chain.start.push_back(from_rest ? chain.belt[static_cast<std::size_t>(i)] : random.uniform(-1.0, 1.0));
+  return chain;
+}
+
+// Classical Runge-Kutta steps; each ends where a block comes to rest on its belt, or breaks loose.
+class Pieces {
+ public:
+  explicit Pieces(const Chain& chain) : chain_(chain), x_(chain.start), modes_(n()) {
+    for (std::size_t i = 0; i < n(); ++i) settle(i);
+  }
+  Vector advance(double end) {
+    while (t_ < end) {
+      const double h = std::min(longest, end - t_);
+      const Vector next = step(h);
+      if (!is_over(next, t_ + h)) {
+        x_ = next;
+        t_ += h;
+        continue;
+      }
+      double low = 0.0, high = h;
+      for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + high);
+        (is_over(step(middle), t_ + middle) ? high : low) = middle;
+      }
+      x_ = step(high);
+      t_ += high;
+      for (std::size_t i = 0; i < n(); ++i)
+        if (is_over(i, x_, t_)) change(i);
+    }
+    return x_;
+  }
+
+ private:
+  static constexpr double longest = 1e-3;
+  std::size_t n() const { return static_cast<std::size_t>(chain_.n); }
+  double force(std::size_t i, const Vector& x, double t) const {
+    const double left = i > 0 ? x[i - 1] : 0.0, right = i + 1 < n() ? x[i + 1] : 0.0;
+    return chain_.k * (right - 2.0 * x[i] + left) + chain_.pull[i] * std::sin(chain_.omega[i] * t);
+  }
+  Vector slopes(const Vector& x, double t) const {
+    Vector result(2 * n());
+    for (std::size_t i = 0; i < n(); ++i) {
+      result[i] = x[n() + i];
+      result[n() + i] = modes_[i] == 0 ? 0.0 : (force(i, x, t) - chain_.mu[i] * modes_[i]) / chain_.m;
+    }
+    return result;
+  }
+  Vector step(double h) const {
+    const auto moved = [&](const Vector& by, double part) {
+      Vector x = x_;
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += part * h * by[i];
+      return x;
+    };
+    const Vector a = slopes(x_, t_), b = slopes(moved(a, 0.5), t_ + 0.5 * h), c = slopes(moved(b, 0.5), t_ + 0.5 * h),
+                 d = slopes(moved(c, 1.0), t_ + h);
+    Vector x = x_;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+    return x;
+  }
+  bool is_over(std::size_t i, const Vector& x, double t) const {
+    if (modes_[i] == 0) return std::fabs(force(i, x, t)) > chain_.mu[i];
+    return modes_[i] * (x[n() + i] - chain_.belt[i]) < 0.0;
+  }
+  bool is_over(const Vector& x, double t) const {
+    for (std::size_t i = 0; i < n(); ++i)
+      if (is_over(i, x, t)) return true;
+    return false;
+  }
+  void change(std::size_t i) {
+    if (modes_[i] != 0) x_[n() + i] = chain_.belt[i];
+    const double pulled = force(i, x_, t_);
+    modes_[i] = std::fabs(pulled) <= chain_.mu[i] ? 0 : pulled > 0.0 ? 1 : -1;
+  }
+  void settle(std::size_t i) {
+    const double slip = x_[n() + i] - chain_.belt[i];
+    if (slip != 0.0) modes_[i] = slip > 0.0 ? 1 : -1;
+    else change(i);
+  }
+
+  const Chain& chain_;
+  double t_ = 0.0;
+  Vector x_;
+  std::vector<int> modes_;  // 0: at rest on the belt, else the sign of the slip
+};
+
+enum Form { first_order, with_outputs, with_accelerations, forms };
+
+Expression pulled(const Chain& chain, int i, const Expression& t, const std::function<Expression(int)>& q) {
+  const auto k = static_cast<std::size_t>(i);
+  Expression sum = chain.pull[k] * sin(chain.omega[k] * t) - 2.0 * chain.k * q(i);
+  if (i > 0) sum = sum + chain.k * q(i - 1);
+  if (i + 1 < chain.n) sum = sum + chain.k * q(i + 1);
+  return sum;
+}
+
+sfdae::NonlinearProblem problem_of(const Chain& chain, Form form, int number) {
+  const int n = chain.n, size = form == first_order ? 2 * n : 3 * n;
+  sfdae::NonlinearProblem problem(size, size);
+  problem.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    for (int i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const Expression resistance = chain.mu[k] * law(number, x[n + i] - chain.belt[k]);
+      const Expression force = pulled(chain, i, t, [&](int j) { return Expression(x[j]); });
+      F[i] = xdot[i] - x[n + i];
+      if (form == first_order) F[n + i] = chain.m * xdot[n + i] - force + resistance;
+      if (form == with_outputs) F[n + i] = chain.m * xdot[n + i] - force + x[2 * n + i];
+      if (form == with_outputs) F[2 * n + i] = x[2 * n + i] - resistance;
+      if (form == with_accelerations) F[n + i] = xdot[n + i] - x[2 * n + i];
+      if (form == with_accelerations) F[2 * n + i] = chain.m * x[2 * n + i] - force + resistance;
+    }
+  };
+  return problem;
+}
+
+sfdae::MultibodyProblem mechanical(const Chain& chain, int number) {
+  const int n = chain.n;
+  sfdae::MultibodyProblem problem(n, 0);
+  problem.equations = [=](const auto& t, auto q, auto v, auto to) {
+    for (int i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      to.M(i, i) = chain.m;
+      to.f[i] = pulled(chain, i, t, [&](int j) { return Expression(q[j]); }) -
+                chain.mu[k] * law(number, v[i] - chain.belt[k]);
+    }
+  };
+  return problem;
+}
+
+// Returns what ended the run; empty: it is right.
+template <class Problem>
+std::string motion_error(const Problem& problem, int size, const Chain& chain, const sfdae::Options& options) {
+  constexpr double end = 6.0;
+  const Vector exact = Pieces(chain).advance(end);
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, chain.start, {}};
+  point.x.resize(static_cast<std::size_t>(size), 0.0);
+  try {
+    solver.start(point, end);
+    solver.advance(end, point);
+  } catch (const sfdae::Error& error) {
+    return error.what();
+  }
+  for (std::size_t i = 0; i < exact.size(); ++i)
+    EXPECT_NEAR(point.x[i], exact[i], 100.0 * options.rtol * (1.0 + std::fabs(exact[i])))
+        << text_of(options) << ", component " << i;
+  return "";
+}
+
+// None is wrong, and at most 1 % end by name.
+TEST(ConditionsThatSlide, OfRandomChainsOfBlocks) {
+  const int count = sfdae_test::scaled_count(200, 12);
+  std::vector<std::string> named;
+  for (int seed = 0; seed < count; ++seed) {
+    SCOPED_TRACE("chain " + std::to_string(seed));
+    RandomNumbers random(7700 + static_cast<std::uint64_t>(seed));
+    const Chain chain = random_chain(random);
+    const int number = random.integer(0, laws - 1), form = random.integer(0, forms);
+    const sfdae::Options options = with((random.integer(0, 1) == 1) ? SFDAE_METHOD_BDF : SFDAE_METHOD_RADAU,
+                                        std::pow(10.0, -random.integer(4, 7)));
+    const std::string error = form == forms ? motion_error(mechanical(chain, number), 2 * chain.n, chain, options)
+                                            : motion_error(problem_of(chain, static_cast<Form>(form), number),
+                                                           (form == first_order ? 2 : 3) * chain.n, chain, options);
+    if (!error.empty()) named.push_back("chain " + std::to_string(seed) + ": " + error);
+  }
+  EXPECT_LE(named.size(), static_cast<std::size_t>(count / 100)) << named.front();
+}
+
+}  // namespace
+}  // namespace conditions_that_slide
