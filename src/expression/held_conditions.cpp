@@ -232,7 +232,13 @@ std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, con
 }
 
 std::string HeldConditions::equation_with(std::size_t condition) const {
-  return equation_with_node(conditions_[condition].node);
+  // That of its parameter, as the recorder may write the sum with it otherwise.
+  const Record& record = evaluator_.record();
+  int leaf = 0;
+  while (record.node(leaf).operation != Operation::parameter ||
+         record.node(leaf).a != conditions_[condition].parameter)
+    ++leaf;
+  return equation_with_node(leaf);
 }
 
 std::string HeldConditions::equation_with_stepped(std::size_t which) const {

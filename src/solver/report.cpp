@@ -109,6 +109,21 @@ std::string method_name(const Solver& solver, int order) {
   return automatic ? name + " (chosen automatically)" : name;
 }
 
+// Of equations that took the place of the problem's own ones.
+std::string regularization_report(const Solver& solver) {
+  if (!solver.regularized) return "";
+  std::size_t surfaces = 0;
+  std::string first;
+  for (const auto& round : solver.regularized->rounds())
+    for (const RegularizedCondition& each : round) {
+      if (first.empty()) first = solver.conditions->equation_with(each.condition);
+      if (each.condition == each.leader) ++surfaces;
+    }
+  if (surfaces == 0) return "  by first-order equations, since branches of conditions have to be held\n";
+  return format("  conditions both branches of which lead back to their zeros: %zu, the first in %s\n", surfaces,
+                first.c_str());
+}
+
 std::string integration_report(const Solver& solver) {
   const IntegrationCounts counts = solver.integration->counts();
   const EvaluationCounts calls = solver.model.evaluations();
@@ -124,6 +139,7 @@ std::string integration_report(const Solver& solver) {
               : format("%ld evaluations of F along jets, %ld linearizations\n", calls.F, calls.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", state.last.h,
                  state.last.order, state.next_step, counts.smallest_kept);
+  text += regularization_report(solver);
   if (counts.rounding > 1.0)
     text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n",
                    counts.rounding);

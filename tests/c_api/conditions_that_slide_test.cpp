@@ -138,6 +138,16 @@ TEST(ConditionsThatSlide, AreInCheckpoints) {
   }
 }
 
+TEST(ConditionsThatSlide, AreInReports) {
+  sfdae::Solver solver(block_at_rest(), with(SFDAE_METHOD_BDF, 1e-6));
+  sfdae::Point point{0.0, {0.0, 0.0}, {}};
+  solver.start(point, 2.0);
+  EXPECT_EQ(solver.report().find("lead back"), std::string::npos);
+  solver.advance(0.3, point);
+  EXPECT_NE(solver.report().find("lead back to their zeros: 1,"), std::string::npos) << solver.report();
+  EXPECT_NE(solver.report().find("equation 1"), std::string::npos) << solver.report();
+}
+
 TEST(ConditionsThatSlide, LeaveTheParametersTheyHave) {
   sfdae::Solver solver(block_at_rest(), with(SFDAE_METHOD_RADAU, 1e-7));
   solver.set_parameter("mu", 0.5);
