@@ -68,8 +68,12 @@ std::optional<Switching> switching_at(const Record& record, int i) {
 // Parameters in the conditions of choices, if these vary with x.
 class Branches {
  public:
-  explicit Branches(const Record& record)
-      : record_(record), varies_(varying_nodes(record)), is_live_(live_nodes(record)), recorder_(record.n()) {}
+  Branches(const Record& record, const std::vector<int>& layers)
+      : record_(record),
+        layers_(layers),
+        varies_(varying_nodes(record)),
+        is_live_(live_nodes(record)),
+        recorder_(record.n()) {}
 
   std::shared_ptr<const Record> record() {
     const std::vector<int> copies = copy_with_choices(record_, recorder_, [this](const CopiedChoice& copied) {
@@ -109,12 +113,14 @@ class Branches {
     if (!is_new) return place->second;
     const int number = recorder_.num_parameters();
     const int parameter = recorder_.parameter(unused_name(record_, conditions_.size() + 1), 0.0);
-    conditions_.push_back({g, number});
+    const bool is_of_layer = std::find(layers_.begin(), layers_.end(), condition) != layers_.end();
+    conditions_.push_back({g, number, is_of_layer});
     place->second = recorder_.apply(Operation::add, g, parameter);
     return place->second;
   }
 
   const Record& record_;
+  const std::vector<int>& layers_;
   std::vector<char> varies_;
   std::vector<bool> is_live_;
   Recorder recorder_;
@@ -128,10 +134,10 @@ std::vector<int> nodes_of(const std::vector<Condition>& conditions) {
   return nodes;
 }
 
-std::vector<int> nodes_of(const std::vector<Condition>& conditions, const std::vector<std::size_t>& which) {
-  std::vector<int> nodes;
-  for (const std::size_t k : which) nodes.push_back(conditions[k].node);
-  return nodes;
+std::vector<Condition> chosen(const std::vector<Condition>& conditions, const std::vector<std::size_t>& which) {
+  std::vector<Condition> found;
+  for (const std::size_t k : which) found.push_back(conditions[k]);
+  return found;
 }
 
 std::vector<std::size_t> conditions_without_slopes(const Record& record) {
@@ -168,8 +174,8 @@ bool contains_switches(const Record& record) {
   return false;
 }
 
-std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record) {
-  return contains_switches(*record) ? Branches(*record).record() : record;
+std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record, const std::vector<int>& layers) {
+  return contains_switches(*record) ? Branches(*record, layers).record() : record;
 }
 
 HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed)
@@ -180,7 +186,7 @@ HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()>
       timed_functions_(evaluator, nodes_of(evaluator.record().timed_switches())),
       stepped_functions_(evaluator, nodes_of(evaluator.record().stepped_switches())),
       searched_(conditions_without_slopes(evaluator.record())),
-      search_(evaluator, nodes_of(conditions_, searched_)),
+      search_(evaluator, chosen(conditions_, searched_)),
       start_(count()),
       end_(count()),
       jet_(2 * index(evaluator.record().n())),

@@ -21,8 +21,10 @@ namespace sfdae::core {
 
 // Whether equations switch where something depends on x, or on t and parameters.
 bool contains_switches(const Record& record);
-// Returns the same equations with conditions that can be held; they also list what else switches.
-std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record);
+// Returns the same equations with conditions that can be held; they also list what else switches. layers: nodes that
+// are conditions of layers.
+std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record,
+                                              const std::vector<int>& layers = {});
 
 // Returns whether the condition with this value of g, which may be NaN, is met.
 inline bool is_met(double g) { return std::isgreater(g, 0.0); }

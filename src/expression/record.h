@@ -88,6 +88,9 @@ struct Parameter {
 // A node on whose sign choices depend: on that of its sum with a parameter, which nobody but held_conditions.h sets.
 struct Condition {
   int node, parameter;
+  // Its sign changes within a layer that is thinner than errors of x between the points of a step
+  // (regularized_conditions.h).
+  bool is_of_layer = false;
 };
 
 // A node at certain values of which equations switch: at 0, if it is the condition of a choice, at integers (floor), or

@@ -26,7 +26,7 @@ class Regularization {
         copy_with_choices(record_, recorder_, [this](const CopiedChoice& copied) { return copy_of(copied); });
     std::vector<int> residuals;
     for (int i = 0; i < record_.m(); ++i) residuals.push_back(copies[index(record_.residual(i))]);
-    return with_conditions(recorder_.finish(std::move(residuals), record_.equation_names()));
+    return with_conditions(recorder_.finish(std::move(residuals), record_.equation_names()), layers_);
   }
 
  private:
@@ -48,20 +48,28 @@ class Regularization {
   int cut(int u) {
     const int zero = recorder_.constant(0.0), one = recorder_.constant(1.0);
     const int beyond = subtract(u, one);
+    layers_.insert(layers_.end(), {u, beyond});
     return choose(u, choose(beyond, one, u), choose(beyond, subtract(one, u), zero));
   }
 
-  // Null: the condition of a choice stays as it is.
-  const RegularizedCondition* regularized(int condition) const {
-    const Node node = record_.node(condition);
+  // Null: the node is none.
+  const Condition* condition_of(int node_of_choice) const {
+    const Node node = record_.node(node_of_choice);
     // The sum of g and its parameter, which the recorder may write as a difference.
     if (node.operation != Operation::add && node.operation != Operation::subtract) return nullptr;
     for (const int operand : {node.a, node.b}) {
       const Node leaf = record_.node(operand);
-      const auto found = leaf.operation == Operation::parameter ? regularized_.find(leaf.a) : regularized_.end();
-      if (found != regularized_.end()) return &found->second;
+      const int first = record_.num_user_parameters();
+      if (leaf.operation == Operation::parameter && leaf.a >= first)
+        return &record_.conditions()[index(leaf.a - first)];
     }
     return nullptr;
+  }
+  // Null: the condition of a choice stays as it is.
+  const RegularizedCondition* regularized(const Condition* condition) const {
+    if (condition == nullptr) return nullptr;
+    const auto found = regularized_.find(condition->parameter);
+    return found != regularized_.end() ? &found->second : nullptr;
   }
 
   // The part of a surface, once it has been seen with a condition of it, whose g has this copy.
@@ -85,7 +93,8 @@ class Regularization {
     const Node node = record_.node(copied.choice);
     Sides& own = sides_[index(copied.choice)];
     bool is_met_above = true, is_met_below = false;
-    if (const RegularizedCondition* const found = regularized(node.a)) {
+    const Condition* const condition = condition_of(node.a);
+    if (const RegularizedCondition* const found = regularized(condition)) {
       own.part = part_of(*found, copied.condition);
       if (found->is_opposite) std::swap(is_met_above, is_met_below);
     } else if (sides_[index(node.a)].part != none) {
@@ -95,6 +104,7 @@ class Regularization {
       is_met_above = is_positive(truth.above);
       is_met_below = is_positive(truth.below);
     } else {
+      if (condition != nullptr && condition->is_of_layer) layers_.push_back(copied.condition);
       return choose(copied.condition, copied.if_met, copied.otherwise);
     }
     const Sides met = sides_of(node.b, copied.if_met, own.part), other = sides_of(node.c, copied.otherwise, own.part);
@@ -107,6 +117,7 @@ class Regularization {
   Recorder recorder_;
   std::map<int, RegularizedCondition> regularized_;  // by the parameters of conditions
   std::map<std::size_t, int> parts_;                 // by leaders
+  std::vector<int> layers_;                          // nodes that are conditions of layers
   std::vector<Sides> sides_;                         // of choices in the record that are continuous
 };
 

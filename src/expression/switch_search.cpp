@@ -64,7 +64,7 @@ std::vector<int> degrees_of(const Record& record) {
 
 class Recording {
  public:
-  Recording(const Record& record, const std::vector<int>& conditions)
+  Recording(const Record& record, const std::vector<Condition>& conditions)
       : record_(record), conditions_(conditions), places_(record, conditions.size()), recorder_(0) {
     for (int k = 0; k < places_.differences; ++k) parameter(k);
   }
@@ -73,9 +73,11 @@ class Recording {
     const std::vector<int> copies =
         copy_with_leaves(record_, recorder_, [this](const Node& leaf) { return along_the_way(leaf); });
     std::vector<int> results;
-    for (std::size_t k = 0; k < conditions_.size(); ++k)
-      results.push_back(
-          recorder_.greater(copies[index(conditions_[k])], parameter(places_.margins + static_cast<int>(k))));
+    for (std::size_t k = 0; k < conditions_.size(); ++k) {
+      const int number = static_cast<int>(k), node = conditions_[k].node;
+      const int g = conditions_[k].is_of_layer ? curve(record_.n() + number) : copies[index(node)];
+      results.push_back(recorder_.greater(g, parameter(places_.margins + number)));
+    }
     return recorder_.finish(std::move(results));
   }
   std::vector<int> unknowns() const {
@@ -122,7 +124,7 @@ class Recording {
   }
 
   const Record& record_;
-  const std::vector<int>& conditions_;
+  const std::vector<Condition>& conditions_;
   Places places_;
   Recorder recorder_;
   std::map<int, Curve> curves_;
@@ -130,19 +132,27 @@ class Recording {
 
 }  // namespace
 
-ConditionSlopes::ConditionSlopes(const Record& record, const std::vector<int>& conditions,
+ConditionSlopes::ConditionSlopes(const Record& record, const std::vector<Condition>& conditions,
                                  const std::vector<int>& unknowns)
     : is_linear_(conditions.size(), 0), factors_(conditions.size()) {
   const std::vector<int> degrees = degrees_of(record);
   Recorder recorder(record.n());
   const std::vector<int> copies = copy_nodes(record, recorder);
   std::vector<int> leaves, derivatives;
-  for (const int unknown : unknowns) leaves.push_back(recorder.unknown(unknown));
+  for (const int unknown : unknowns)
+    if (unknown < record.n()) leaves.push_back(recorder.unknown(unknown));
   for (std::size_t k = 0; k < conditions.size(); ++k) {
-    if (degrees[index(conditions[k])] > 1) continue;
+    if (conditions[k].is_of_layer) {
+      const auto place = std::find(unknowns.begin(), unknowns.end(), record.n() + static_cast<int>(k));
+      is_linear_[k] = 1;
+      factors_[k].push_back({static_cast<std::size_t>(place - unknowns.begin()), 0.0});
+      derivatives.push_back(recorder.constant(1.0));
+      continue;
+    }
+    if (degrees[index(conditions[k].node)] > 1) continue;
     is_linear_[k] = 1;
-    const std::vector<int> gradient = symbolic_gradient(recorder, copies[index(conditions[k])], leaves);
-    for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    const std::vector<int> gradient = symbolic_gradient(recorder, copies[index(conditions[k].node)], leaves);
+    for (std::size_t j = 0; j < leaves.size(); ++j) {
       if (gradient[j] < 0 || recorder.number(gradient[j]) == 0.0) continue;
       factors_[k].push_back({j, 0.0});
       derivatives.push_back(gradient[j]);
@@ -164,12 +174,18 @@ void ConditionSlopes::update(const TaylorEvaluator& evaluator) {
     for (Factor& factor : each) factor.value = *value++;
 }
 
-SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<int>& conditions)
+SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions)
     : evaluator_(evaluator), margins_(conditions.size()), branches_(conditions.size()) {
   if (conditions.empty()) return;
   Recording recording(evaluator.record(), conditions);
   along_ = std::make_unique<TaylorEvaluator>(recording.functions());
   unknowns_ = recording.unknowns();
+  if (std::any_of(conditions.begin(), conditions.end(), [](const Condition& each) { return each.is_of_layer; })) {
+    std::vector<int> nodes;
+    for (const Condition& each : conditions) nodes.push_back(each.node);
+    of_layers_ = std::make_unique<ConditionFunctions>(evaluator, nodes);
+    values_.resize(nodes.size());
+  }
   differences_.resize(most_points * unknowns_.size());
   distances_.resize(unknowns_.size());
   slopes_.resize(unknowns_.size());
@@ -203,8 +219,13 @@ void SwitchSearch::set_differences(const PointsOfCurve& points) {
   const std::size_t unknowns = unknowns_.size();
   const auto row = [&](int k) { return differences_.data() + index(k) * unknowns; };
   const int count = static_cast<int>(points.count);
-  for (int k = 0; k < count; ++k)
-    for (std::size_t j = 0; j < unknowns; ++j) row(k)[j] = points.x[index(k)][unknowns_[j]];
+  const int n = evaluator_.record().n();
+  for (int k = 0; k < count; ++k) {
+    const double* const x = points.x[index(k)];
+    if (of_layers_) of_layers_->evaluate(points.t[index(k)], x, nullptr, values_.data());
+    for (std::size_t j = 0; j < unknowns; ++j)
+      row(k)[j] = unknowns_[j] < n ? x[unknowns_[j]] : values_[index(unknowns_[j] - n)];
+  }
   divided_differences(part, count, unknowns, row);
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "expression/condition_functions.h"
 #include "expression/switching_times.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/points_of_curve.h"
@@ -17,8 +18,9 @@ namespace sfdae::core {
 // Which conditions are linear in t and x, and their derivatives by x.
 class ConditionSlopes {
  public:
-  // unknowns: those that the conditions depend on; the numbers of factors are places there.
-  ConditionSlopes(const Record& record, const std::vector<int>& conditions, const std::vector<int>& unknowns);
+  // unknowns: those that the conditions depend on; the numbers of factors are places there. Beyond the unknowns of the
+  // record, n + k is the value of condition k, which says all about it.
+  ConditionSlopes(const Record& record, const std::vector<Condition>& conditions, const std::vector<int>& unknowns);
   struct Factor {
     std::size_t unknown;
     double value;
@@ -43,7 +45,8 @@ class SwitchSearch {
   // Conditions are nodes of the record of the evaluator, which lives as long as this; parameters are those that it has
   // when this is asked. No condition depends on x', and none on a user-supplied function, of which nothing is known
   // between points.
-  SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<int>& conditions);
+  // Those of layers are polynomials through the values that they have at the points.
+  SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions);
 
   std::size_t count() const { return margins_.size(); }
 
@@ -76,7 +79,9 @@ class SwitchSearch {
   const TaylorEvaluator& evaluator_;
   std::unique_ptr<TaylorEvaluator> along_;  // a function of the part of the way for each condition: 1 where it is met
   std::unique_ptr<SwitchingTimes> switches_;
-  std::vector<int> unknowns_;  // that conditions depend on
+  std::vector<int> unknowns_;                      // that conditions depend on, as ConditionSlopes has them
+  std::unique_ptr<ConditionFunctions> of_layers_;  // all conditions, if any is of a layer
+  std::vector<double> values_;                     // of these
   std::optional<ConditionSlopes> linear_;
   std::vector<double> differences_;         // of unknowns_, divided, by parts of the way: a row for each order
   std::vector<double> distances_, slopes_;  // from the straight line through both ends, and of slopes, at most

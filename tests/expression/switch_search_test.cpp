@@ -16,6 +16,12 @@ namespace sfdae::core {
 
 namespace {
 
+std::vector<Condition> conditions_of(const std::vector<int>& nodes) {
+  std::vector<Condition> conditions;
+  for (const int node : nodes) conditions.push_back({node, 0});
+  return conditions;
+}
+
 using Vector = std::vector<double>;
 
 // Points of a polynomial for each unknown: powers of t.
@@ -52,7 +58,7 @@ class Search {
         recorder.apply(Operation::multiply, recorder.apply(Operation::multiply, x0, x1), recorder.time()));
     nodes_ = {recorder.apply(Operation::subtract, x0, p), recorder.apply(Operation::subtract, sum, p)};
     evaluator_ = std::make_unique<TaylorEvaluator>(recorder.finish(nodes_));
-    search_ = std::make_unique<SwitchSearch>(*evaluator_, nodes_);
+    search_ = std::make_unique<SwitchSearch>(*evaluator_, conditions_of(nodes_));
   }
   void set_p(double p) { evaluator_->set_parameter(0, p); }
   Vector find(const PointsOfCurve& points, double margin = 0.0) {
@@ -110,7 +116,7 @@ TEST(SwitchSearch, KnowsHowFarItKnows) {
   const int g = recorder.apply(Operation::sin,
                                recorder.apply(Operation::multiply, recorder.constant(1e6), recorder.unknown(0)));
   const TaylorEvaluator evaluator(recorder.finish({g}));
-  SwitchSearch search(evaluator, {g});
+  SwitchSearch search(evaluator, conditions_of({g}));
   const Vector start = {0.1}, end = {1.0};
   PointsOfCurve points;
   points.add(0.1, start.data());
@@ -118,6 +124,26 @@ TEST(SwitchSearch, KnowsHowFarItKnows) {
   EXPECT_FALSE(search.find(points, nullptr).empty());
   EXPECT_GT(search.known_to(), 0.1);
   EXPECT_LT(search.known_to(), 0.2);
+}
+
+// On the straight line between two points of a circle g is far below 0, and at both points it is 0.1.
+TEST(SwitchSearch, OfLayersGoesThroughValuesAtThePoints) {
+  Recorder recorder(2);
+  const int x0 = recorder.unknown(0), x1 = recorder.unknown(1);
+  const auto square = [&](int x) { return recorder.apply(Operation::multiply, x, x); };
+  const int g = recorder.apply(Operation::subtract, recorder.apply(Operation::add, square(x0), square(x1)),
+                               recorder.constant(0.9));
+  const TaylorEvaluator evaluator(recorder.finish({g}));
+  const Vector start = {1.0, 0.0}, end = {0.0, 1.0};
+  PointsOfCurve points;
+  points.add(0.0, start.data());
+  points.add(1.0, end.data());
+  for (const bool is_of_layer : {false, true}) {
+    SwitchSearch search(evaluator, {Condition{g, 0, is_of_layer}});
+    EXPECT_EQ(search.find(points, nullptr).size(), is_of_layer ? 0U : 1U);
+    const double at_ends = 0.1;
+    EXPECT_EQ(search.find_simple(points, &at_ends, &at_ends), is_of_layer);
+  }
 }
 
 // Values at both ends and divided differences, where they suffice, lead to the same times as intervals do.
@@ -131,7 +157,7 @@ TEST(SwitchSearch, OfLinearConditionsAgreesWithIntervals) {
       recorder.apply(Operation::add, x0, recorder.apply(Operation::negate, x1)),
       recorder.apply(Operation::subtract, recorder.apply(Operation::multiply, p, x1), recorder.time())};
   TaylorEvaluator evaluator(recorder.finish(nodes));
-  SwitchSearch search(evaluator, nodes);
+  SwitchSearch search(evaluator, conditions_of(nodes));
   int simple = 0, with_times = 0;
   for (int k = 0; k < 400; ++k) {
     const std::size_t degree = 1 + static_cast<std::size_t>(k) % 7;
