@@ -30,7 +30,7 @@ std::unique_ptr<RegularizedEquations> Solver::use(std::unique_ptr<RegularizedEqu
 
 namespace {
 
-// Conditions the branches of which cannot be held can be neither passed nor regularized.
+// What ends integrations where branches cannot be held, or lead back to where they come from.
 bool may_be_of_branches(int status) {
   return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
 }
@@ -80,6 +80,9 @@ void Solver::start_with_branches(double tout, const std::vector<RegularizedCondi
   HeldConditions& those_before = *options.integration.conditions;
   RegularizationRounds rounds = regularized ? regularized->rounds() : RegularizationRounds();
   rounds.push_back(sliding);
+  // Each round has a surface that those before it have not.
+  if (rounds.size() > conditions->count() + 1)
+    throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
   const PointOfInterest point{t, tout, x.data()};
   std::unique_ptr<RegularizedEquations> equations = regularize(std::move(rounds));
   std::vector<RankDecision> found_decisions;
