@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <random>
 #include <utility>
 
 #include "expression/node_copies.h"
 #include "expression/recorder.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -38,7 +40,8 @@ ConditionFunctions::ConditionFunctions(const TaylorEvaluator& evaluator, const s
   jet_.resize(3 * width_);
   for (const int node : nodes) {
     alone_.push_back({static_cast<int>(alone_.size())});
-    depend_on_derivatives_ = depend_on_derivatives_ || (evaluator.record().dependence(node) & on_derivatives) != 0;
+    depends_on_derivatives_.push_back((evaluator.record().dependence(node) & on_derivatives) != 0 ? 1 : 0);
+    depend_on_derivatives_ = depend_on_derivatives_ || depends_on_derivatives_.back() != 0;
   }
 }
 
@@ -106,44 +109,85 @@ std::optional<std::vector<double>> ConditionFunctions::shifts(const std::vector<
   return found;
 }
 
-// Of the tolerances: what x moves by within a width adds up in what x is integrated to. (Chosen: a block at rest creeps
-// by 0.1 tolerances in a unit of time.)
+namespace {
+
+// A fraction of the tolerances. What x moves by within a width adds up in what x is integrated to. (Chosen: a block at
+// rest creeps by 0.1 tolerances in a unit of time.)
 constexpr double width_of_tolerances = 0.1;
 // Widths have so many roundings, for parts of branches to have the errors that are wanted (sliding_layers.h), and as
 // many as relative tolerances have parts, as unknowns may be proportional to parts of branches. (Chosen.)
 constexpr double least_roundings = 1e7, roundings_of_tolerance = 10.0;
 
+}  // namespace
+
+// Returns 0 where the function does not change by about its slopes on both sides of the point.
+double ConditionFunctions::width_of(const Zero& zero, const Point& at, const double* tolerances) {
+  constexpr double least_change = 0.5;  // of the width. (Chosen.)
+  if (!(zero.open > 0.0)) return 0.0;
+  const double roundings = std::max(least_roundings, roundings_of_tolerance * zero.size / zero.open);
+  const double least = std::numeric_limits<double>::epsilon() * roundings * zero.size;
+  const double width = std::min(zero.open, std::max(width_of_tolerances * zero.open, least));
+  std::vector<double> x(n_), g(count()), beside(count());
+  evaluate(at.t, at.x, at.xdot, g.data());
+  for (const double side : {-1.0, 1.0}) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double slope = zero.slope(i, count());
+      const double change = slope != 0.0 ? std::copysign(tolerances[i], side * slope) : 0.0;
+      x[i] = at.x[i] + change * width / zero.open;
+    }
+    evaluate(at.t, x.data(), at.xdot, beside.data());
+    const double change = side * (beside[zero.function] - g[zero.function]);
+    if (!std::isgreaterequal(change, least_change * width)) return 0.0;
+  }
+  return width;
+}
+
+// Functions that are zero together at the point alone are not: other points, and times, are asked. Those at which
+// functions cannot be evaluated say nothing.
+bool ConditionFunctions::are_proportional(std::size_t k, std::size_t leader, double ratio, const Point& at) {
+  constexpr double same = 1e-9;  // of the larger one
+  std::vector<double> x(n_), g(count());
+  std::minstd_rand numbers;
+  const auto offset = [&numbers](double around, double part) {
+    const double number = static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
+    return around + part * (2.0 * number - 1.0) * std::max(std::fabs(around), 1.0);
+  };
+  int evaluated = 0;
+  for (const double part : {1.0, 1.0, 0.1, 0.1, 0.01, 0.01}) {
+    const double t = offset(at.t, part);
+    for (std::size_t i = 0; i < n_; ++i) x[i] = offset(at.x[i], part);
+    evaluate(t, x.data(), nullptr, g.data());
+    const double difference = std::fabs(g[k] - ratio * g[leader]);
+    if (std::isnan(difference)) continue;
+    if (!(difference <= same * std::max(std::fabs(g[k]), std::fabs(ratio * g[leader])))) return false;
+    ++evaluated;
+  }
+  return evaluated > 1;
+}
+
 std::vector<RegularizedCondition> ConditionFunctions::surfaces(const std::vector<std::size_t>& functions,
                                                                const Point& at, const double* tolerances) {
-  constexpr double same = 1e-9;  // of gradients that are parallel
+  const QuietArithmetic quiet;
   std::vector<double> g(count()), gradients(count() * width_);
   std::vector<RegularizedCondition> found;
   if (!linearize(at.t, at.x, at.xdot, g.data(), gradients.data())) return found;
-  const auto slope = [&](std::size_t k, std::size_t i) { return gradients[i * count() + k]; };
-  const auto steepest = [&](std::size_t k) {
-    std::size_t largest = 0;
-    for (std::size_t i = 1; i < n_; ++i)
-      if (std::fabs(slope(k, i)) > std::fabs(slope(k, largest))) largest = i;
-    return largest;
-  };
-  std::vector<char> is_taken(count(), 0);
+  std::vector<char> is_taken(depends_on_derivatives_);
   for (const std::size_t leader : functions) {
     if (is_taken[leader] != 0) continue;
-    double open = 0.0, size = 0.0;
+    Zero zero{leader, gradients};
+    std::size_t steepest = 0;
     for (std::size_t i = 0; i < n_; ++i) {
-      open += std::fabs(slope(leader, i)) * tolerances[i];
-      size += std::fabs(slope(leader, i) * at.x[i]);
+      zero.open += std::fabs(zero.slope(i, count())) * tolerances[i];
+      zero.size += std::fabs(zero.slope(i, count()) * at.x[i]);
+      if (std::fabs(zero.slope(i, count())) > std::fabs(zero.slope(steepest, count()))) steepest = i;
     }
-    const double roundings = std::max(least_roundings, roundings_of_tolerance * size / open);
-    const double least = std::numeric_limits<double>::epsilon() * roundings * size;
-    const double width = std::min(open, std::max(width_of_tolerances * open, least));
-    const std::size_t i_max = steepest(leader);
+    const double width = width_of(zero, at, tolerances);
+    if (!(width > 0.0)) continue;
     for (std::size_t k = 0; k < count(); ++k) {
-      const double ratio = slope(k, i_max) / slope(leader, i_max);
-      bool is_same = std::isfinite(ratio) && ratio != 0.0 && std::fabs(g[k]) <= std::fabs(ratio) * open;
-      for (std::size_t i = 0; is_same && i < n_; ++i)
-        is_same = std::fabs(slope(k, i) - ratio * slope(leader, i)) <= same * std::fabs(slope(k, i_max));
-      if ((!is_same && k != leader) || is_taken[k] != 0) continue;
+      const double ratio = Zero{k, gradients}.slope(steepest, count()) / zero.slope(steepest, count());
+      const bool is_zero = std::isfinite(ratio) && ratio != 0.0 && std::fabs(g[k]) <= std::fabs(ratio) * zero.open;
+      const bool is_same = k == leader || (is_zero && are_proportional(k, leader, ratio, at));
+      if (!is_same || is_taken[k] != 0) continue;
       is_taken[k] = 1;
       found.push_back({k, width, leader, ratio < 0.0});
     }

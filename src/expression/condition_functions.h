@@ -35,8 +35,8 @@ class ConditionFunctions {
   // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
   // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
-  // that are zero on the same surface. Their widths are far below what x is known to by its tolerances, and far above
-  // rounding errors; 0 where there is no such width.
+  // that are zero on the same surfaces. Their widths are far below what x is known to by its tolerances, and far above
+  // rounding errors. Functions of x', and those that do not pass zero there, have no such surface.
   std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
                                              const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
@@ -52,11 +52,21 @@ class ConditionFunctions {
   };
   void load(const double* x, const double* xdot);
   std::optional<Rates> rates(const Point& at);
+  // A function at the point, and by how much it changes as x changes by its tolerances.
+  struct Zero {
+    std::size_t function;
+    const std::vector<double>& gradients;
+    double open = 0.0, size = 0.0;
+    double slope(std::size_t i, std::size_t count) const { return gradients[i * count + function]; }
+  };
+  double width_of(const Zero& zero, const Point& at, const double* tolerances);
+  bool are_proportional(std::size_t k, std::size_t leader, double ratio, const Point& at);
 
   const TaylorEvaluator& evaluator_;
   std::size_t n_, width_;  // of unknowns; with parameters, which are unknowns of functions_
   std::optional<TaylorEvaluator> functions_;
   bool depend_on_derivatives_ = false;
+  std::vector<char> depends_on_derivatives_;  // by functions
   std::vector<double> jet_;
   std::vector<std::vector<int>> alone_;  // each function's number
 };

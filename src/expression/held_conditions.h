@@ -19,7 +19,7 @@
 
 namespace sfdae::core {
 
-// Whether equations switch where something depends on x, or on t and parameters.
+// Returns whether equations switch where something depends on x, or on t and parameters.
 bool contains_switches(const Record& record);
 // Returns the same equations with conditions that can be held; they also list what else switches. layers: nodes that
 // are conditions of layers.
@@ -48,10 +48,10 @@ class HeldConditions {
   void hold(const double* g);
   // From now on equations have the branches that g leads to.
   void release();
-  // Of these equations; null: none. It lives as long as this.
+  // The layers of these equations, which live as long as this; null: none.
   SlidingLayers* layers() const { return layers_; }
   void set_layers(SlidingLayers* layers) { layers_ = layers; }
-  // The equation that contains a condition, as messages call it.
+  // Returns the equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
   using Point = ConditionFunctions::Point;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/regularized_conditions.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -43,8 +44,8 @@ class Regularization {
     return sum(of.below, recorder_.apply(Operation::multiply, of.part, subtract(of.above, of.below)));
   }
 
-  // 0 for u <= 0, u, 1 for u > 1. It goes on continuously at both ends even where the branch of the other one is held,
-  // whichever: 1 - u where u > 1 holds and u > 0 does not.
+  // Returns 0 for u <= 0, u between, and 1 for u > 1. If branches are held that contradict each other (u > 1 holds and
+  // u > 0 does not) it is 1 - u, so that it is continuous at both ends whichever branch is held.
   int cut(int u) {
     const int zero = recorder_.constant(0.0), one = recorder_.constant(1.0);
     const int beyond = subtract(u, one);
@@ -52,7 +53,7 @@ class Regularization {
     return choose(u, choose(beyond, one, u), choose(beyond, subtract(one, u), zero));
   }
 
-  // Null: the node is none.
+  // Returns the condition that a choice has at this node; null: none.
   const Condition* condition_of(int node_of_choice) const {
     const Node node = record_.node(node_of_choice);
     // The sum of g and its parameter, which the recorder may write as a difference.
@@ -65,14 +66,14 @@ class Regularization {
     }
     return nullptr;
   }
-  // Null: the condition of a choice stays as it is.
+  // Returns how this condition becomes continuous; null: it stays as it is.
   const RegularizedCondition* regularized(const Condition* condition) const {
     if (condition == nullptr) return nullptr;
     const auto found = regularized_.find(condition->parameter);
     return found != regularized_.end() ? &found->second : nullptr;
   }
 
-  // The part of a surface, once it has been seen with a condition of it, whose g has this copy.
+  // Returns the part u of the surface that this condition, with g at this node, belongs to.
   int part_of(const RegularizedCondition& of, int copy) {
     const auto [place, is_new] = parts_.try_emplace(of.leader, none);
     if (!is_new) return place->second;
@@ -81,35 +82,38 @@ class Regularization {
     return place->second = cut(sum(recorder_.constant(0.5), scaled));
   }
 
-  // Of an operand of a choice at a surface with this part: the same twice, unless it is such a choice itself.
+  // Returns what an operand of a choice is on both sides of the surface with this part: twice the same, unless it is
+  // such a choice itself.
   Sides sides_of(int node, int copy, int part) const {
     const Sides& known = sides_[index(node)];
     return known.part == part ? known : Sides{copy, copy, part};
   }
 
-  bool is_positive(int node) const { return recorder_.number(node).value_or(0.0) > 0.0; }
+  // Returns the sides of a choice by another condition, which has them if its operands have sides of one part.
+  Sides sides_of_choice(const CopiedChoice& copied) {
+    const Node node = record_.node(copied.choice);
+    const int part = std::max(sides_[index(node.b)].part, sides_[index(node.c)].part);
+    if (part == none) return {};
+    const Sides met = sides_of(node.b, copied.if_met, part), other = sides_of(node.c, copied.otherwise, part);
+    return {choose(copied.condition, met.above, other.above), choose(copied.condition, met.below, other.below), part};
+  }
 
   int copy_of(const CopiedChoice& copied) {
     const Node node = record_.node(copied.choice);
     Sides& own = sides_[index(copied.choice)];
-    bool is_met_above = true, is_met_below = false;
     const Condition* const condition = condition_of(node.a);
+    Sides truth = sides_[index(node.a)];  // of the condition, which may be a choice itself
     if (const RegularizedCondition* const found = regularized(condition)) {
-      own.part = part_of(*found, copied.condition);
-      if (found->is_opposite) std::swap(is_met_above, is_met_below);
-    } else if (sides_[index(node.a)].part != none) {
-      // The condition is itself a choice between numbers: a comparison.
-      const Sides& truth = sides_[index(node.a)];
-      own.part = truth.part;
-      is_met_above = is_positive(truth.above);
-      is_met_below = is_positive(truth.below);
-    } else {
+      truth = {recorder_.constant(1.0), recorder_.constant(0.0), part_of(*found, copied.condition)};
+      if (found->is_opposite) std::swap(truth.above, truth.below);
+    } else if (truth.part == none) {
       if (condition != nullptr && condition->is_of_layer) layers_.push_back(copied.condition);
+      own = sides_of_choice(copied);
       return choose(copied.condition, copied.if_met, copied.otherwise);
     }
-    const Sides met = sides_of(node.b, copied.if_met, own.part), other = sides_of(node.c, copied.otherwise, own.part);
-    own.above = is_met_above ? met.above : other.above;
-    own.below = is_met_below ? met.below : other.below;
+    const Sides met = sides_of(node.b, copied.if_met, truth.part);
+    const Sides other = sides_of(node.c, copied.otherwise, truth.part);
+    own = {choose(truth.above, met.above, other.above), choose(truth.below, met.below, other.below), truth.part};
     return mix(own);
   }
 

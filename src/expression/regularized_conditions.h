@@ -20,10 +20,10 @@
 namespace sfdae::core {
 
 struct RegularizedCondition {
-  std::size_t condition;  // its number in the record
+  std::size_t condition;  // number in the record
   double width;           // positive, in the unit of g
-  // The condition of the same surface whose g and width count, its own number as a rule; and whether this one has the
-  // other sign. Together they make one choice between both sides.
+  // Conditions of one surface make one choice between its sides. The g and the width of the leader count, which is one
+  // of them; is_opposite: g of this one has the other sign.
   std::size_t leader;
   bool is_opposite;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Conditions on unknowns both branches of which lead back to the zero: relays, friction at rest.
+// Tests of conditions on unknowns whose branches both lead back to the zero: relays, friction at rest.
 // SFDAE_TEST_SCALE scales the number of random problems.
 
 #include <sfdae/sfdae.hpp>
@@ -155,6 +155,89 @@ TEST(ConditionsThatSlide, LeaveTheParametersTheyHave) {
   solver.start(point, 1.5);
   solver.advance(1.5, point);
   EXPECT_NEAR(point.x[1], (Block{2.0, 0.5}).speed(1.5), 1e-5);
+}
+
+// x' = 1 while a law of x and of the clock y = t is not met, and -1 while it is, from x = -1/2 to t = 2.
+struct Combination {
+  const char* text;
+  std::function<Expression(const Expression& x, const Expression& y)> law;
+  double end;  // x there
+};
+
+std::vector<Combination> combinations() {
+  using E = const Expression&;
+  return {
+      // x passes 0, comes back at t = 3/2 and stays.
+      {"x > 0 and y > 1", [](E x, E y) { return (x > 0.0) && (y > 1.0); }, 0.0},
+      {"y > 1 and x > 0", [](E x, E y) { return (y > 1.0) && (x > 0.0); }, 0.0},
+      // x stays at 0 from t = 1/2 to t = 1, and goes down, or up.
+      {"x > 0 or y > 1", [](E x, E y) { return (x > 0.0) || (y > 1.0); }, -1.0},
+      {"x > 0 and y < 1", [](E x, E y) { return (x > 0.0) && (y < 1.0); }, 1.0},
+      {"not (x < 0 or y > 1)", [](E x, E y) { return !((x < 0.0) || (y > 1.0)); }, 1.0},
+      // x stays at -1/5 until t = 1, and at 0 from t = 6/5.
+      {"x > 0 if y > 1 else x > -1/5", [](E x, E y) { return choose(y > 1.0, x > 0.0, x > -0.2) > 0.5; }, 0.0},
+  };
+}
+
+TEST(ConditionsThatSlide, CombineWithOthers) {
+  for (const Combination& each : combinations())
+    for (const sfdae::Options& options : all_options(1e-6)) {
+      sfdae::NonlinearProblem problem(2, 2);
+      problem.equations = [&each](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - choose(each.law(x[0], x[1]), -1.0, 1.0);
+        F[1] = xdot[1] - 1.0;
+      };
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, {-0.5, 0.0}, {}};
+      solver.start(point, 2.0);
+      solver.advance(2.0, point);
+      EXPECT_NEAR(point.x[0], each.end, 2e-5) << each.text << ", " << text_of(options);
+    }
+}
+
+// Two conditions have the same zero, and the same gradient, at the start alone.
+TEST(ConditionsThatSlide, LeaveOthersThatAreZeroAtTheSameTime) {
+  using Law = std::function<Expression(const Expression& t, ConstExpressions x)>;
+  const Law later = [](const Expression& t, ConstExpressions x) { return choose(x[0] > t, 0.0, 1.0); };
+  const Law curved = [](const Expression&, ConstExpressions x) { return choose(x[0] + x[1] * x[1] > 0.0, 1.0, 0.0); };
+  for (const Law& law : {later, curved})
+    for (const sfdae::Options& options : all_options(1e-6)) {
+      sfdae::NonlinearProblem problem(3, 3);
+      problem.equations = [&law](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - 0.3 + choose(x[0] > 0.0, 1.0, -1.0);
+        F[1] = xdot[1] - 1.0;
+        F[2] = xdot[2] - law(t, x);
+      };
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, {0.0, 0.0, 0.0}, {}};
+      solver.start(point, 2.0);
+      solver.advance(2.0, point);
+      EXPECT_NEAR(point.x[0], 0.0, 1e-6) << text_of(options);
+      EXPECT_NEAR(point.x[2], 2.0, 1e-3) << text_of(options);
+    }
+}
+
+// There is no surface that x moves along: g depends on x', or stays zero on one side.
+TEST(ConditionsThatSlide, AreNamedWhereTheyCannotBeContinuous) {
+  using Law = std::function<Expression(const Expression& x, const Expression& xdot)>;
+  const Law of_slope = [](const Expression& x, const Expression& xdot) { return x + 1e-3 * xdot > 0.0; };
+  const Law flat = [](const Expression& x, const Expression&) { return max(x, 0.0) > 0.0; };
+  for (const Law& law : {of_slope, flat})
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      sfdae::NonlinearProblem problem(1, 1);
+      problem.equations = [&law](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] + choose(law(x[0], xdot[0]), 1.0, -1.0);
+      };
+      sfdae::Solver solver(problem, with(method, 1e-6));
+      sfdae::Point point{0.0, {-0.5}, {}};
+      solver.start(point, 2.0);
+      try {
+        solver.advance(2.0, point);
+        ADD_FAILURE() << "method " << method << ": x is " << point.x[0];
+      } catch (const sfdae::Error& error) {
+        EXPECT_TRUE(error.status() == SFDAE_ZENO || error.status() == SFDAE_NO_CONSISTENT_VALUES) << error.what();
+      }
+    }
 }
 
 // ---- Chains of blocks on moving belts, against pieces that are integrated one after the other ------------------
