@@ -556,7 +556,7 @@ def test_friction_that_holds(t_eval, method):
 
 
 def wild(t, x, xdot):
-    """What the solution changes by within the first steps is far above all tolerances."""
+    """The solution changes within the first steps by far more than the tolerances."""
     return [xdot[0] - 1e6 * np.cos(1e6 * t)]
 
 

@@ -39,7 +39,8 @@ void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
   conditions_ = conditions != nullptr && has_switches(*conditions) ? conditions : nullptr;
   if (conditions_ == nullptr) return;
   movement_.resize(n);
-  for (std::vector<double>* const each : {&slopes_, &slopes_before_, &change_, &tolerances_, &passed_.x})
+  for (std::vector<double>* const each :
+       {&slopes_, &slopes_before_, &change_, &tolerances_, &passed_.x, &obstacle_.x})
     each->resize(n);
   for (Attempt* const each : {&tried_, &before_, &after_}) {
     each->x.resize(n);
@@ -111,8 +112,8 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   take_attempt(integrator);
   const SwitchSearch& search = conditions_->search();
   const PointsOfCurve points = integrator.stepper->points_of_tried();
-  for (std::size_t i = 0; i < tolerances_.size(); ++i)
-    tolerances_[i] = located * integrator.weights.tolerance(static_cast<int>(i), points.x[1]);
+  find_tolerances(integrator, points.x[1]);
+  for (double& tolerance : tolerances_) tolerance *= located;
   find_switches(points);
   if (search.times_between().empty() && search.known_to() == points.t[1]) return false;
   const std::optional<double> hidden = first_hidden(points, search.times_between());
@@ -213,6 +214,9 @@ ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool
   if (conditions_ == nullptr) return Verdict::accepted;
   if (ends_between_switches(integrator)) return Verdict::again;
   if (!is_held_ && !may_jump(integrator, with_sensitivities)) return Verdict::accepted;
+  // Sensitivities are carried over the zero by the equations before it.
+  if (with_sensitivities && !conditions_->can_be_held())
+    obstacle_.lacks_branches = has_switched(tried_.g) && !are_kinks(integrator);
   if (is_held_) return locate(integrator);
   hold();
   end_ = tried_.t;
@@ -291,28 +295,51 @@ double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   return end_at(part);
 }
 
-// The next attempt, which is as long, has the branches held if this one had not: E x jumps ahead, or the equations end
-// where a branch does. If that fails, too, a shorter one has them as they are. Next to the zero that has been passed
-// last branches stay.
+// Whether conditions have other values at the end of a step that has failed, and residuals jump there; where the step
+// has no end, whether the polynomial says so that leads there.
+bool ConditionSteps::switches_ahead(const Integrator& integrator, StepOutcome outcome) {
+  if (outcome == StepOutcome::error_too_large) {
+    take_attempt(integrator);
+    return has_switched(tried_.g) && !are_kinks(integrator);
+  }
+  find_branches(integrator);
+  const double t = integrator.stepper->state().tried_t;
+  integrator.stepper->interpolate({t, nullptr, change_.data(), slopes_.data()});
+  conditions_->functions().evaluate(t, change_.data(), slopes_.data(), tried_.g.data());
+  return has_switched(tried_.g);
+}
+
+// Branches cannot be held, and a step has failed for want of a point. That happens at kinks, too, and shorter steps
+// lead on; but not again and again.
+void ConditionSteps::note_obstacle(const Integrator& integrator) {
+  if (obstacle_.failures == 0 || !is_idle(integrator, obstacle_.x)) {
+    obstacle_.failures = 0;
+    obstacle_.x = integrator.stepper->x();
+  }
+  obstacle_.lacks_branches = ++obstacle_.failures > most_visits;
+}
+
+// Returns whether the next attempt, with the branches held, is as long: a condition switches ahead, and E x jumps, or
+// the equations end where a branch does. If that attempt fails, too, a shorter one has the branches as they are. Next
+// to the zero that has been passed last branches stay.
 bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome) {
   if (conditions_ == nullptr) return false;
   end_.reset();
   has_after_ = false;
   if (conditions_->count() == 0 || is_due_) return false;
-  const StepState state = integrator.stepper->state();
-  if (outcome == StepOutcome::error_too_large && !integrator.system.differentiates() && !is_held_) {
-    // Because of something else, unless residuals jump.
-    take_attempt(integrator);
-    if (!has_switched(tried_.g) || are_kinks(integrator)) return false;
+  if (is_held_) {
+    evaluate(integrator, integrator.stepper->state().t, integrator.stepper->x(), tried_.g);
+    if (!has_switched(tried_.g)) release();
+    return false;
   }
-  evaluate(integrator, state.t, integrator.stepper->x(), tried_.g);
-  if (!is_held_) {
-    branches_ = tried_.g;
-    known_ = state.t;
-    hold();
-    return conditions_->can_be_held();
-  }
-  if (!has_switched(tried_.g)) release();
+  const QuietArithmetic quiet;
+  const bool switches = switches_ahead(integrator, outcome);
+  const bool has_end = outcome == StepOutcome::error_too_large;
+  // The error test has failed because of something else.
+  if (has_end && !integrator.system.differentiates() && !switches) return false;
+  hold();
+  if (conditions_->can_be_held()) return switches;
+  if (switches && !has_end) note_obstacle(integrator);
   return false;
 }
 
@@ -328,15 +355,23 @@ void ConditionSteps::commit() {
   known_ = tried_.t;
 }
 
-void ConditionSteps::find_tolerances(const Integrator& integrator, const std::vector<double>& x) {
+void ConditionSteps::find_tolerances(const Integrator& integrator, const double* x) {
   for (std::size_t i = 0; i < tolerances_.size(); ++i)
-    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), x.data());
+    tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), x);
+}
+
+// E x has moved by next to nothing since it belonged to these values; tolerances_ are those at the last point.
+bool ConditionSteps::is_idle(const Integrator& integrator, const std::vector<double>& before) {
+  const std::vector<double>& x = integrator.stepper->x();
+  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - before[i];
+  find_tolerances(integrator, x.data());
+  return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= no_progress;
 }
 
 // The first condition whose value clearly says otherwise than its branch; none: their number.
 std::size_t ConditionSteps::contradiction(const Integrator& integrator, const ConsistentPoint& after,
                                           const std::vector<double>& branches) {
-  find_tolerances(integrator, after.x);
+  find_tolerances(integrator, after.x.data());
   conditions_->functions().evaluate(after.t, after.x.data(), after.xdot.data(), tried_.g.data());
   const std::vector<double> clear =
       conditions_->functions().resolution(after.t, after.x.data(), after.xdot.data(), tolerances_.data());
@@ -347,20 +382,18 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
 
 void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
-  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - passed_.x[i];
-  find_tolerances(integrator, x);
-  const bool is_idle = integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= no_progress;
+  const bool stays = is_idle(integrator, passed_.x);
   bool is_visited = false;
   passed_.sliding.clear();
   for (std::size_t k = 0; k < branches_.size(); ++k) {
-    if (!is_idle) passed_.visits[k] = 0;
+    if (!stays) passed_.visits[k] = 0;
     if (is_met(after_.g[k]) != is_met(branches_[k])) ++passed_.visits[k];
     is_visited = is_visited || passed_.visits[k] > most_visits;
   }
   if (!is_visited) return;
   const double t = integrator.stepper->state().t;
   find_slopes(integrator, t, x, slopes_);
-  // What is continuous need not become so.
+  // Where residuals are continuous at a zero, nothing leads back to it.
   const HeldConditions::Point before{before_.t, before_.x.data(), slopes_.data()};
   const HeldConditions::Point after{after_.t, after_.x.data(), slopes_.data()};
   std::size_t named = 0;
@@ -408,7 +441,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
     ConsistentPoint after = values_after();
     k = contradiction(integrator, after, branches);
     if (k == branches.size()) {
-      changed_ = std::move(branches);
+      passed_.branches = std::move(branches);
       return after;
     }
     branches[k] = -branches[k];
@@ -420,7 +453,7 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
 }
 
 void ConditionSteps::start_after_change(const std::vector<double>& x) {
-  branches_ = changed_;
+  branches_ = passed_.branches;
   is_due_ = false;
   passed_.from = before_.t;
   passed_.to = after_.t;
@@ -441,6 +474,7 @@ void ConditionSteps::archive(Archive& archive) {
   archive.reals(after_.x, after_.x.size());
   archive.reals(after_.g, after_.g.size());
   archive.reals(passed_.x, passed_.x.size());
+  archive.small(passed_.visits.data(), passed_.visits.size());
   if (!archive.is_reading()) return;
   hold();
 }

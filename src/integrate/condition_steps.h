@@ -49,8 +49,8 @@ class ConditionSteps {
   // A step has failed, for whatever reason: whether the next attempt is of the same size.
   bool is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome);
   // Branches should have been held there, and these equations cannot hold them.
-  bool lacks_branches() const { return is_held_ && !passed_.goes_on_without_branches && !conditions_->can_be_held(); }
-  void go_on_without_branches() { passed_.goes_on_without_branches = true; }
+  bool lacks_branches() const { return obstacle_.lacks_branches && !obstacle_.is_accepted; }
+  void go_on_without_branches() { obstacle_.is_accepted = true; }
   // The step judged last has become the last one.
   void commit();
 
@@ -66,8 +66,8 @@ class ConditionSteps {
   // Failure.
   ConsistentPoint change_branches(const Integrator& integrator, const std::function<ConsistentPoint()>& values_after);
 
-  // Conditions of the surfaces that x moves along, if change_branches() failed last as they switched again and again;
-  // else none.
+  // Returns the conditions of the surfaces that x moves along, if change_branches() failed last because they switched
+  // again and again; else none.
   const std::vector<RegularizedCondition>& sliding() const { return passed_.sliding; }
 
   // Returns dt/dp of that zero: ConditionFunctions::shifts. Throws Failure where there is no such derivative.
@@ -84,6 +84,9 @@ class ConditionSteps {
     std::vector<double> x, g;
   };
   bool has_switched(const std::vector<double>& g) const;
+  bool switches_ahead(const Integrator& integrator, StepOutcome outcome);
+  void note_obstacle(const Integrator& integrator);
+  bool is_idle(const Integrator& integrator, const std::vector<double>& before);
   void take_attempt(const Integrator& integrator);
   void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
@@ -95,7 +98,7 @@ class ConditionSteps {
   void hold();
   void release();
   Verdict locate(const Integrator& integrator);
-  void find_tolerances(const Integrator& integrator, const std::vector<double>& x);
+  void find_tolerances(const Integrator& integrator, const double* x);
   double distance(const Integrator& integrator);
   double next_end(const Integrator& integrator, double distance);
   std::size_t contradiction(const Integrator& integrator, const ConsistentPoint& after,
@@ -110,17 +113,22 @@ class ConditionSteps {
   Attempt tried_, before_, after_;  // the last attempt; the nearest ones on both sides of the zero
   bool has_after_ = false, is_last_ = false, has_tried_ = false;
   struct Passed {
-    double from = 0.0, to = 0.0;  // the points before and after it
-    std::vector<double> x;        // at the second one
-    std::vector<int> visits;      // of each condition: how often it switched while x did not move
+    double from = 0.0, to = 0.0;   // the points before and after it
+    std::vector<double> x;         // at the second one
+    std::vector<double> branches;  // that it leads to, as change_branches() has found them
+    std::vector<int> visits;       // of each condition: how often it switched while E x did not move
     std::vector<RegularizedCondition> sliding;
-    bool goes_on_without_branches = false;
   };
   Passed passed_;  // the zero passed last
-  int slow_ = 0;   // attempts in a row that have not halved the interval
+  struct Obstacle {
+    std::vector<double> x;  // the last point at the first failure
+    int failures = 0;       // since then, while E x did not move
+    bool lacks_branches = false, is_accepted = false;
+  };
+  Obstacle obstacle_;  // of steps that fail where branches cannot be held
+  int slow_ = 0;       // attempts in a row that have not halved the interval
   std::optional<double> end_;
   std::vector<double> slopes_, slopes_before_, change_, tolerances_;
-  std::vector<double> changed_;  // branches that the zero leads to, as change_branches() has found them
 };
 
 }  // namespace sfdae::core

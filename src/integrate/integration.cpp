@@ -236,7 +236,7 @@ void Integration::limit_errors_in_layers() {
 // After a failure of a step of size h: the same step with branches held, or a much shorter one without.
 void Integration::try_with_branches(StepOutcome outcome, double h) {
   constexpr double shorter = 0.25;  // as after steps without a point
-  const bool was_held = !conditions_.is_plain();
+  const bool was_held = !conditions_.is_plain() && options_.conditions->can_be_held();
   const double next = integrator_.stepper->state().next_step;
   if (conditions_.is_tried_with_branches_held(integrator_, outcome) && !change_)
     integrator_.stepper->set_next_step(h);

@@ -109,7 +109,7 @@ std::string method_name(const Solver& solver, int order) {
   return automatic ? name + " (chosen automatically)" : name;
 }
 
-// Of equations that took the place of the problem's own ones.
+// Describes the equations that took the place of the problem's own ones.
 std::string regularization_report(const Solver& solver) {
   if (!solver.regularized) return "";
   std::size_t surfaces = 0;

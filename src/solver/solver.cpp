@@ -85,7 +85,7 @@ CheckpointIdentity identity_of_integration(const Solver& solver) {
   return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
 }
 
-// What begins a checkpoint: its identity, and conditions that are continuous.
+// A checkpoint begins with its identity, and with conditions that are continuous.
 struct CheckpointStart {
   RegularizationRounds rounds;
   std::size_t length;  // in doubles
@@ -271,8 +271,10 @@ void Solver::set_limits(double t, double toward_direction) {
   const double infinity = std::numeric_limits<double>::infinity();
   const double stop = options.integration.stop_time.value_or(toward_direction * infinity);
   const double piece = breakpoints->end_of_piece(t, toward_direction);
-  if (toward_direction > 0.0) problem().set_limits(t, std::max(std::min(stop, piece), t));
-  else problem().set_limits(std::min(std::max(stop, piece), t), t);
+  const double end =
+      toward_direction * std::max(toward_direction * t, std::min(toward_direction * stop, toward_direction * piece));
+  problem().set_limits(std::min(t, end), std::max(t, end));
+  if (regularized) regularized->model().problem().set_limits(std::min(t, end), std::max(t, end));
 }
 
 void Solver::prepare_start(const PointOfInterest& point) {

@@ -126,8 +126,8 @@ struct Solver {
   // The analysis and limits that consistent values at the point need; an integration ends.
   void prepare_start(const PointOfInterest& point);
   void make_analysis(PointOfInterest point);
-  // Those that were asked for go with the integration from its start, at the values found, where the system stands;
-  // keeps_differentiated: these have directions that agree with what is differentiated, whatever start values are.
+  // The sensitivities that were asked for go with the integration from its start, at the values found, where the system
+  // stands; keeps_differentiated: their directions agree with what is differentiated, and so keep their values.
   void carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found, bool keeps_differentiated);
   TaylorEvaluator* equations_with_conditions() { return first_order ? &*first_order : model.evaluator(); }
   std::unique_ptr<RegularizedEquations> regularize(RegularizationRounds rounds);

@@ -30,12 +30,12 @@ std::unique_ptr<RegularizedEquations> Solver::use(std::unique_ptr<RegularizedEqu
 
 namespace {
 
-// What ends integrations where branches cannot be held, or lead back to where they come from.
+// Integrations end with these where branches cannot be held, or lead back to where they come from.
 bool may_be_of_branches(int status) {
   return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
 }
 
-// The shortest of the times in which slopes lead across the width of a condition.
+// Returns the shortest of the times in which slopes lead across the width of a condition.
 double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditions& conditions, double t,
                    const ConsistentPoint& at) {
   std::vector<double> speeds(at.xdot);
@@ -72,7 +72,7 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   }
 }
 
-// The integration stays what it was where that throws.
+// Where this throws, the integration stays what it was.
 void Solver::start_with_branches(double tout, const std::vector<RegularizedCondition>& sliding) {
   const Stepper& stepper = integration->stepper();
   const double t = stepper.state().t;
@@ -84,12 +84,12 @@ void Solver::start_with_branches(double tout, const std::vector<RegularizedCondi
   if (rounds.size() > conditions->count() + 1)
     throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
   const PointOfInterest point{t, tout, x.data()};
-  std::unique_ptr<RegularizedEquations> equations = regularize(std::move(rounds));
   std::vector<RankDecision> found_decisions;
-  equations->model().analyze(point, options.model, found_decisions);
-  std::unique_ptr<RegularizedEquations> before = use(std::move(equations));
+  std::unique_ptr<RegularizedEquations> before = use(regularize(std::move(rounds)));
   std::unique_ptr<Integration> ended;
   try {
+    set_limits(integration->start(), integration->direction());
+    regularized->model().analyze(point, options.model, found_decisions);
     const ConsistentPoint found = jumps.values_near(point);
     auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
                                               InitialPoint{t, tout, found.x, found.xdot});
@@ -107,6 +107,7 @@ void Solver::start_with_branches(double tout, const std::vector<RegularizedCondi
     use(std::move(before));
     throw;
   }
+  conditions->release();
   breakpoints->set_differentiations(system()->analysis().values.mu);
   decisions = KeptDecisions(found_decisions);
 }
