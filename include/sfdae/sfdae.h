@@ -253,7 +253,8 @@ typedef struct sfdae_options {
    * sum (change_i / (rtol |x_i| + atol))^2 is smallest; SFDAE_VALUES_CHANGED if that is beyond the tolerances
    * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead (a local minimum where
    * constraints are not linear), without that warning; of multibody systems that of positions, then that of
-   * velocities. */
+   * velocities. Where _NEAREST would move what is differentiated, or the analysis fails, since the equations are
+   * singular at the guess of unknowns without a derivative, guesses beside it are tried. */
   int initial_values;            /**< SFDAE_INITIAL_NEAREST (default), _FIXED or _ACCEPT */
   const int* fixed;              /**< for _FIXED: n flags, 1 where x_i must not change */
   const double* initial_weights; /**< NULL or n positive numbers w_i */

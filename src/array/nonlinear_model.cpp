@@ -14,6 +14,7 @@
 #include "problem/total_derivative_lines.h"
 #include "starts/consistent_jets.h"
 #include "starts/jet_solver.h"
+#include "starts/jet_theory.h"
 #include "starts/nonlinear_jump.h"
 #include "starts/nonlinear_values.h"
 #include "starts/structural_contradiction.h"
@@ -210,6 +211,16 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(co
     throw Failure(SFDAE_INDEX_TOO_HIGH, "differentiations are too few: with all equations differentiated, " +
                                             describe(settings.expected) + format(" at t = %.15g, but ", point.t) +
                                             failure.what());
+  }
+}
+
+bool NonlinearModel::fulfils_equations(const PointOfInterest& point) {
+  try {
+    core::jet_through(*problem_, {}, guessed_jet(point, n()), 0);
+    return true;
+  } catch (const Failure& failure) {
+    if (is_final(failure)) throw;
+    return false;
   }
 }
 

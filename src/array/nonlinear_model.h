@@ -56,6 +56,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   Jump jump(const PointOfInterest& point, const ModelOptions& options) override;
   bool differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after) override;
 
+  bool fulfils_equations(const PointOfInterest& point) override;
   Jet jet_through(double t, const double* x, int level) override;
   DerivativeArray derivative_array(const Jet& jet, int level) override;
   Projectors projectors(const Jet& jet, bool of_array) override;

@@ -74,9 +74,12 @@ class FormulatedModel final : public Model {
   // The constraints of a mechanical system at the point accepted last.
   ConstraintsReport constraints();
 
+  bool fulfils_equations(const PointOfInterest& point) { return all_.own->fulfils_equations(point); }
+  // Whether a mechanical system's own start values hold: its motion is consistent.
+  bool has_consistent_motion() const { return all_.multibody != nullptr && active_ != all_.own.get(); }
+
  private:
   bool is_extended() const { return active_ == all_.extension.get(); }
-  bool has_consistent_motion() const { return all_.multibody != nullptr && active_ != all_.own.get(); }
   void analyze_own();
   template <class Find>
   ConsistentPoint with_consistent_motion(const PointOfInterest& point, const ModelOptions& options, Find find);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
+#include <stdexcept>
 #include <utility>
 
 #include "integrate/checkpoint_identity.h"
@@ -19,6 +21,12 @@ namespace {
 
 // Failures of an analysis that wrong derivatives may cause.
 bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
+
+// Failures of an analysis that another guess may lead past.
+bool may_be_of_guess(int status) {
+  return status == SFDAE_RANK_UNCLEAR || status == SFDAE_INDEX_TOO_HIGH || status == SFDAE_NO_CONSISTENT_VALUES ||
+         status == SFDAE_NOT_FINITE || status == SFDAE_SINGULAR;
+}
 
 void demand_times(double t, double toward) {
   if (!std::isfinite(t) || !std::isfinite(toward) || t == toward)
@@ -277,15 +285,17 @@ void Solver::set_limits(double t, double toward_direction) {
   if (regularized) regularized->model().problem().set_limits(std::min(t, end), std::max(t, end));
 }
 
-void Solver::prepare_start(const PointOfInterest& point) {
+std::vector<double> Solver::prepare_start(const PointOfInterest& point) {
   const double wanted = point.direction();
+  std::vector<double> guess(point.x, point.x + model.n());
   breakpoints->set_size(std::max(std::fabs(point.t), std::fabs(point.toward)));
   if (regularized) forget_analysis();
-  if (!system() || (wanted != direction && !model.is_constant())) make_analysis(point);
+  if (!system() || (wanted != direction && !model.is_constant())) guess = analyze_near(point);
   direction = wanted;
   end_integration();
   jumps.forget();
   set_limits(point.t, wanted);
+  return guess;
 }
 
 void Solver::make_analysis(PointOfInterest point) {
@@ -309,10 +319,79 @@ void Solver::make_analysis(PointOfInterest point) {
   direction = wanted;
 }
 
+// Whether the values that the analysis has found differ from those given in what is differentiated.
+bool Solver::moves_differentiated(const PointOfInterest& point) const {
+  const Jet found = model.accepted_point();
+  if (found.n == 0) return false;
+  const std::vector<double> sizes = options.model.request_at(point.x).sizes();
+  std::vector<double> change(sizes.size());
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = found.x[i] - point.x[i];
+  return !(system()->change_of_differentiated(change.data(), sizes.data()) <= 1.0);
+}
+
+// Unknowns that are not differentiated are guesses, and may lie where the equations have other ranks than on the
+// solution: the flow q = 0 in q |q| = h. Then the analysis fails, or what is differentiated would have to move, and
+// guesses beside that one are tried. One of them counts if what is differentiated stays, which is what the user gives.
+std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
+  if (!model.needs_x() || model.has_consistent_motion() || !options.model.request_at(point.x).differentiated_stay()) {
+    make_analysis(point);
+    return point.x != nullptr ? std::vector<double>(point.x, point.x + model.n()) : std::vector<double>();
+  }
+  std::vector<char> stays(index(model.n()), 0);
+  try {
+    make_analysis(point);
+    if (!moves_differentiated(point)) return {point.x, point.x + model.n()};
+  } catch (const Failure& failure) {
+    if (!may_be_of_guess(failure.status()) || model.fulfils_equations(point)) throw;
+  }
+  for (const double move : {0.1, -0.1, 1.0, -1.0, 1e-3, -1e-3}) {  // of max(|x|, 1). (Chosen.)
+    try {
+      if (system()) model.system()->find_differentiated(stays.data());
+      if (auto guess = analyze_beside(point, move, stays)) return std::move(*guess);
+    } catch (const Failure& failure) {
+      if (ends_everything(failure.status())) throw;
+    } catch (const std::runtime_error&) {  // of decompositions of what overflows
+    }
+  }
+  make_analysis(point);
+  return {point.x, point.x + model.n()};
+}
+
+// Where nothing stays by now it is not known yet what is differentiated. If the analysis finds values only by moving
+// that, the other unknowns found are the next guess.
+std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest& point, double move,
+                                                          std::vector<char>& stays) {
+  constexpr int most_analyses = 4;
+  std::vector<double> guess(stays.size());
+  std::minstd_rand numbers;
+  for (std::size_t i = 0; i < guess.size(); ++i) {
+    const double part = 0.5 + 0.5 * static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
+    const double size = std::max(std::fabs(point.x[i]), 1.0);
+    guess[i] = point.x[i] + (stays[i] == 0 ? part * move * size : 0.0);
+  }
+  if (!all_finite(guess.data(), guess.size())) return std::nullopt;
+  const PointOfInterest beside{point.t, point.toward, guess.data(), point.xdot};
+  make_analysis(beside);
+  for (int count = 1; count < most_analyses && moves_differentiated(point); ++count) {
+    const Jet found = model.accepted_point();
+    model.system()->find_differentiated(stays.data());
+    for (std::size_t i = 0; i < guess.size(); ++i) guess[i] = stays[i] == 0 ? found.x[i] : point.x[i];
+    make_analysis(beside);
+  }
+  if (system()->undetermined() > 0 || moves_differentiated(point)) return std::nullopt;
+  const ConsistentPoint found = model.consistent_point(beside, options.model);
+  if (found.value_change.is_beyond_tolerances()) return std::nullopt;
+  // The guess given was consistent, and what has been found there counts.
+  const std::vector<double> sizes = options.model.request_at(point.x).sizes();
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (std::fabs(found.x[i] - point.x[i]) > sizes[i]) return guess;
+  return std::nullopt;
+}
+
 CallResult Solver::analyze(const PointOfInterest& point) {
   demand_point(point, model.n());
   const KeptValues kept(problem(), point.t);
-  make_analysis(point);
+  analyze_near(point);
   return warning_of(*system());
 }
 
@@ -323,9 +402,13 @@ PointOfInterest Solver::initial_point(double t, double toward, const double* x, 
 }
 
 CallResult Solver::make_consistent(double t, double* x, double* xdot) {
-  const PointOfInterest point = initial_point(t, time_beside(t, direction), x, xdot);
+  PointOfInterest point = initial_point(t, time_beside(t, direction), x, xdot);
   const KeptValues kept(problem(), t);
-  if (!system()) make_analysis(point);
+  std::vector<double> guess;
+  if (!system()) {
+    guess = analyze_near(point);
+    point.x = guess.data();
+  }
   const UserTime user_time(problem(), t);
   const ConsistentPoint found = model.consistent_point_beside(point, options.model);
   CallResult warning = warning_of(*system(), found);
@@ -336,12 +419,13 @@ CallResult Solver::make_consistent(double t, double* x, double* xdot) {
 }
 
 CallResult Solver::start(double t, double toward, double* x, double* xdot) {
-  const PointOfInterest point = initial_point(t, toward, x, xdot);
+  PointOfInterest point = initial_point(t, toward, x, xdot);
   const auto& stop = options.integration.stop_time;
   if (stop && (*stop - t) * point.direction() <= 0.0)
     refuse_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
   const KeptValues kept(problem(), t);
-  prepare_start(point);
+  const std::vector<double> guess = prepare_start(point);
+  point.x = guess.data();
   const UserTime user_time(problem(), t);
   const ConsistentPoint found = model.consistent_point(point, options.model);
   CallResult warning = warning_of(*system(), found);

@@ -123,9 +123,16 @@ struct Solver {
 
  private:
   void find_conditions();
-  // The analysis and limits that consistent values at the point need; an integration ends.
-  void prepare_start(const PointOfInterest& point);
+  // Makes the analysis and sets the limits that consistent values at the point need, and ends an integration. Returns
+  // what analyze_near does.
+  std::vector<double> prepare_start(const PointOfInterest& point);
   void make_analysis(PointOfInterest point);
+  // Makes an analysis, and returns the x from which consistent values are searched: the one given, or one that differs
+  // from it in unknowns that are not differentiated.
+  std::vector<double> analyze_near(const PointOfInterest& point);
+  std::optional<std::vector<double>> analyze_beside(const PointOfInterest& point, double move,
+                                                    std::vector<char>& stays);
+  bool moves_differentiated(const PointOfInterest& point) const;
   // The sensitivities that were asked for go with the integration from its start, at the values found, where the system
   // stands; keeps_differentiated: their directions agree with what is differentiated, and so keep their values.
   void carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found, bool keeps_differentiated);
