@@ -120,76 +120,131 @@ constexpr double least_roundings = 1e7, roundings_of_tolerance = 10.0;
 
 }  // namespace
 
+ConditionFunctions::Widths ConditionFunctions::widths(const double* slopes, std::size_t stride, const double* x,
+                                                      const double* tolerances) const {
+  double open = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    open += std::fabs(slopes[i * stride]) * tolerances[i];
+    size += std::fabs(slopes[i * stride] * x[i]);
+  }
+  if (!(open > 0.0)) return {0.0, 0.0};
+  const double roundings = std::max(least_roundings, roundings_of_tolerance * size / open);
+  const double least = std::numeric_limits<double>::epsilon() * roundings * size;
+  return {std::min(open, std::max(width_of_tolerances * open, least)), open};
+}
+
 // Returns 0 where the function does not change by about its slopes on both sides of the point.
-double ConditionFunctions::width_of(const Zero& zero, const Point& at, const double* tolerances) {
+double ConditionFunctions::width_of(std::size_t function, const Point& at, const double* tolerances) {
   constexpr double least_change = 0.5;  // of the width. (Chosen.)
-  if (!(zero.open > 0.0)) return 0.0;
-  const double roundings = std::max(least_roundings, roundings_of_tolerance * zero.size / zero.open);
-  const double least = std::numeric_limits<double>::epsilon() * roundings * zero.size;
-  const double width = std::min(zero.open, std::max(width_of_tolerances * zero.open, least));
-  std::vector<double> x(n_), g(count()), beside(count());
-  evaluate(at.t, at.x, at.xdot, g.data());
+  std::vector<double> x(n_), g(count()), beside(count()), gradients(count() * width_);
+  if (!linearize(at.t, at.x, at.xdot, g.data(), gradients.data())) return 0.0;
+  const auto slope = [&](std::size_t i) { return gradients[i * count() + function]; };
+  const auto [width, open] = widths(gradients.data() + function, count(), at.x, tolerances);
+  if (!(width > 0.0)) return 0.0;
   for (const double side : {-1.0, 1.0}) {
     for (std::size_t i = 0; i < n_; ++i) {
-      const double slope = zero.slope(i, count());
-      const double change = slope != 0.0 ? std::copysign(tolerances[i], side * slope) : 0.0;
-      x[i] = at.x[i] + change * width / zero.open;
+      const double change = slope(i) != 0.0 ? std::copysign(tolerances[i], side * slope(i)) : 0.0;
+      x[i] = at.x[i] + change * width / open;
     }
     evaluate(at.t, x.data(), at.xdot, beside.data());
-    const double change = side * (beside[zero.function] - g[zero.function]);
+    const double change = side * (beside[function] - g[function]);
     if (!std::isgreaterequal(change, least_change * width)) return 0.0;
   }
   return width;
 }
 
-// Functions that are zero together at the point alone are not: other points, and times, are asked. Those at which
-// functions cannot be evaluated say nothing.
-bool ConditionFunctions::are_proportional(std::size_t k, std::size_t leader, double ratio, const Point& at) {
-  constexpr double same = 1e-9;  // of the larger one
-  std::vector<double> x(n_), g(count());
+// Leads from a point to the surface by Newton's method, along normals in units of the tolerances. part: of the length
+// of the step away from it.
+bool ConditionFunctions::find_zero(std::size_t function, double t, const double* tolerances, double part,
+                                   Normal& at) {
+  constexpr int most_iterations = 20;
+  constexpr double roundings = 1e-13;
+  std::vector<double> g(count()), gradients(count() * width_);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (!linearize(t, at.x.data(), nullptr, g.data(), gradients.data())) return false;
+    double steepness = 0.0, size = 0.0, longest = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double slope = gradients[i * count() + function];
+      at.direction[i] = slope * tolerances[i] * tolerances[i];
+      steepness += slope * at.direction[i];
+      size += std::fabs(slope * at.x[i]);
+      longest = std::max(longest, std::fabs(at.direction[i]) / std::max(std::fabs(at.x[i]), 1.0));
+    }
+    if (!(steepness > 0.0)) return false;
+    if (std::fabs(g[function]) <= roundings * size) {
+      for (double& component : at.direction) component *= part / longest;
+      return true;
+    }
+    for (std::size_t i = 0; i < n_; ++i) at.x[i] -= g[function] / steepness * at.direction[i];
+  }
+  return false;
+}
+
+// Returns 1 for functions that are zero on the surface of the leader, and beside it, next to the point, have the sign
+// that it has, -1 for those with the other sign there, and else 0. Functions that are zero together at the point alone
+// are not meant: several points of the surface are asked, at several times. Those at which functions cannot be
+// evaluated say nothing.
+std::vector<int> ConditionFunctions::sides_beside(std::size_t leader, const Point& at, const double* tolerances) {
+  constexpr double step = 1e-2, nearest = 1e-6;  // of the distance of points; of max(|x|, 1). (Chosen.)
+  std::vector<int> sides(count(), 0), others(count(), 1);
   std::minstd_rand numbers;
   const auto offset = [&numbers](double around, double part) {
     const double number = static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
     return around + part * (2.0 * number - 1.0) * std::max(std::fabs(around), 1.0);
   };
   int evaluated = 0;
-  for (const double part : {1.0, 1.0, 0.1, 0.1, 0.01, 0.01}) {
+  for (const double part : {0.1, 0.1, 0.01, 0.01, 1e-3, 1e-3}) {
+    Normal point{std::vector<double>(n_), std::vector<double>(n_)};
     const double t = offset(at.t, part);
-    for (std::size_t i = 0; i < n_; ++i) x[i] = offset(at.x[i], part);
-    evaluate(t, x.data(), nullptr, g.data());
-    const double difference = std::fabs(g[k] - ratio * g[leader]);
-    if (std::isnan(difference)) continue;
-    if (!(difference <= same * std::max(std::fabs(g[k]), std::fabs(ratio * g[leader])))) return false;
+    for (std::size_t i = 0; i < n_; ++i) point.x[i] = offset(at.x[i], part);
+    if (!find_zero(leader, t, tolerances, step * part, point)) continue;
+    const std::vector<int> there = sides_at(t, point);
+    for (std::size_t k = 0; k < count(); ++k)
+      if (there[k] == 0) others[k] = 0;
     ++evaluated;
   }
-  return evaluated > 1;
+  Normal here{{at.x, at.x + n_}, std::vector<double>(n_)};
+  if (evaluated > 1 && find_zero(leader, at.t, tolerances, nearest, here)) {
+    sides = sides_at(at.t, here);
+    for (std::size_t k = 0; k < count(); ++k) sides[k] *= others[k];
+  }
+  sides[leader] = 1;
+  return sides;
+}
+
+// The same of one point of a surface.
+std::vector<int> ConditionFunctions::sides_at(double t, const Normal& point) {
+  constexpr double same = 1e-9;  // of what g changes by in the step away from the surface
+  std::vector<double> on(count()), above(count()), below(count()), x(n_);
+  const auto evaluate_beside = [&](double side, std::vector<double>& g) {
+    for (std::size_t i = 0; i < n_; ++i) x[i] = point.x[i] + side * point.direction[i];
+    evaluate(t, x.data(), nullptr, g.data());
+  };
+  evaluate_beside(0.0, on);
+  evaluate_beside(1.0, above);
+  evaluate_beside(-1.0, below);
+  std::vector<int> sides(count(), 0);
+  for (std::size_t k = 0; k < count(); ++k) {
+    const bool is_zero = std::fabs(on[k]) <= same * std::max(std::fabs(above[k]), std::fabs(below[k]));
+    if (is_zero && is_met(above[k]) != is_met(below[k])) sides[k] = is_met(above[k]) ? 1 : -1;
+  }
+  return sides;
 }
 
 std::vector<RegularizedCondition> ConditionFunctions::surfaces(const std::vector<std::size_t>& functions,
                                                                const Point& at, const double* tolerances) {
   const QuietArithmetic quiet;
-  std::vector<double> g(count()), gradients(count() * width_);
   std::vector<RegularizedCondition> found;
-  if (!linearize(at.t, at.x, at.xdot, g.data(), gradients.data())) return found;
   std::vector<char> is_taken(depends_on_derivatives_);
   for (const std::size_t leader : functions) {
     if (is_taken[leader] != 0) continue;
-    Zero zero{leader, gradients};
-    std::size_t steepest = 0;
-    for (std::size_t i = 0; i < n_; ++i) {
-      zero.open += std::fabs(zero.slope(i, count())) * tolerances[i];
-      zero.size += std::fabs(zero.slope(i, count()) * at.x[i]);
-      if (std::fabs(zero.slope(i, count())) > std::fabs(zero.slope(steepest, count()))) steepest = i;
-    }
-    const double width = width_of(zero, at, tolerances);
+    const double width = width_of(leader, at, tolerances);
     if (!(width > 0.0)) continue;
+    const std::vector<int> sides = sides_beside(leader, at, tolerances);
     for (std::size_t k = 0; k < count(); ++k) {
-      const double ratio = Zero{k, gradients}.slope(steepest, count()) / zero.slope(steepest, count());
-      const bool is_zero = std::isfinite(ratio) && ratio != 0.0 && std::fabs(g[k]) <= std::fabs(ratio) * zero.open;
-      const bool is_same = k == leader || (is_zero && are_proportional(k, leader, ratio, at));
-      if (!is_same || is_taken[k] != 0) continue;
+      if (sides[k] == 0 || is_taken[k] != 0) continue;
       is_taken[k] = 1;
-      found.push_back({k, width, leader, ratio < 0.0});
+      found.push_back({k, width, leader, sides[k] < 0});
     }
   }
   return found;

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
+
+// Returns whether the condition with this value of g, which may be NaN, is met.
+inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class ConditionFunctions {
  public:
@@ -32,11 +36,16 @@ class ConditionFunctions {
   // they cannot be evaluated. Nothing is allocated.
   bool linearize(double t, const double* x, const double* xdot, double* g, double* gradients);
   std::size_t width() const { return width_; }
+  // Widths that a surface may have where a function has these slopes (n values, `stride` apart): the best one is far
+  // below what x is known to by its tolerances, which is the largest one, and far above rounding errors. 0: none.
+  struct Widths {
+    double best, largest;
+  };
+  Widths widths(const double* slopes, std::size_t stride, const double* x, const double* tolerances) const;
   // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
   // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
-  // that are zero on the same surfaces. Their widths are far below what x is known to by its tolerances, and far above
-  // rounding errors. Functions of x', and those that do not pass zero there, have no such surface.
+  // that are zero on the same surfaces. Functions of x', and those that do not pass zero there, have no such surface.
   std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
                                              const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
@@ -52,15 +61,13 @@ class ConditionFunctions {
   };
   void load(const double* x, const double* xdot);
   std::optional<Rates> rates(const Point& at);
-  // A function at the point, and by how much it changes as x changes by its tolerances.
-  struct Zero {
-    std::size_t function;
-    const std::vector<double>& gradients;
-    double open = 0.0, size = 0.0;
-    double slope(std::size_t i, std::size_t count) const { return gradients[i * count + function]; }
+  double width_of(std::size_t function, const Point& at, const double* tolerances);
+  std::vector<int> sides_beside(std::size_t leader, const Point& at, const double* tolerances);
+  struct Normal {
+    std::vector<double> x, direction;  // a point on a surface, and a step away from it
   };
-  double width_of(const Zero& zero, const Point& at, const double* tolerances);
-  bool are_proportional(std::size_t k, std::size_t leader, double ratio, const Point& at);
+  std::vector<int> sides_at(double t, const Normal& point);
+  bool find_zero(std::size_t function, double t, const double* tolerances, double part, Normal& at);
 
   const TaylorEvaluator& evaluator_;
   std::size_t n_, width_;  // of unknowns; with parameters, which are unknowns of functions_

@@ -26,9 +26,6 @@ bool contains_switches(const Record& record);
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record,
                                               const std::vector<int>& layers = {});
 
-// Returns whether the condition with this value of g, which may be NaN, is met.
-inline bool is_met(double g) { return std::isgreater(g, 0.0); }
-
 class HeldConditions {
  public:
   // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others;
@@ -41,6 +38,7 @@ class HeldConditions {
   // The search for switches of conditions on t and x alone, and the numbers of these conditions.
   SwitchSearch& search() { return search_; }
   const std::vector<std::size_t>& searched() const { return searched_; }
+  bool is_of_layer(std::size_t condition) const { return conditions_[condition].is_of_layer; }
   // Calls SwitchSearch::find_simple, with values of all conditions.
   bool find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end);
   bool can_be_held() const { return changed_ != nullptr; }

@@ -2,6 +2,7 @@
 #include "expression/regularized_conditions.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -17,41 +18,33 @@ namespace {
 class Regularization {
  public:
   Regularization(const Record& record, const std::vector<RegularizedCondition>& which)
-      : record_(record), recorder_(record.n()), sides_(index(record.num_nodes())) {
-    for (const RegularizedCondition& each : which)
-      regularized_.emplace(record.conditions()[each.condition].parameter, each);
+      : record_(record), recorder_(record.n()) {
+    for (const RegularizedCondition& each : which) {
+      conditions_.emplace(record.conditions()[each.condition].parameter, each);
+      if (each.condition == each.leader) surfaces_.push_back(each);
+    }
   }
 
   std::shared_ptr<const Record> record() {
-    const std::vector<int> copies =
-        copy_with_choices(record_, recorder_, [this](const CopiedChoice& copied) { return copy_of(copied); });
-    std::vector<int> residuals;
-    for (int i = 0; i < record_.m(); ++i) residuals.push_back(copies[index(record_.residual(i))]);
-    return with_conditions(recorder_.finish(std::move(residuals), record_.equation_names()), layers_);
+    const std::size_t sides = std::size_t{1} << surfaces_.size();
+    for (std::size_t above = 0; above < sides; ++above) copy(above);
+    for (std::size_t surface = 0; surface < surfaces_.size(); ++surface)
+      for (std::size_t above = 0; above < sides; ++above)
+        if ((above >> surface & 1U) == 0) mix(surface, combinations_[above | std::size_t{1} << surface], above);
+    return with_conditions(recorder_.finish(std::move(combinations_[0].residuals), record_.equation_names()),
+                           layers_);
   }
 
  private:
-  static constexpr int none = -1;
-  // The values of a choice on both sides of a surface, and the part of the one above: nodes of the recorder.
-  struct Sides {
-    int above = none, below = none, part = none;
+  // Nodes of the recorder for one combination of sides.
+  struct Combination {
+    std::vector<int> residuals;
+    std::vector<int> parts;  // u of each surface
   };
 
   int sum(int a, int b) { return recorder_.apply(Operation::add, a, b); }
   int subtract(int a, int b) { return recorder_.apply(Operation::subtract, a, b); }
   int choose(int condition, int a, int b) { return recorder_.apply(Operation::choose, condition, a, b); }
-  int mix(const Sides& of) {
-    return sum(of.below, recorder_.apply(Operation::multiply, of.part, subtract(of.above, of.below)));
-  }
-
-  // Returns 0 for u <= 0, u between, and 1 for u > 1. If branches are held that contradict each other (u > 1 holds and
-  // u > 0 does not) it is 1 - u, so that it is continuous at both ends whichever branch is held.
-  int cut(int u) {
-    const int zero = recorder_.constant(0.0), one = recorder_.constant(1.0);
-    const int beyond = subtract(u, one);
-    layers_.insert(layers_.end(), {u, beyond});
-    return choose(u, choose(beyond, one, u), choose(beyond, subtract(one, u), zero));
-  }
 
   // Returns the condition that a choice has at this node; null: none.
   const Condition* condition_of(int node_of_choice) const {
@@ -66,63 +59,63 @@ class Regularization {
     }
     return nullptr;
   }
-  // Returns how this condition becomes continuous; null: it stays as it is.
-  const RegularizedCondition* regularized(const Condition* condition) const {
-    if (condition == nullptr) return nullptr;
-    const auto found = regularized_.find(condition->parameter);
-    return found != regularized_.end() ? &found->second : nullptr;
-  }
 
-  // Returns the part u of the surface that this condition, with g at this node, belongs to.
-  int part_of(const RegularizedCondition& of, int copy) {
-    const auto [place, is_new] = parts_.try_emplace(of.leader, none);
-    if (!is_new) return place->second;
-    const double width = of.is_opposite ? -of.width : of.width;
-    const int scaled = recorder_.apply(Operation::divide, copy, recorder_.constant(2.0 * width));
-    return place->second = cut(sum(recorder_.constant(0.5), scaled));
-  }
-
-  // Returns what an operand of a choice is on both sides of the surface with this part: twice the same, unless it is
-  // such a choice itself.
-  Sides sides_of(int node, int copy, int part) const {
-    const Sides& known = sides_[index(node)];
-    return known.part == part ? known : Sides{copy, copy, part};
-  }
-
-  // Returns the sides of a choice by another condition, which has them if its operands have sides of one part.
-  Sides sides_of_choice(const CopiedChoice& copied) {
-    const Node node = record_.node(copied.choice);
-    const int part = std::max(sides_[index(node.b)].part, sides_[index(node.c)].part);
-    if (part == none) return {};
-    const Sides met = sides_of(node.b, copied.if_met, part), other = sides_of(node.c, copied.otherwise, part);
-    return {choose(copied.condition, met.above, other.above), choose(copied.condition, met.below, other.below), part};
-  }
-
-  int copy_of(const CopiedChoice& copied) {
-    const Node node = record_.node(copied.choice);
-    Sides& own = sides_[index(copied.choice)];
-    const Condition* const condition = condition_of(node.a);
-    Sides truth = sides_[index(node.a)];  // of the condition, which may be a choice itself
-    if (const RegularizedCondition* const found = regularized(condition)) {
-      truth = {recorder_.constant(1.0), recorder_.constant(0.0), part_of(*found, copied.condition)};
-      if (found->is_opposite) std::swap(truth.above, truth.below);
-    } else if (truth.part == none) {
-      if (condition != nullptr && condition->is_of_layer) layers_.push_back(copied.condition);
-      own = sides_of_choice(copied);
+  // Records the equations on one side of each surface; above: a bit for each, whether it is the one above.
+  void copy(std::size_t above) {
+    const auto copy_of = [&](const CopiedChoice& copied) {
+      const Condition* const condition = condition_of(record_.node(copied.choice).a);
+      if (condition != nullptr) {
+        const auto found = conditions_.find(condition->parameter);
+        if (found != conditions_.end()) {
+          const bool is_above = (above >> surface_of(found->second) & 1U) != 0;
+          return is_above != found->second.is_opposite ? copied.if_met : copied.otherwise;
+        }
+        if (condition->is_of_layer) layers_.push_back(copied.condition);
+      }
       return choose(copied.condition, copied.if_met, copied.otherwise);
+    };
+    const std::vector<int> copies = copy_with_choices(record_, recorder_, copy_of);
+    Combination& made = combinations_.emplace_back();
+    for (int i = 0; i < record_.m(); ++i) made.residuals.push_back(copies[index(record_.residual(i))]);
+    for (const RegularizedCondition& each : surfaces_) {
+      const int g = copies[index(record_.conditions()[each.condition].node)];
+      const int scaled = recorder_.apply(Operation::divide, g, recorder_.constant(2.0 * each.width));
+      made.parts.push_back(sum(recorder_.constant(0.5), scaled));
     }
-    const Sides met = sides_of(node.b, copied.if_met, truth.part);
-    const Sides other = sides_of(node.c, copied.otherwise, truth.part);
-    own = {choose(truth.above, met.above, other.above), choose(truth.below, met.below, other.below), truth.part};
-    return mix(own);
+  }
+  std::size_t surface_of(const RegularizedCondition& condition) const {
+    std::size_t surface = 0;
+    while (surfaces_[surface].leader != condition.leader) ++surface;
+    return surface;
+  }
+
+  // The combination with these sides `below` becomes what it is on both sides of the surface.
+  void mix(std::size_t surface, const Combination& above, std::size_t below) {
+    Combination& mixed = combinations_[below];
+    const int u = mixed.parts[surface];
+    for (std::size_t i = 0; i < mixed.residuals.size(); ++i)
+      mixed.residuals[i] = mixture(u, above.residuals[i], mixed.residuals[i]);
+    for (std::size_t k = surface + 1; k < surfaces_.size(); ++k)
+      mixed.parts[k] = mixture(u, above.parts[k], mixed.parts[k]);
+  }
+
+  // Returns the one value for u <= 0, the other for u > 1, and both in parts between. If branches are held that
+  // contradict each other (u > 1 holds and u > 0 does not) parts are exchanged, so that the value is continuous at both
+  // ends whichever branch is held.
+  int mixture(int u, int above, int below) {
+    if (above == below) return above;
+    const int one = recorder_.constant(1.0), beyond = subtract(u, one), change = subtract(above, below);
+    layers_.insert(layers_.end(), {u, beyond});
+    const auto part = [&](int of) { return sum(below, recorder_.apply(Operation::multiply, of, change)); };
+    return choose(u, choose(beyond, above, part(u)), choose(beyond, part(subtract(one, u)), below));
   }
 
   const Record& record_;
   Recorder recorder_;
-  std::map<int, RegularizedCondition> regularized_;  // by the parameters of conditions
-  std::map<std::size_t, int> parts_;                 // by leaders
-  std::vector<int> layers_;                          // nodes that are conditions of layers
-  std::vector<Sides> sides_;                         // of choices in the record that are continuous
+  std::map<int, RegularizedCondition> conditions_;  // by the parameters of conditions
+  std::vector<RegularizedCondition> surfaces_;      // their leaders
+  std::vector<Combination> combinations_;           // by the sides above
+  std::vector<int> layers_;                         // nodes that are conditions of layers
 };
 
 }  // namespace

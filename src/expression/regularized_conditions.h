@@ -1,9 +1,10 @@
 // Equations that are continuous where a condition passes zero.
 //
-// Where both branches of a condition g > 0 lead back to g = 0, the solution moves along that surface [Fil88]. Choices
-// by such a condition become continuous [ST96]: with u = 1/2 + g / (2 width) the value is that of the one branch for
-// u <= 0, that of the other for u >= 1, and (1 - u) times the one and u times the other in between. The solution
-// stays within the width of the surface, and for smaller widths it tends to the motion along the surface.
+// Where both branches of a condition g > 0 lead back to g = 0, the solution moves along that surface [Fil88]. Equations
+// become continuous there [ST96]: with u = 1/2 + g / (2 width) they are those of the one branch for u <= 0, those of
+// the other for u >= 1, and (1 - u) times the ones and u times the others in between. The solution stays within the
+// width of the surface, and for smaller widths it tends to the motion along the surface. With several surfaces at once
+// equations are linear in each u.
 //
 // [Fil88] A. F. Filippov: Differential Equations with Discontinuous Righthand Sides. Kluwer, 1988.
 // [ST96]  J. Sotomayor, M. A. Teixeira: Regularization of discontinuous vector fields. Int. Conf. on Differential
@@ -26,10 +27,14 @@ struct RegularizedCondition {
   // of them; is_opposite: g of this one has the other sign.
   std::size_t leader;
   bool is_opposite;
+  bool operator==(const RegularizedCondition&) const = default;
 };
 
-// Returns the equations in which choices by these conditions are continuous, with conditions that can be held. The
-// user's parameters keep their numbers.
+// Equations are recorded for all combinations of sides of so many surfaces. (Chosen.)
+constexpr std::size_t most_surfaces = 8;
+
+// Returns the equations in which choices by these conditions are continuous, with conditions that can be held; which:
+// of most_surfaces at most. The user's parameters keep their numbers.
 std::shared_ptr<const Record> with_regularized(const Record& record, const std::vector<RegularizedCondition>& which);
 
 }  // namespace sfdae::core

@@ -10,15 +10,22 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// Widths may differ by this factor from what slopes of g ask for. (Chosen: errors of the part u, and movements within
+// widths, stay within the same factor.)
+constexpr double similar = 4.0;
+// So many widths away x has left a surface. (Chosen: ten tolerances, as a rule.)
+constexpr double far = 100.0;
+
+}  // namespace
+
 void SlidingLayers::add(std::shared_ptr<const Record> record, const TaylorEvaluator& parameters,
                         const std::vector<RegularizedCondition>& which) {
-  if (which.empty()) return;
   Round round;
   std::vector<int> nodes;
-  for (const RegularizedCondition& each : which) {
-    nodes.push_back(record->conditions()[each.condition].node);
-    round.widths.push_back(each.width);
-  }
+  for (const RegularizedCondition& each : which) nodes.push_back(record->conditions()[each.condition].node);
+  round.conditions = which;
   round.equations = std::make_unique<TaylorEvaluator>(std::move(record));
   for (int i = 0; i < round.equations->record().num_user_parameters(); ++i)
     round.equations->set_parameter(i, parameters.parameter(i));
@@ -28,19 +35,91 @@ void SlidingLayers::add(std::shared_ptr<const Record> record, const TaylorEvalua
   rounds_.push_back(std::move(round));
 }
 
-void SlidingLayers::find_limits(double t, const double* x, double part, std::vector<double>& limits) {
-  std::fill(limits.begin(), limits.end(), std::numeric_limits<double>::infinity());
+bool SlidingLayers::is_left(const Round& round, std::size_t k, bool with_sensitivities) const {
+  return with_sensitivities && std::fabs(round.g[k]) > far * round.conditions[k].width;
+}
+
+// Whether condition k and the one of its leader are met on the sides where they have been.
+bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t leader) const {
+  double sides = 0.0;
+  for (std::size_t i = 0; i < round.functions->width(); ++i) sides += round.slope(k, i) * round.slope(leader, i);
+  return sides == 0.0 || (sides < 0.0) == round.conditions[k].is_opposite;
+}
+
+bool SlidingLayers::turn(double t, const double* x) {
   for (Round& round : rounds_) {
-    const std::size_t count = round.widths.size();
+    if (round.conditions.empty()) continue;
     if (!round.functions->linearize(t, x, nullptr, round.g.data(), round.gradients.data())) continue;
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!(std::fabs(round.g[k]) < round.widths[k])) continue;
+    for (std::size_t k = 0; k < round.conditions.size(); ++k) {
+      const std::size_t leader = round.leader_of(k);
+      if (round.is_within(leader) && !is_on_side(round, k, leader)) return true;
+    }
+  }
+  return false;
+}
+
+bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at) const {
+  const RegularizedCondition& own = round.conditions[k];
+  const std::size_t leader = round.leader_of(k);
+  if (is_left(round, leader, at.with_sensitivities)) return false;
+  if (!round.is_within(leader)) return true;
+  if (k == leader) {
+    const auto [best, largest] =
+        round.functions->widths(round.gradients.data() + k, round.conditions.size(), at.x, at.tolerances);
+    return best < similar * own.width && own.width < std::max(similar * best, largest);
+  }
+  return is_on_side(round, k, leader);
+}
+
+void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<double>& limits) {
+  std::fill(limits.begin(), limits.end(), std::numeric_limits<double>::infinity());
+  fit_ = true;
+  for (Round& round : rounds_) {
+    if (round.conditions.empty()) continue;
+    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
+    for (std::size_t k = 0; k < round.conditions.size(); ++k) {
+      const double width = round.conditions[k].width;
+      fit_ = fit_ && fits(round, k, at);
+      if (round.conditions[k].condition != round.conditions[k].leader || !(std::fabs(round.g[k]) < width)) continue;
       for (std::size_t i = 0; i < limits.size(); ++i) {
-        const double slope = std::fabs(round.gradients[i * count + k]);
-        if (slope > 0.0) limits[i] = std::min(limits[i], 2.0 * round.widths[k] * part / slope);
+        const double slope = std::fabs(round.slope(k, i));
+        if (slope > 0.0) limits[i] = std::min(limits[i], 2.0 * width * part / slope);
       }
     }
   }
+}
+
+// Numbers of later rounds depend on the conditions of those before: where these differ, the later ones are left out.
+// What x still moves along leads back to its zero again.
+RegularizationRounds SlidingLayers::fitting(const RegularizationRounds& rounds, const LayerPoint& at) {
+  RegularizationRounds fitting;
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    Round& round = rounds_[r];
+    bool stays = true;
+    std::vector<std::size_t> leaders;
+    for (std::size_t k = 0; k < round.conditions.size(); ++k) {
+      stays = stays && fits(round, k, at);
+      const bool is_leader = round.conditions[k].condition == round.conditions[k].leader;
+      if (is_leader && !is_left(round, k, at.with_sensitivities)) leaders.push_back(k);
+    }
+    if (stays) {
+      fitting.push_back(rounds[r]);
+      continue;
+    }
+    std::vector<RegularizedCondition> found =
+        round.functions->surfaces(leaders, {at.t, at.x, nullptr}, at.tolerances);
+    for (RegularizedCondition& each : found) {
+      each.condition = round.conditions[each.condition].condition;
+      each.leader = round.conditions[each.leader].condition;
+    }
+    const auto is_same = [](const RegularizedCondition& one, const RegularizedCondition& other) {
+      return one.condition == other.condition && one.leader == other.leader && one.is_opposite == other.is_opposite;
+    };
+    const bool has_same = std::equal(found.begin(), found.end(), rounds[r].begin(), rounds[r].end(), is_same);
+    if (!found.empty()) fitting.push_back(std::move(found));
+    if (!has_same) break;
+  }
+  return fitting;
 }
 
 }  // namespace sfdae::core

@@ -7,6 +7,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -17,6 +18,16 @@
 
 namespace sfdae::core {
 
+// Conditions that became continuous one after the other: numbers of each round are those of the record that the rounds
+// before have led to.
+using RegularizationRounds = std::vector<std::vector<RegularizedCondition>>;
+
+struct LayerPoint {
+  double t;
+  const double *x, *tolerances;
+  bool with_sensitivities;
+};
+
 class SlidingLayers {
  public:
   // Conditions of these equations, which have the values that parameters have in `parameters`.
@@ -24,15 +35,36 @@ class SlidingLayers {
            const std::vector<RegularizedCondition>& which);
   // Sets limits, as many as unknowns, of errors of x: with these the error of u is `part` at most in all layers that x
   // lies in; infinity where there are none. Nothing is allocated.
-  void find_limits(double t, const double* x, double part, std::vector<double>& limits);
+  void find_limits(const LayerPoint& at, double part, std::vector<double>& limits);
+  // Whether the layers were those at the point asked for last: widths depend on slopes of g, and on which side of a
+  // surface several conditions are met. With sensitivities surfaces that x has left do not fit, either: where x only
+  // passes them, sensitivities jump.
+  bool fit() const { return fit_; }
+  // Whether several conditions of a surface are met on other sides of it at a point than before.
+  bool turn(double t, const double* x);
+  // Returns the rounds with layers that fit, near the point.
+  RegularizationRounds fitting(const RegularizationRounds& rounds, const LayerPoint& at);
 
  private:
   struct Round {
     std::unique_ptr<TaylorEvaluator> equations;
     std::unique_ptr<ConditionFunctions> functions;
-    std::vector<double> widths, g, gradients;
+    std::vector<RegularizedCondition> conditions;
+    std::vector<double> g, gradients;
+    double slope(std::size_t k, std::size_t i) const { return gradients[i * conditions.size() + k]; }
+    std::size_t leader_of(std::size_t k) const {
+      std::size_t leader = 0;
+      while (conditions[leader].condition != conditions[k].leader) ++leader;
+      return leader;
+    }
+    bool is_within(std::size_t leader) const { return std::fabs(g[leader]) < conditions[leader].width; }
   };
+  bool is_on_side(const Round& round, std::size_t k, std::size_t leader) const;
+  bool is_left(const Round& round, std::size_t k, bool with_sensitivities) const;
+  bool fits(const Round& round, std::size_t k, const LayerPoint& at) const;
+
   std::vector<Round> rounds_;
+  bool fit_ = true;
 };
 
 }  // namespace sfdae::core

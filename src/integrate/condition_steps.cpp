@@ -387,7 +387,8 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
   passed_.sliding.clear();
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     if (!stays) passed_.visits[k] = 0;
-    if (is_met(after_.g[k]) != is_met(branches_[k])) ++passed_.visits[k];
+    // At the edges of layers equations are continuous, and lead nowhere back for long.
+    if (is_met(after_.g[k]) != is_met(branches_[k]) && !conditions_->is_of_layer(k)) ++passed_.visits[k];
     is_visited = is_visited || passed_.visits[k] > most_visits;
   }
   if (!is_visited) return;

@@ -140,6 +140,8 @@ CallResult Integration::run(double tout, bool one_step) {
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
     else if (is_at_kink(options_, integrator_.stepper->state())) restart_at_kink();
+    limit_errors_in_layers();
+    if (!layers_fit()) return result_of_layers(t);
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     if (lacks_branches()) return result_without_branches(t);
@@ -204,7 +206,6 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const double h = target.t - state.t;
   std::optional<JumpTest> jumps;
   if (crosses_kink(options_, state.t, h)) jumps.emplace(index(integrator_.system.unknowns()));
-  limit_errors_in_layers();
   if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted)
@@ -225,12 +226,23 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
 // does not matter to x.
 void Integration::limit_errors_in_layers() {
   constexpr double exponent = 2.0 / 3.0;
-  Stepper& stepper = *integrator_.stepper;
   SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
   if (layers == nullptr) return integrator_.weights.set_ceiling(nullptr);
-  const double part = std::pow(integrator_.weights.tightest(stepper.x().data()), exponent);
-  layers->find_limits(stepper.state().t, stepper.x().data(), part, limits_);
-  integrator_.weights.set_ceiling(limits_.data());
+  const double part = std::pow(integrator_.weights.tightest(integrator_.stepper->x().data()), exponent);
+  layers->find_limits(layer_point(), part, layers_.limits);
+  integrator_.weights.set_ceiling(layers_.limits.data());
+}
+
+LayerPoint Integration::layer_point() {
+  const std::vector<double>& x = integrator_.stepper->x();
+  for (std::size_t i = 0; i < x.size(); ++i)
+    layers_.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
+  return {integrator_.stepper->state().t, x.data(), layers_.tolerances.data(), has_companion()};
+}
+
+bool Integration::layers_fit() const {
+  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
+  return layers == nullptr || layers->fit();
 }
 
 // After a failure of a step of size h: the same step with branches held, or a much shorter one without.
@@ -248,7 +260,9 @@ void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
-  if (options_.conditions != nullptr) limits_.resize(index(integrator_.system.unknowns()));
+  if (options_.conditions != nullptr)
+    for (std::vector<double>* const each : {&layers_.limits, &layers_.tolerances})
+      each->resize(index(integrator_.system.unknowns()));
   if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
 
@@ -364,10 +378,26 @@ bool Integration::may_hide_jump(double h) {
   return true;
 }
 
+// A step has been tried in which conditions of a surface change the side of it on which they are met: it has to be so
+// short that x moves by next to nothing.
+bool Integration::ends_before_turn(double h) {
+  constexpr double shorter = 0.25, located = 1e-2;  // of the step; tolerances. (Chosen.)
+  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
+  const Stepper& stepper = *integrator_.stepper;
+  const double t = stepper.state().t;
+  if (layers == nullptr || !layers->turn(stepper.state().tried_t, stepper.tried_x().data())) return false;
+  for (std::size_t i = 0; i < layers_.limits.size(); ++i) layers_.limits[i] = stepper.tried_x()[i] - stepper.x()[i];
+  const double moved = integrator_.weights.norm(layers_.limits.data());
+  if (moved <= located || std::fabs(h) * shorter < Integrator::smallest_step(t, t + h)) return false;
+  withdraw();
+  integrator_.stepper->set_next_step(shorter * h);
+  return true;
+}
+
 // From the same point, to another time: a condition on x switches in this step of size h.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
-  if (may_hide_jump(h)) return true;
+  if (may_hide_jump(h) || ends_before_turn(h)) return true;
   if (!conditions_.steps_with_jump(integrator_)) {
     if (adjoint() == nullptr) {
       if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;

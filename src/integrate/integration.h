@@ -70,6 +70,9 @@ class Integration {
   // SFDAE_ZENO. Unless it has to go on as it can.
   bool lacks_branches() const { return conditions_.lacks_branches(); }
   void go_on_without_branches() { conditions_.go_on_without_branches(); }
+  // Whether layers fit at the last point (SlidingLayers::fit): advance() ends with SFDAE_ZENO where they do not.
+  bool layers_fit() const;
+  LayerPoint layer_point();
   // ConditionSteps::sliding, at the last point.
   const std::vector<RegularizedCondition>& sliding() const { return conditions_.sliding(); }
   // Parameters of the equations have other values than at the start.
@@ -164,6 +167,7 @@ class Integration {
   // The next step is short because something is located, not because others have failed.
   bool ends_as_located() const { return conditions_.end() || hidden_.end; }
   void limit_errors_in_layers();
+  bool ends_before_turn(double h);
   void try_with_branches(StepOutcome outcome, double h);
   void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
@@ -222,7 +226,10 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
-  std::vector<double> limits_;  // of errors in layers
+  struct Layers {
+    std::vector<double> limits, tolerances;  // of errors in layers; of x
+  };
+  Layers layers_;
   Branches branches_;
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest

@@ -97,6 +97,13 @@ CallResult result_without_branches(double t) {
   return {SFDAE_ZENO, format("at t = %.15g steps fail, and branches of conditions may be the reason.", t)};
 }
 
+CallResult result_of_layers(double t) {
+  return {SFDAE_ZENO,
+          format("at t = %.15g x moves along a surface at which a condition switches, and this surface has "
+                 "changed.",
+                 t)};
+}
+
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator) {
   const double t = integrator.stepper->state().t;
   const CallbackError& callback_error = integrator.system.callback_error();

@@ -1,19 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/regularized_equations.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "linalg/index.h"
+#include "problem/failure.h"
 
 namespace sfdae::core {
+
+namespace {
+
+bool is_leader(const RegularizedCondition& condition) { return condition.condition == condition.leader; }
+
+// Throws DamagedArchive, or Failure.
+void demand_surfaces(const std::vector<RegularizedCondition>& round, std::size_t conditions) {
+  for (const RegularizedCondition& each : round) {
+    const bool has_leader = std::any_of(round.begin(), round.end(), [&](const RegularizedCondition& other) {
+      return is_leader(other) && other.condition == each.leader;
+    });
+    if (!has_leader || each.condition >= conditions || !std::isfinite(each.width) || !(each.width > 0.0))
+      throw DamagedArchive();
+  }
+  const std::ptrdiff_t surfaces = std::count_if(round.begin(), round.end(), is_leader);
+  if (surfaces > static_cast<std::ptrdiff_t>(most_surfaces))
+    throw Failure(SFDAE_ZENO, format("%td conditions lead back to their zeros at the same time.", surfaces));
+}
+
+}  // namespace
 
 std::shared_ptr<const Record> RegularizedEquations::with_rounds(const TaylorEvaluator& given) {
   std::shared_ptr<const Record> record = given.shared_record();
   for (const auto& round : rounds_) {
-    for (const RegularizedCondition& each : round)
-      if (each.condition >= record->conditions().size() || !std::isfinite(each.width) || !(each.width > 0.0))
-        throw DamagedArchive();
+    demand_surfaces(round, record->conditions().size());
     layers_.add(record, given, round);
     record = with_regularized(*record, round);
   }

@@ -15,9 +15,6 @@
 
 namespace sfdae::core {
 
-// Conditions that became continuous one after the other: numbers of each round are those of the record that the rounds
-// before have led to.
-using RegularizationRounds = std::vector<std::vector<RegularizedCondition>>;
 // Throws DamagedArchive where reading finds no such numbers.
 void archive_rounds(Archive& archive, RegularizationRounds& rounds);
 
@@ -27,6 +24,7 @@ class RegularizedEquations {
   RegularizedEquations(const TaylorEvaluator& given, RegularizationRounds its_rounds, std::function<void()> changed);
 
   const RegularizationRounds& rounds() const { return rounds_; }
+  SlidingLayers& layers() { return layers_; }
   FormulatedModel& model() { return *model_; }
   HeldConditions* conditions() { return conditions_.get(); }
 

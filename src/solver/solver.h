@@ -144,8 +144,10 @@ struct Solver {
   // continuous where both branches of a condition lead back to its zero, or, where equations cannot hold branches, with
   // others that can. If it cannot, the result may say why.
   bool goes_on_with_branches(double tout, CallResult& result);
-  // sliding: the conditions that become continuous.
-  void start_with_branches(double tout, const std::vector<RegularizedCondition>& sliding);
+  bool goes_on_with_layers(double tout, CallResult& result);
+  // sliding: the conditions in use until now that become continuous.
+  void start_with_branches(double tout, RegularizationRounds rounds,
+                           const std::vector<RegularizedCondition>& sliding);
   void demand_checkpoints() const;
   PointOfInterest initial_point(double t, double toward, const double* x, const double* xdot) const;
 };

@@ -51,6 +51,7 @@ double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditi
 
 bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   if (!may_be_of_branches(result.status) || integration->adjoint() != nullptr) return false;
+  if (!integration->layers_fit()) return goes_on_with_layers(tout, result);
   const bool can_be_held = regularized || !conditions || conditions->can_be_held();
   const bool lacks_branches = integration->lacks_branches();
   std::vector<RegularizedCondition> sliding;
@@ -60,7 +61,12 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   };
   if (can_be_held && (sliding.empty() || !std::all_of(sliding.begin(), sliding.end(), has_width))) return false;
   try {
-    start_with_branches(tout, sliding);
+    RegularizationRounds rounds = regularized ? regularized->rounds() : RegularizationRounds();
+    rounds.push_back(sliding);
+    // Each round has a surface that those before it have not.
+    if (rounds.size() > conditions->count() + 1)
+      throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
+    start_with_branches(tout, std::move(rounds), sliding);
     return true;
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
@@ -72,24 +78,34 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   }
 }
 
+// The surfaces that x moves along are renewed, or those that it has left are given up.
+bool Solver::goes_on_with_layers(double tout, CallResult& result) {
+  try {
+    RegularizationRounds rounds = regularized->layers().fitting(regularized->rounds(), integration->layer_point());
+    if (rounds == regularized->rounds()) return false;
+    start_with_branches(tout, std::move(rounds), {});
+    return true;
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    result.message += std::string(" The motion along it has not been found: ") + failure.what();
+    return false;
+  }
+}
+
 // Where this throws, the integration stays what it was.
-void Solver::start_with_branches(double tout, const std::vector<RegularizedCondition>& sliding) {
+void Solver::start_with_branches(double tout, RegularizationRounds rounds,
+                                 const std::vector<RegularizedCondition>& sliding) {
   const Stepper& stepper = integration->stepper();
   const double t = stepper.state().t;
   const std::vector<double>& x = stepper.x();
-  HeldConditions& those_before = *options.integration.conditions;
-  RegularizationRounds rounds = regularized ? regularized->rounds() : RegularizationRounds();
-  rounds.push_back(sliding);
-  // Each round has a surface that those before it have not.
-  if (rounds.size() > conditions->count() + 1)
-    throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
+  HeldConditions* const those_before = options.integration.conditions;
   const PointOfInterest point{t, tout, x.data()};
   std::vector<RankDecision> found_decisions;
   std::unique_ptr<RegularizedEquations> before = use(regularize(std::move(rounds)));
   std::unique_ptr<Integration> ended;
   try {
     set_limits(integration->start(), integration->direction());
-    regularized->model().analyze(point, options.model, found_decisions);
+    (regularized ? regularized->model() : model).analyze(point, options.model, found_decisions);
     const ConsistentPoint found = jumps.values_near(point);
     auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
                                               InitialPoint{t, tout, found.x, found.xdot});
@@ -101,7 +117,8 @@ void Solver::start_with_branches(double tout, const std::vector<RegularizedCondi
       request.shifts.clear();
       carry_sensitivities(request, found, true);
     }
-    integration->continue_from(*ended, time_across(sliding, those_before, t, found));
+    const double last = std::fabs(ended->stepper().state().last.h);
+    integration->continue_from(*ended, sliding.empty() ? last : time_across(sliding, *those_before, t, found));
   } catch (...) {
     if (ended) integration = std::move(ended);
     use(std::move(before));

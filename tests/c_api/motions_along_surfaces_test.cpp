@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Tests of motions along surfaces at which conditions switch: surfaces that move, change their slopes, meet, or are
+// left and passed later; laws that use one condition several times.
+// SFDAE_TEST_SCALE scales the number of random problems.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "family_run.h"
+#include "random_family.h"
+
+namespace motions_along_surfaces {
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using sfdae_test::RandomNumbers;
+using Vector = std::vector<double>;
+
+sfdae::Options with(int method, double tolerance) {
+  sfdae::Options options;
+  options.method = method;
+  options.rtol = options.atol = tolerance;
+  return options;
+}
+
+using Equations = std::function<void(const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F)>;
+
+// Returns x at the end; throws sfdae::Error.
+Vector end_of(const Equations& equations, Vector start, double end, const sfdae::Options& options) {
+  const int n = static_cast<int>(start.size());
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = equations;
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, std::move(start), {}};
+  solver.start(point, end);
+  solver.advance(end, point);
+  return point.x;
+}
+
+// ---- Two relays -----------------------------------------------------------------------------------------------
+
+// x_i' = a_i sin(omega_i t + phase_i) - r_i x_i - k_i sign(s_i), s_1 = x_1 - m sin(nu t), s_2 = x_2 - c x_1.
+struct TwoRelays {
+  std::array<double, 2> a, omega, phase, r, k, start;
+  double m, nu, c;
+};
+
+TwoRelays random_relays(RandomNumbers& random) {
+  TwoRelays relays{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    relays.a[i] = random.uniform(0.2, 2.0);
+    relays.omega[i] = random.uniform(0.5, 3.0);
+    relays.phase[i] = random.uniform(0.0, 6.0);
+    relays.r[i] = random.uniform(0.0, 0.5);
+    relays.k[i] = random.uniform(0.5, 2.0);
+    relays.start[i] = random.uniform(-0.5, 0.5);
+  }
+  relays.m = random.uniform(0.0, 0.5);
+  relays.nu = random.uniform(0.5, 2.0);
+  relays.c = random.uniform(-0.6, 0.6);
+  return relays;
+}
+
+Equations equations_of(const TwoRelays& of) {
+  return [of](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    const std::array<Expression, 2> s = {x[0] - of.m * sin(of.nu * t), x[1] - of.c * x[0]};
+    for (int i = 0; i < 2; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      F[i] = xdot[i] - of.a[k] * sin(of.omega[k] * t + of.phase[k]) + of.r[k] * x[i] + of.k[k] * sign(s[k]);
+    }
+  };
+}
+
+// Small classical Runge-Kutta steps with the modes of both relays: 1, -1, or 0 on the surface.
+class Modes {
+ public:
+  explicit Modes(const TwoRelays& of) : of_(of), x_(of.start) {
+    modes_ = {s(0, x_, 0.0) > 0.0 ? 1 : -1, s(1, x_, 0.0) > 0.0 ? 1 : -1};
+  }
+  std::array<double, 2> advance(double end) {
+    while (t_ < end) {
+      const double h = std::min(1e-3, end - t_);
+      if (!is_over(step(h), t_ + h)) {
+        x_ = step(h);
+        t_ += h;
+        continue;
+      }
+      double low = 0.0, high = h;
+      for (int k = 0; k < 55; ++k) {
+        const double middle = 0.5 * (low + high);
+        (is_over(step(middle), t_ + middle) ? high : low) = middle;
+      }
+      x_ = step(high);
+      t_ += high;
+      for (std::size_t i = 0; i < 2; ++i)
+        if (is_over(i, x_, t_)) change(i);
+    }
+    return x_;
+  }
+
+ private:
+  using State = std::array<double, 2>;
+  double s(std::size_t i, const State& x, double t) const {
+    return i == 0 ? x[0] - of_.m * std::sin(of_.nu * t) : x[1] - of_.c * x[0];
+  }
+  double drift(std::size_t i, const State& x, double t) const {
+    return of_.a[i] * std::sin(of_.omega[i] * t + of_.phase[i]) - of_.r[i] * x[i];
+  }
+  double speed_of_surface(std::size_t i, const State& x, double t) const {
+    return i == 0 ? of_.m * of_.nu * std::cos(of_.nu * t) : of_.c * slope(0, x, t);
+  }
+  // What the relay has to give for the motion along its surface.
+  double needed(std::size_t i, const State& x, double t) const {
+    return (drift(i, x, t) - speed_of_surface(i, x, t)) / of_.k[i];
+  }
+  double slope(std::size_t i, const State& x, double t) const {
+    return modes_[i] == 0 ? speed_of_surface(i, x, t) : drift(i, x, t) - of_.k[i] * modes_[i];
+  }
+  State step(double h) const {
+    const auto slopes = [&](const State& x, double t) { return State{slope(0, x, t), slope(1, x, t)}; };
+    const auto moved = [&](const State& by, double part) {
+      return State{x_[0] + part * h * by[0], x_[1] + part * h * by[1]};
+    };
+    const State a = slopes(x_, t_), b = slopes(moved(a, 0.5), t_ + 0.5 * h), c = slopes(moved(b, 0.5), t_ + 0.5 * h),
+                d = slopes(moved(c, 1.0), t_ + h);
+    State x = x_;
+    for (std::size_t i = 0; i < 2; ++i) x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+    return x;
+  }
+  bool is_over(std::size_t i, const State& x, double t) const {
+    return modes_[i] == 0 ? std::fabs(needed(i, x, t)) > 1.0 : modes_[i] * s(i, x, t) < 0.0;
+  }
+  bool is_over(const State& x, double t) const { return is_over(0, x, t) || is_over(1, x, t); }
+  void change(std::size_t i) {
+    if (modes_[i] != 0) x_[i] -= s(i, x_, t_);
+    const double value = needed(i, x_, t_);
+    modes_[i] = std::fabs(value) <= 1.0 ? 0 : value > 0.0 ? 1 : -1;
+  }
+
+  const TwoRelays& of_;
+  double t_ = 0.0;
+  State x_;
+  std::array<int, 2> modes_;
+};
+
+// One may slide while the other one comes to its surface, or leaves it. None is wrong, and at most 2 % end by name.
+TEST(MotionsAlongSurfaces, OfTwoRelays) {
+  const int count = sfdae_test::scaled_count(200, 20);
+  std::vector<std::string> named;
+  for (int seed = 0; seed < count; ++seed) {
+    SCOPED_TRACE("relays " + std::to_string(seed));
+    RandomNumbers random(9100 + static_cast<std::uint64_t>(seed));
+    const TwoRelays relays = random_relays(random);
+    const std::array<double, 2> exact = Modes(relays).advance(5.0);
+    const double tolerance = std::pow(10.0, -random.uniform(4.0, 7.0));
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      try {
+        const Vector x =
+            end_of(equations_of(relays), {relays.start[0], relays.start[1]}, 5.0, with(method, tolerance));
+        for (std::size_t i = 0; i < 2; ++i)
+          EXPECT_NEAR(x[i], exact[i], 100.0 * tolerance * (1.0 + std::fabs(exact[i])))
+              << "method " << method << ", tolerance " << tolerance;
+      } catch (const sfdae::Error& error) {
+        named.push_back("relays " + std::to_string(seed) + ": " + error.what());
+      }
+    }
+  }
+  EXPECT_LE(named.size(), static_cast<std::size_t>(count / 25)) << named.front();
+}
+
+// ---- Laws that use a surface in several ways ------------------------------------------------------------------
+
+// x_0' = 1/2 - sign(x_0): x_0 stays at 0, with 3/4 of the branch above. x_1' is the law, x_2' = 1.
+struct Law {
+  const char* text;
+  std::function<Expression(const Expression& t, ConstExpressions x)> of;
+  double end;  // x_1 at t = 4
+};
+
+std::vector<Law> laws() {
+  using T = const Expression&;
+  using X = ConstExpressions;
+  return {
+      // Other functions with the same zeros.
+      {"2 x > 0", [](T, X x) { return choose(2.0 * x[0] > 0.0, 1.0, 0.0); }, 3.0},
+      {"x < 0", [](T, X x) { return choose(x[0] < 0.0, 1.0, 0.0); }, 1.0},
+      {"x^3 > 0", [](T, X x) { return choose(x[0] * x[0] * x[0] > 0.0, 1.0, 0.0); }, 3.0},
+      {"exp(x) > 1", [](T, X x) { return choose(exp(x[0]) > 1.0, 1.0, 0.0); }, 3.0},
+      {"(1 + 0.8 sin t) x > 0", [](T t, X x) { return choose((1.0 + 0.8 * sin(t)) * x[0] > 0.0, 1.0, 0.0); }, 3.0},
+      {"x / (1 + y^2) > 0", [](T, X x) { return choose(x[0] / (1.0 + x[2] * x[2]) > 0.0, 1.0, 0.0); }, 3.0},
+      {"max(x, 0) > 0", [](T, X x) { return choose(max(x[0], 0.0) > 0.0, 1.0, 0.0); }, 3.0},
+      // On both sides in turn: x (y - 2) > 0.
+      {"x (y - 2) > 0", [](T, X x) { return choose(x[0] * (x[2] - 2.0) > 0.0, 1.0, 0.0); }, 2.0},
+      // Convex combinations of what equations are on both sides.
+      {"sign(x)^2", [](T, X x) { return sign(x[0]) * sign(x[0]); }, 4.0},
+      {"sign(x) > 1/2", [](T, X x) { return choose(sign(x[0]) > 0.5, 1.0, 0.0); }, 3.0},
+      {"exp(sign(x))", [](T, X x) { return exp(sign(x[0])); }, 3.0 * std::exp(1.0) + std::exp(-1.0)},
+      {"max(sign(x), sign(-x))", [](T, X x) { return max(sign(x[0]), sign(-x[0])); }, 4.0},
+      {"a product", [](T, X x) { return choose(x[0] > 0.0, 2.0, 0.5) * choose(x[0] > 0.0, 3.0, 4.0); }, 20.0},
+  };
+}
+
+TEST(MotionsAlongSurfaces, UseOneSurfaceInManyWays) {
+  for (const Law& law : laws())
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+      for (double tolerance : {1e-4, 1e-7}) {
+        const Equations equations = [&law](const Expression& t, ConstExpressions x, ConstExpressions xdot,
+                                           Expressions F) {
+          F[0] = xdot[0] - 0.5 + sign(x[0]);
+          F[1] = xdot[1] - law.of(t, x);
+          F[2] = xdot[2] - 1.0;
+        };
+        const Vector x = end_of(equations, {0.0, 0.0, 0.0}, 4.0, with(method, tolerance));
+        EXPECT_NEAR(x[0], 0.0, tolerance) << law.text;
+        EXPECT_NEAR(x[1], law.end, 100.0 * tolerance) << law.text << ", method " << method;
+      }
+}
+
+// x_0 = 0 and x_1 = 0, with 7/8 and 5/8 of the branches above: max(sign(x_0), sign(x_1)) is -1 in 3/64 of the cases.
+TEST(MotionsAlongSurfaces, MeetInLawsOfBoth) {
+  const Equations equations = [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - 0.75 + sign(x[0]);
+    F[1] = xdot[1] - 0.25 + sign(x[1]);
+    F[2] = xdot[2] - max(sign(x[0]), sign(x[1]));
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double tolerance : {1e-4, 1e-7})
+      EXPECT_NEAR(end_of(equations, {0.0, 0.0, 0.0}, 2.0, with(method, tolerance))[2], 2.0 * (1.0 - 6.0 / 64.0),
+                  100.0 * tolerance);
+}
+
+// Slopes of the surface, or the size of x, change by 1e9 while x moves along it.
+TEST(MotionsAlongSurfaces, WhoseSlopesChange) {
+  const Equations flatter = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - 0.5 + choose(exp(-5.0 * t) * x[0] > 0.0, 1.0, -1.0);
+  };
+  const Equations smaller = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    const Expression belt = 1e4 * exp(-5.0 * t);
+    F[0] = xdot[0] + 2.0 * x[0] - 0.5 + sign(x[0] - belt) * (5.0 * belt + 2.0);
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double tolerance : {1e-4, 1e-7}) {
+      EXPECT_NEAR(end_of(flatter, {0.3}, 4.0, with(method, tolerance))[0], 0.0, 10.0 * tolerance);
+      EXPECT_NEAR(end_of(smaller, {1e4}, 4.0, with(method, tolerance))[0], 1e4 * std::exp(-20.0), 10.0 * tolerance);
+    }
+}
+
+// x' = 2 p sin t - sign(x), p = 1, from rest: it leaves 0 at t = pi / 6, and passes it later without a stop.
+TEST(MotionsAlongSurfaces, HaveSensitivitiesWhereSurfacesArePassedLater) {
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double tolerance : {1e-4, 1e-6, 1e-8}) {
+      sfdae::NonlinearProblem problem(1, 1);
+      problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - parameter(t, "p", 1.0) * 2.0 * sin(t) + sign(x[0]);
+      };
+      sfdae::Solver solver(problem, with(method, tolerance));
+      sfdae::Sensitivities wanted;
+      wanted.parameters = {"p"};
+      solver.set_sensitivities(wanted);
+      sfdae::Point point{0.0, {0.0}, {}};
+      solver.start(point, 4.9);
+      solver.advance(4.9, point);
+      // Until t1, where x comes back to 0: x = 2 (cos t0 - cos t) - (t - t0), and afterwards x' = 2 p sin t + 1.
+      const double t0 = std::asin(0.5);
+      double low = 2.0, high = 4.9;
+      for (int k = 0; k < 60; ++k) {
+        const double t = 0.5 * (low + high);
+        (2.0 * (std::cos(t0) - std::cos(t)) - (t - t0) > 0.0 ? low : high) = t;
+      }
+      const double before = 2.0 * (std::cos(t0) - std::cos(low)), slope = 2.0 * std::sin(low);
+      const double S = before * (slope + 1.0) / (slope - 1.0) + 2.0 * (std::cos(low) - std::cos(4.9));
+      EXPECT_NEAR(solver.sensitivities(4.9).S(0, 0), S, 1e-2 * std::sqrt(tolerance / 1e-4))
+          << "method " << method << ", tolerance " << tolerance;
+    }
+}
+
+}  // namespace
+}  // namespace motions_along_surfaces
