@@ -171,22 +171,22 @@ bool ConditionFunctions::find_zero(std::size_t function, double t, const double*
       longest = std::max(longest, std::fabs(at.direction[i]) / std::max(std::fabs(at.x[i]), 1.0));
     }
     if (!(steepness > 0.0)) return false;
+    for (std::size_t i = 0; i < n_; ++i) at.x[i] -= g[function] / steepness * at.direction[i];
     if (std::fabs(g[function]) <= roundings * size) {
       for (double& component : at.direction) component *= part / longest;
       return true;
     }
-    for (std::size_t i = 0; i < n_; ++i) at.x[i] -= g[function] / steepness * at.direction[i];
   }
   return false;
 }
 
-// Returns 1 for functions that are zero on the surface of the leader, and beside it, next to the point, have the sign
-// that it has, -1 for those with the other sign there, and else 0. Functions that are zero together at the point alone
-// are not meant: several points of the surface are asked, at several times. Those at which functions cannot be
-// evaluated say nothing.
+// Returns 1 for functions that are zero on the surface of the leader, and beside it have the sign that it has, -1 for
+// those with the other sign there, and else 0. Functions that are zero together at the point alone are not meant, nor
+// those that have now the one sign, now the other one: several points of the surface are asked, at several times. Those
+// at which functions cannot be evaluated say nothing.
 std::vector<int> ConditionFunctions::sides_beside(std::size_t leader, const Point& at, const double* tolerances) {
   constexpr double step = 1e-2, nearest = 1e-6;  // of the distance of points; of max(|x|, 1). (Chosen.)
-  std::vector<int> sides(count(), 0), others(count(), 1);
+  std::vector<int> sides(count(), 0), others;
   std::minstd_rand numbers;
   const auto offset = [&numbers](double around, double part) {
     const double number = static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
@@ -199,14 +199,16 @@ std::vector<int> ConditionFunctions::sides_beside(std::size_t leader, const Poin
     for (std::size_t i = 0; i < n_; ++i) point.x[i] = offset(at.x[i], part);
     if (!find_zero(leader, t, tolerances, step * part, point)) continue;
     const std::vector<int> there = sides_at(t, point);
+    if (evaluated == 0) others = there;
     for (std::size_t k = 0; k < count(); ++k)
-      if (there[k] == 0) others[k] = 0;
+      if (there[k] != others[k]) others[k] = 0;
     ++evaluated;
   }
   Normal here{{at.x, at.x + n_}, std::vector<double>(n_)};
   if (evaluated > 1 && find_zero(leader, at.t, tolerances, nearest, here)) {
     sides = sides_at(at.t, here);
-    for (std::size_t k = 0; k < count(); ++k) sides[k] *= others[k];
+    for (std::size_t k = 0; k < count(); ++k)
+      if (sides[k] != others[k]) sides[k] = 0;
   }
   sides[leader] = 1;
   return sides;

@@ -46,6 +46,13 @@ bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t le
   return sides == 0.0 || (sides < 0.0) == round.conditions[k].is_opposite;
 }
 
+bool SlidingLayers::may_turn() const {
+  return std::any_of(rounds_.begin(), rounds_.end(), [](const Round& round) {
+    return std::any_of(round.conditions.begin(), round.conditions.end(),
+                       [](const RegularizedCondition& each) { return each.condition != each.leader; });
+  });
+}
+
 bool SlidingLayers::turn(double t, const double* x) {
   for (Round& round : rounds_) {
     if (round.conditions.empty()) continue;
@@ -74,6 +81,7 @@ bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at
 void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<double>& limits) {
   std::fill(limits.begin(), limits.end(), std::numeric_limits<double>::infinity());
   fit_ = true;
+  entered_ = false;
   for (Round& round : rounds_) {
     if (round.conditions.empty()) continue;
     if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
@@ -81,6 +89,7 @@ void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<d
       const double width = round.conditions[k].width;
       fit_ = fit_ && fits(round, k, at);
       if (round.conditions[k].condition != round.conditions[k].leader || !(std::fabs(round.g[k]) < width)) continue;
+      entered_ = true;
       for (std::size_t i = 0; i < limits.size(); ++i) {
         const double slope = std::fabs(round.slope(k, i));
         if (slope > 0.0) limits[i] = std::min(limits[i], 2.0 * width * part / slope);

@@ -40,7 +40,11 @@ class SlidingLayers {
   // surface several conditions are met. With sensitivities surfaces that x has left do not fit, either: where x only
   // passes them, sensitivities jump.
   bool fit() const { return fit_; }
-  // Whether several conditions of a surface are met on other sides of it at a point than before.
+  // Whether x was within one of them there.
+  bool are_entered() const { return entered_; }
+  // Whether several conditions of a surface are met on other sides of it at a point than before; this may be so where
+  // a surface has several conditions.
+  bool may_turn() const;
   bool turn(double t, const double* x);
   // Returns the rounds with layers that fit, near the point.
   RegularizationRounds fitting(const RegularizationRounds& rounds, const LayerPoint& at);
@@ -64,7 +68,7 @@ class SlidingLayers {
   bool fits(const Round& round, std::size_t k, const LayerPoint& at) const;
 
   std::vector<Round> rounds_;
-  bool fit_ = true;
+  bool fit_ = true, entered_ = false;
 };
 
 }  // namespace sfdae::core

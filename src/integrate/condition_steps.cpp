@@ -48,6 +48,9 @@ void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
   }
   branches_.resize(conditions_->count());
   passed_.visits.resize(conditions_->count());
+  near_.is_near.assign(conditions_->count(), 0);
+  near_.x.resize(n);
+  near_.gradients.resize(conditions_->count() * conditions_->functions().width());
 }
 
 bool ConditionSteps::has_switched(const std::vector<double>& g) const {
@@ -122,7 +125,7 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   const double part = std::max(shorter_at_switch, (search.known_to() - points.t[0]) / h);
   const double end = hidden ? *hidden : points.t[0] + part * h;
   if (std::fabs(end - points.t[0]) >= Integrator::smallest_step(points.t[0], points.t[1])) {
-    end_ = end;
+    next_.end = end;
     has_after_ = false;
     return true;
   }
@@ -205,7 +208,7 @@ bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
                   format("at t = %.15g a table, floor or remainder of x switches, and unknowns whose derivatives are "
                          "needed jump: see %s. Write it with conditions (choose), or stop there by an event.",
                          state.t, conditions_->equation_with_stepped(*found).c_str()));
-  end_ = state.t + shorter_at_switch * h;
+  next_.end = state.t + shorter_at_switch * h;
   return true;
 }
 
@@ -219,7 +222,7 @@ ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool
     obstacle_.lacks_branches = has_switched(tried_.g) && !are_kinks(integrator);
   if (is_held_) return locate(integrator);
   hold();
-  end_ = tried_.t;
+  next_.end = tried_.t;
   return Verdict::again;
 }
 
@@ -237,27 +240,27 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
     before_.t = start;
     std::copy(integrator.stepper->x().begin(), integrator.stepper->x().end(), before_.x.begin());
     evaluate(integrator, before_.t, before_.x, before_.g);
-    slow_ = 0;
+    next_.slow = 0;
   }
   std::swap(is_after ? after_ : before_, tried_);
   has_after_ = true;
   const double now = std::fabs(after_.t - before_.t), apart = distance(integrator);
-  slow_ = width > 0.0 && now > 0.5 * width ? slow_ + 1 : 0;
+  next_.slow = width > 0.0 && now > 0.5 * width ? next_.slow + 1 : 0;
   const double least = roundings_of_gap * Integrator::resolution(before_.t, after_.t);
   is_last_ = apart <= located || now <= 2.0 * least;
   if (is_last_ && now < 0.5 * least) {
-    end_ = before_.t + std::copysign(least, after_.t - before_.t);
+    next_.end = before_.t + std::copysign(least, after_.t - before_.t);
     is_last_ = false;
     return Verdict::again;
   }
   if (is_last_ && before_.t == start) {
     is_due_ = true;
     has_after_ = false;
-    end_.reset();
+    next_.end.reset();
     return Verdict::again;
   }
   if (is_last_ && !is_after) return Verdict::accepted;
-  end_ = is_last_ ? before_.t : next_end(integrator, apart);
+  next_.end = is_last_ ? before_.t : next_end(integrator, apart);
   is_last_ = false;
   return Verdict::again;
 }
@@ -271,7 +274,7 @@ double ConditionSteps::distance(const Integrator& integrator) {
 // if it is not; the middle where that gains little. distance: of x at both ends.
 double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   const double a = before_.t, b = after_.t, middle = 0.5 * (a + b);
-  if (slow_ >= 2 || !std::isfinite(distance)) return middle;
+  if (next_.slow >= 2 || !std::isfinite(distance)) return middle;
   double part = 1.0;
   const double least = roundings_of_gap * Integrator::resolution(a, b) / std::fabs(b - a);
   const double enough = std::min(0.5, std::max(0.5 * located / distance, least));
@@ -324,7 +327,7 @@ void ConditionSteps::note_obstacle(const Integrator& integrator) {
 // to the zero that has been passed last branches stay.
 bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome) {
   if (conditions_ == nullptr) return false;
-  end_.reset();
+  next_.end.reset();
   has_after_ = false;
   if (conditions_->count() == 0 || is_due_) return false;
   if (is_held_) {
@@ -345,7 +348,7 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
 
 void ConditionSteps::commit() {
   if (conditions_ == nullptr) return;
-  end_.reset();
+  next_.end.reset();
   has_after_ = false;
   is_due_ = is_last_;
   if (is_held_ && !is_due_) release();
@@ -378,6 +381,53 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
   for (std::size_t k = 0; k < branches.size(); ++k)
     if (is_met(tried_.g[k]) != is_met(branches[k]) && std::fabs(tried_.g[k]) > clear[k]) return k;
   return branches.size();
+}
+
+// Whether residuals jump where condition k, which is near its zero, passes it.
+bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) {
+  const double t = integrator.stepper->state().t;
+  const std::vector<double>& x = integrator.stepper->x();
+  double steepness = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double slope = near_.gradients[i * branches_.size() + k] * tolerances_[i];
+    steepness += slope * slope;
+  }
+  // To the other side of the zero, as far away.
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double slope = near_.gradients[i * branches_.size() + k];
+    change_[i] = x[i] - 2.0 * tried_.g[k] / steepness * slope * tolerances_[i] * tolerances_[i];
+  }
+  find_slopes(integrator, t, x, slopes_);
+  const HeldConditions::Point from{t, x.data(), slopes_.data()}, to{t, change_.data(), slopes_.data()};
+  return conditions_->passing(k, tried_.g.data(), from, to) == HeldConditions::Passing::jump;
+}
+
+void ConditionSteps::demand_distinct(const Integrator& integrator) {
+  constexpr double near = 0.1;  // of what tolerances leave open: as wide as layers are
+  SlidingLayers* const layers = conditions_ != nullptr ? conditions_->layers() : nullptr;
+  if (layers == nullptr || !layers->are_entered() || is_due_ || conditions_->functions().depend_on_derivatives())
+    return std::fill(near_.is_near.begin(), near_.is_near.end(), 0);
+  const QuietArithmetic quiet;
+  const double t = integrator.stepper->state().t;
+  const std::vector<double>& x = integrator.stepper->x();
+  if (!conditions_->functions().linearize(t, x.data(), nullptr, tried_.g.data(), near_.gradients.data())) return;
+  const bool stays = is_idle(integrator, near_.x);
+  bool is_any_near = false;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    double open = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      open += std::fabs(near_.gradients[i * branches_.size() + k]) * tolerances_[i];
+    const bool is_near = !conditions_->is_of_layer(k) && std::fabs(tried_.g[k]) < near * open;
+    if (is_near && near_.is_near[k] != 0 && !stays && jumps_at_zero(integrator, k))
+      throw Failure(
+          SFDAE_ZENO,
+          format("at t = %.15g x moves along the zero of one condition, and another one stays as near to its "
+                 "zero as the tolerances are: what it does cannot be known. See the condition in %s.",
+                 t, conditions_->equation_with(k).c_str()));
+    near_.is_near[k] = is_near ? 1 : 0;
+    is_any_near = is_any_near || is_near;
+  }
+  if (!is_any_near || !stays) near_.x = x;
 }
 
 void ConditionSteps::demand_progress(const Integrator& integrator) {

@@ -38,7 +38,7 @@ class ConditionSteps {
   // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end(). With
   // sensitivities these jump where x' does: any condition is located where residuals jump.
   Verdict judge(const Integrator& integrator, bool with_sensitivities);
-  std::optional<double> end() const { return end_; }
+  std::optional<double> end() const { return next_.end; }
   // A step has been tried with success: whether the next one ends at end(), as conditions do what its ends do not show.
   bool ends_between_switches(const Integrator& integrator);
   // A step has been tried with success, in which what cannot be held has switched, and E x moves otherwise than slopes
@@ -53,6 +53,9 @@ class ConditionSteps {
   void go_on_without_branches() { obstacle_.is_accepted = true; }
   // The step judged last has become the last one.
   void commit();
+  // Throws Failure where x moves along a surface, and another condition stays so near to its zero that it cannot be
+  // known on which side it is.
+  void demand_distinct(const Integrator& integrator);
 
   // A condition is zero between the last point and another one, next to it: change_branches() is due before the next
   // step, and leads there.
@@ -84,6 +87,7 @@ class ConditionSteps {
     std::vector<double> x, g;
   };
   bool has_switched(const std::vector<double>& g) const;
+  bool jumps_at_zero(const Integrator& integrator, std::size_t k);
   bool switches_ahead(const Integrator& integrator, StepOutcome outcome);
   void note_obstacle(const Integrator& integrator);
   bool is_idle(const Integrator& integrator, const std::vector<double>& before);
@@ -126,8 +130,17 @@ class ConditionSteps {
     bool lacks_branches = false, is_accepted = false;
   };
   Obstacle obstacle_;  // of steps that fail where branches cannot be held
-  int slow_ = 0;       // attempts in a row that have not halved the interval
-  std::optional<double> end_;
+  struct Nearness {
+    std::vector<char> is_near;  // conditions, all the time since
+    std::vector<double> x;      // the point where the first of them came near
+    std::vector<double> gradients;
+  };
+  Nearness near_;
+  struct Next {
+    std::optional<double> end;  // of the next attempt
+    int slow = 0;               // attempts in a row that have not halved the interval
+  };
+  Next next_;
   std::vector<double> slopes_, slopes_before_, change_, tolerances_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "expression/sliding_layers.h"
@@ -146,6 +147,8 @@ CallResult Integration::run(double tout, bool one_step) {
     const auto result = attempt_step(tout);
     if (lacks_branches()) return result_without_branches(t);
     const bool is_step_taken = counts_.own.steps > steps;
+    notice_idle_steps();
+    if (is_idle() && !integrator_.has_passed(tout)) return result_of_idle_steps(t, regularity_.idle_t);
     if (is_step_taken)
       if (auto event = search_events(tout)) return std::move(*event);
     if (result) return *result;
@@ -222,6 +225,25 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   return accept_step(h, state.next_step, tout, jumps);
 }
 
+// Where equations are flat steps may lead back and forth, however small they are.
+void Integration::notice_idle_steps() {
+  constexpr int many = 200;
+  constexpr double next_to_nothing = 10.0, part = 1e-3;  // tolerances; of the interval of interest. (Chosen.)
+  if (++regularity_.attempts < many) return;
+  const StepState state = integrator_.stepper->state();
+  const std::vector<double>& x = integrator_.stepper->x();
+  bool is_idle = std::fabs(state.t - regularity_.idle_t) <= part * span_;
+  for (std::size_t i = 0; is_idle && i < x.size(); ++i) {
+    const double tolerance = integrator_.weights.tolerance(static_cast<int>(i), x.data());
+    is_idle = std::fabs(x[i] - regularity_.idle_x[i]) <= next_to_nothing * tolerance;
+  }
+  regularity_.is_idle = is_idle;
+  if (!regularity_.is_idle) regularity_.goes_on_idle = false;
+  std::copy(x.begin(), x.end(), regularity_.idle_x.begin());
+  regularity_.idle_t = state.t;
+  regularity_.attempts = 0;
+}
+
 // Parts of branches are known so accurately that what is not seen of them, for times that are as short as its root,
 // does not matter to x.
 void Integration::limit_errors_in_layers() {
@@ -229,15 +251,15 @@ void Integration::limit_errors_in_layers() {
   SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
   if (layers == nullptr) return integrator_.weights.set_ceiling(nullptr);
   const double part = std::pow(integrator_.weights.tightest(integrator_.stepper->x().data()), exponent);
-  layers->find_limits(layer_point(), part, layers_.limits);
-  integrator_.weights.set_ceiling(layers_.limits.data());
+  layers->find_limits(layer_point(), part, regularity_.limits);
+  integrator_.weights.set_ceiling(regularity_.limits.data());
 }
 
 LayerPoint Integration::layer_point() {
   const std::vector<double>& x = integrator_.stepper->x();
   for (std::size_t i = 0; i < x.size(); ++i)
-    layers_.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
-  return {integrator_.stepper->state().t, x.data(), layers_.tolerances.data(), has_companion()};
+    regularity_.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
+  return {integrator_.stepper->state().t, x.data(), regularity_.tolerances.data(), has_companion()};
 }
 
 bool Integration::layers_fit() const {
@@ -260,9 +282,9 @@ void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
-  if (options_.conditions != nullptr)
-    for (std::vector<double>* const each : {&layers_.limits, &layers_.tolerances})
-      each->resize(index(integrator_.system.unknowns()));
+  const std::size_t n = index(integrator_.system.unknowns());
+  for (std::vector<double>* const each : {&regularity_.limits, &regularity_.tolerances}) each->resize(n);
+  regularity_.idle_x.resize(n, std::numeric_limits<double>::infinity());
   if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
 
@@ -338,6 +360,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   integrator_.stepper->commit();
   system.accept();
   conditions_.commit();
+  if (adjoint() == nullptr) conditions_.demand_distinct(integrator_);
   hidden_.end.reset();
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
@@ -378,6 +401,19 @@ bool Integration::may_hide_jump(double h) {
   return true;
 }
 
+bool Integration::turns_in_step(SlidingLayers& layers) {
+  constexpr int places = 8;  // within the step. (Chosen.)
+  if (!layers.may_turn()) return false;
+  const PointsOfCurve points = integrator_.stepper->points_of_tried();
+  const std::size_t n = regularity_.limits.size();
+  for (int k = 1; k <= places; ++k) {
+    const double t = k < places ? points.t[0] + k * (points.t[1] - points.t[0]) / places : points.t[1];
+    points.evaluate(t, n, regularity_.limits.data(), regularity_.tolerances.data());
+    if (layers.turn(t, regularity_.limits.data())) return true;
+  }
+  return false;
+}
+
 // A step has been tried in which conditions of a surface change the side of it on which they are met: it has to be so
 // short that x moves by next to nothing.
 bool Integration::ends_before_turn(double h) {
@@ -385,9 +421,10 @@ bool Integration::ends_before_turn(double h) {
   SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
   const Stepper& stepper = *integrator_.stepper;
   const double t = stepper.state().t;
-  if (layers == nullptr || !layers->turn(stepper.state().tried_t, stepper.tried_x().data())) return false;
-  for (std::size_t i = 0; i < layers_.limits.size(); ++i) layers_.limits[i] = stepper.tried_x()[i] - stepper.x()[i];
-  const double moved = integrator_.weights.norm(layers_.limits.data());
+  if (layers == nullptr || !turns_in_step(*layers)) return false;
+  for (std::size_t i = 0; i < regularity_.limits.size(); ++i)
+    regularity_.limits[i] = stepper.tried_x()[i] - stepper.x()[i];
+  const double moved = integrator_.weights.norm(regularity_.limits.data());
   if (moved <= located || std::fabs(h) * shorter < Integrator::smallest_step(t, t + h)) return false;
   withdraw();
   integrator_.stepper->set_next_step(shorter * h);

@@ -70,6 +70,9 @@ class Integration {
   // SFDAE_ZENO. Unless it has to go on as it can.
   bool lacks_branches() const { return conditions_.lacks_branches(); }
   void go_on_without_branches() { conditions_.go_on_without_branches(); }
+  // Many steps have led nowhere: advance() ends with SFDAE_STEP_TOO_SMALL, unless it has to go on until x has moved.
+  bool is_idle() const { return regularity_.is_idle && !regularity_.goes_on_idle; }
+  void go_on_idle() { regularity_.goes_on_idle = true; }
   // Whether layers fit at the last point (SlidingLayers::fit): advance() ends with SFDAE_ZENO where they do not.
   bool layers_fit() const;
   LayerPoint layer_point();
@@ -166,7 +169,9 @@ class Integration {
   double noticing_step(double t);
   // The next step is short because something is located, not because others have failed.
   bool ends_as_located() const { return conditions_.end() || hidden_.end; }
+  void notice_idle_steps();
   void limit_errors_in_layers();
+  bool turns_in_step(SlidingLayers& layers);
   bool ends_before_turn(double h);
   void try_with_branches(StepOutcome outcome, double h);
   void resize_workspace();
@@ -226,10 +231,15 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
-  struct Layers {
+  struct Regularity {
     std::vector<double> limits, tolerances;  // of errors in layers; of x
+    // So many attempts since x and t, from where these may have moved by next to nothing.
+    int attempts = 0;
+    double idle_t = 0.0;
+    std::vector<double> idle_x;
+    bool is_idle = false, goes_on_idle = false;
   };
-  Layers layers_;
+  Regularity regularity_;
   Branches branches_;
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest

@@ -97,6 +97,10 @@ CallResult result_without_branches(double t) {
   return {SFDAE_ZENO, format("at t = %.15g steps fail, and branches of conditions may be the reason.", t)};
 }
 
+CallResult result_of_idle_steps(double t, double since) {
+  return {SFDAE_STEP_TOO_SMALL, format("at t = %.15g x has not moved since t = %.15g, in many steps.", t, since)};
+}
+
 CallResult result_of_layers(double t) {
   return {SFDAE_ZENO,
           format("at t = %.15g x moves along a surface at which a condition switches, and this surface has "

@@ -23,6 +23,7 @@ CallResult result_of_change(const DaeSystem& system, const LocatedChange& change
 // The smallest step fails, and not for a change of the characteristic values.
 CallResult result_without_branches(double t);
 CallResult result_of_layers(double t);
+CallResult result_of_idle_steps(double t, double since);
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
 
 }  // namespace sfdae::core

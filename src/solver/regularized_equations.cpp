@@ -2,6 +2,7 @@
 #include "solver/regularized_equations.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -31,9 +32,14 @@ void demand_surfaces(const std::vector<RegularizedCondition>& round, std::size_t
 
 }  // namespace
 
-std::shared_ptr<const Record> RegularizedEquations::with_rounds(const TaylorEvaluator& given) {
+std::shared_ptr<const Record> RegularizedEquations::regular(const TaylorEvaluator& given) {
   std::shared_ptr<const Record> record = given.shared_record();
-  for (const auto& round : rounds_) {
+  for (const FlatEquation& term : parts_.terms)
+    if (term.equation < 0 || term.equation >= record->m() || term.unknown < 0 || term.unknown >= record->n() ||
+        !std::isfinite(term.center) || !(term.width > 0.0) || !std::isfinite(term.slope))
+      throw DamagedArchive();
+  if (!parts_.terms.empty()) record = with_terms(*record, parts_.terms);
+  for (const auto& round : parts_.rounds) {
     demand_surfaces(round, record->conditions().size());
     layers_.add(record, given, round);
     record = with_regularized(*record, round);
@@ -53,7 +59,7 @@ std::size_t archived(Archive& archive, std::size_t number) {
 
 }  // namespace
 
-void archive_rounds(Archive& archive, RegularizationRounds& rounds) {
+void archive_regularization(Archive& archive, Regularization& regularization) {
   const auto archive_size = [&archive](auto& list) {
     const std::size_t count = archived(archive, list.size());
     if (!archive.is_reading()) return;
@@ -61,9 +67,21 @@ void archive_rounds(Archive& archive, RegularizationRounds& rounds) {
     list.resize(count);
   };
   WordHash hash;
-  archive_size(rounds);
-  hash.add(rounds.size());
-  for (auto& round : rounds) {
+  archive_size(regularization.terms);
+  hash.add(regularization.terms.size());
+  for (FlatEquation& term : regularization.terms) {
+    term.equation = static_cast<int>(archived(archive, index(term.equation)));
+    term.unknown = static_cast<int>(archived(archive, index(term.unknown)));
+    const std::array<double*, 3> values = {&term.center, &term.width, &term.slope};
+    hash.add_all(std::array<int, 2>{term.equation, term.unknown});
+    for (double* const value : values) {
+      archive.real(*value);
+      hash.add(value, 1);
+    }
+  }
+  archive_size(regularization.rounds);
+  hash.add(regularization.rounds.size());
+  for (auto& round : regularization.rounds) {
     archive_size(round);
     hash.add(round.size());
     for (RegularizedCondition& each : round) {
@@ -82,9 +100,9 @@ void archive_rounds(Archive& archive, RegularizationRounds& rounds) {
   if (saved != sum) throw DamagedArchive();
 }
 
-RegularizedEquations::RegularizedEquations(const TaylorEvaluator& given, RegularizationRounds its_rounds,
+RegularizedEquations::RegularizedEquations(const TaylorEvaluator& given, Regularization its_parts,
                                            std::function<void()> changed)
-    : rounds_(std::move(its_rounds)), model_(make_model(with_rounds(given))) {
+    : parts_(std::move(its_parts)), model_(make_model(regular(given))) {
   TaylorEvaluator& evaluator = *model_->evaluator();
   for (int i = 0; i < given.record().num_user_parameters(); ++i) evaluator.set_parameter(i, given.parameter(i));
   model_->parameters_changed();

@@ -1,4 +1,5 @@
-// The equations of a solver with conditions that are continuous (regularized_conditions.h), as a model of its own.
+// The equations of a solver, as a model of its own, with conditions that are continuous (regularized_conditions.h) and
+// terms that make them regular (flat_equations.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "expression/flat_equations.h"
 #include "expression/held_conditions.h"
 #include "expression/regularized_conditions.h"
 #include "expression/sliding_layers.h"
@@ -15,23 +17,30 @@
 
 namespace sfdae::core {
 
+// What equations that are not regular, or lead back and forth, become.
+struct Regularization {
+  std::vector<FlatEquation> terms;
+  RegularizationRounds rounds;  // of conditions, in equations with these terms
+  bool is_empty() const { return terms.empty() && rounds.empty(); }
+  bool operator==(const Regularization&) const = default;
+};
 // Throws DamagedArchive where reading finds no such numbers.
-void archive_rounds(Archive& archive, RegularizationRounds& rounds);
+void archive_regularization(Archive& archive, Regularization& regularization);
 
 class RegularizedEquations {
  public:
   // given: with conditions, and the values that parameters have. changed: as HeldConditions has it.
-  RegularizedEquations(const TaylorEvaluator& given, RegularizationRounds its_rounds, std::function<void()> changed);
+  RegularizedEquations(const TaylorEvaluator& given, Regularization its_parts, std::function<void()> changed);
 
-  const RegularizationRounds& rounds() const { return rounds_; }
+  const Regularization& parts() const { return parts_; }
   SlidingLayers& layers() { return layers_; }
   FormulatedModel& model() { return *model_; }
   HeldConditions* conditions() { return conditions_.get(); }
 
  private:
-  std::shared_ptr<const Record> with_rounds(const TaylorEvaluator& given);
+  std::shared_ptr<const Record> regular(const TaylorEvaluator& given);
 
-  RegularizationRounds rounds_;
+  Regularization parts_;
   SlidingLayers layers_;
   std::unique_ptr<FormulatedModel> model_;
   std::unique_ptr<HeldConditions> conditions_;

@@ -112,16 +112,23 @@ std::string method_name(const Solver& solver, int order) {
 // Describes the equations that took the place of the problem's own ones.
 std::string regularization_report(const Solver& solver) {
   if (!solver.regularized) return "";
+  std::string text;
+  const std::vector<FlatEquation>& terms = solver.regularized->parts().terms;
+  if (!terms.empty())
+    text = format("  terms that make equations regular where they are flat: %zu, the first in equation %d by x[%d]\n",
+                  terms.size(), terms[0].equation, terms[0].unknown);
   std::size_t surfaces = 0;
   std::string first;
-  for (const auto& round : solver.regularized->rounds())
+  for (const auto& round : solver.regularized->parts().rounds)
     for (const RegularizedCondition& each : round) {
       if (first.empty()) first = solver.conditions->equation_with(each.condition);
       if (each.condition == each.leader) ++surfaces;
     }
-  if (surfaces == 0) return "  by first-order equations, since branches of conditions have to be held\n";
-  return format("  conditions both branches of which lead back to their zeros: %zu, the first in %s\n", surfaces,
-                first.c_str());
+  if (surfaces > 0)
+    text += format("  conditions both branches of which lead back to their zeros: %zu, the first in %s\n", surfaces,
+                   first.c_str());
+  if (text.empty()) text = "  by first-order equations, since branches of conditions have to be held\n";
+  return text;
 }
 
 std::string integration_report(const Solver& solver) {

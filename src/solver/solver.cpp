@@ -11,6 +11,7 @@
 
 #include "integrate/checkpoint_identity.h"
 #include "integrate/difference_check.h"
+#include "integrate/integration_results.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "solver/warnings.h"
@@ -93,9 +94,9 @@ CheckpointIdentity identity_of_integration(const Solver& solver) {
   return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
 }
 
-// A checkpoint begins with its identity, and with conditions that are continuous.
+// A checkpoint begins with its identity, and with what makes its equations regular.
 struct CheckpointStart {
-  RegularizationRounds rounds;
+  Regularization regularization;
   std::size_t length;  // in doubles
 };
 CheckpointStart read_start(const Solver& solver, const SavedCheckpoint& saved) {
@@ -103,7 +104,7 @@ CheckpointStart read_start(const Solver& solver, const SavedCheckpoint& saved) {
   CheckpointStart start;
   try {
     identity_of(solver.model, solver.options.model, solver.options.integration.method).demand_same(archive);
-    archive_rounds(archive, start.rounds);
+    archive_regularization(archive, start.regularization);
   } catch (const DamagedArchive&) {
     refuse_argument(no_checkpoint);
   }
@@ -111,10 +112,10 @@ CheckpointStart read_start(const Solver& solver, const SavedCheckpoint& saved) {
   return start;
 }
 void archive_start(const Solver& solver, Archive& archive) {
-  RegularizationRounds rounds;
-  if (solver.regularized) rounds = solver.regularized->rounds();
+  Regularization regularization;
+  if (solver.regularized) regularization = solver.regularized->parts();
   identity_of_integration(solver).write(archive);
-  archive_rounds(archive, rounds);
+  archive_regularization(archive, regularization);
 }
 std::size_t length_of_start(const Solver& solver) {
   Archive counter = Archive::counter();
@@ -344,7 +345,7 @@ std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
   } catch (const Failure& failure) {
     if (!may_be_of_guess(failure.status()) || model.fulfils_equations(point)) throw;
   }
-  for (const double move : {0.1, -0.1, 1.0, -1.0, 1e-3, -1e-3}) {  // of max(|x|, 1). (Chosen.)
+  for (const double move : {0.1, -0.1, 1.0, -1.0, 1e-3, -1e-3, 0.0}) {  // of max(|x|, 1). (Chosen.)
     try {
       if (system()) model.system()->find_differentiated(stays.data());
       if (auto guess = analyze_beside(point, move, stays)) return std::move(*guess);
@@ -367,7 +368,7 @@ std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest&
   for (std::size_t i = 0; i < guess.size(); ++i) {
     const double part = 0.5 + 0.5 * static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
     const double size = std::max(std::fabs(point.x[i]), 1.0);
-    guess[i] = point.x[i] + (stays[i] == 0 ? part * move * size : 0.0);
+    guess[i] = stays[i] != 0 ? point.x[i] : move != 0.0 ? point.x[i] + part * move * size : 0.0;
   }
   if (!all_finite(guess.data(), guess.size())) return std::nullopt;
   const PointOfInterest beside{point.t, point.toward, guess.data(), point.xdot};
@@ -449,9 +450,18 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
 CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
   if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
   integration->want_slopes(xdot != nullptr);
+  const auto attempts = [this] {
+    const IntegrationCounts counts = integration->counts();
+    return counts.steps + counts.error_failures + counts.other_failures;
+  };
+  const long before = attempts();
   CallResult result = integration->advance(tout, one_step, t, x, xdot);
-  while (result.status < 0 && goes_on_with_branches(tout, result))
+  // A restart counts as an attempt: none of them is made for ever.
+  for (long restarts = 1; result.status < 0 && goes_on_with_branches(tout, result); ++restarts) {
+    if (attempts() - before + restarts > options.integration.max_steps)
+      return result_of_many_steps(options.integration.max_steps, tout, integration->stepper().state().t);
     result = integration->advance(tout, one_step, t, x, xdot);
+  }
   return result;
 }
 
@@ -513,7 +523,7 @@ void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
   CheckpointStart start = read_start(*this, saved);
   std::unique_ptr<RegularizedEquations> equations;
   try {
-    equations = regularize(std::move(start.rounds));
+    equations = regularize(std::move(start.regularization));
   } catch (const DamagedArchive&) {
     refuse_argument(no_checkpoint);
   }

@@ -137,7 +137,7 @@ struct Solver {
   // stands; keeps_differentiated: their directions agree with what is differentiated, and so keep their values.
   void carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found, bool keeps_differentiated);
   TaylorEvaluator* equations_with_conditions() { return first_order ? &*first_order : model.evaluator(); }
-  std::unique_ptr<RegularizedEquations> regularize(RegularizationRounds rounds);
+  std::unique_ptr<RegularizedEquations> regularize(Regularization parts);
   // Equations take the place of those in use, which are returned; null: the problem's own ones.
   std::unique_ptr<RegularizedEquations> use(std::unique_ptr<RegularizedEquations> equations);
   // The integration has ended where branches of conditions may be the reason, and goes on: with equations that are
@@ -146,8 +146,8 @@ struct Solver {
   bool goes_on_with_branches(double tout, CallResult& result);
   bool goes_on_with_layers(double tout, CallResult& result);
   // sliding: the conditions in use until now that become continuous.
-  void start_with_branches(double tout, RegularizationRounds rounds,
-                           const std::vector<RegularizedCondition>& sliding);
+  void start_regularized(double tout, Regularization parts, const std::vector<RegularizedCondition>& sliding);
+  bool goes_on_with_terms(double tout, const CallResult& result);
   void demand_checkpoints() const;
   PointOfInterest initial_point(double t, double toward, const double* x, const double* xdot) const;
 };

@@ -11,10 +11,10 @@
 
 namespace sfdae::core {
 
-std::unique_ptr<RegularizedEquations> Solver::regularize(RegularizationRounds rounds) {
-  if (rounds.empty()) return nullptr;
+std::unique_ptr<RegularizedEquations> Solver::regularize(Regularization parts) {
+  if (parts.is_empty()) return nullptr;
   if (equations_with_conditions() == nullptr) throw DamagedArchive();
-  auto equations = std::make_unique<RegularizedEquations>(*equations_with_conditions(), std::move(rounds), [this] {
+  auto equations = std::make_unique<RegularizedEquations>(*equations_with_conditions(), std::move(parts), [this] {
     regularized->model().parameters_changed();
     if (integration) integration->parameters_changed();
   });
@@ -35,6 +35,11 @@ bool may_be_of_branches(int status) {
   return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
 }
 
+// Integrations end with these at points where the equations have other ranks than beside them.
+bool may_be_of_flat_equations(int status) {
+  return may_be_of_branches(status) || status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_RANK_UNCLEAR;
+}
+
 // Returns the shortest of the times in which slopes lead across the width of a condition.
 double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditions& conditions, double t,
                    const ConsistentPoint& at) {
@@ -49,7 +54,34 @@ double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditi
 
 }  // namespace
 
+// Equations that are flat in an unknown get a term there.
+bool Solver::goes_on_with_terms(double tout, const CallResult& result) {
+  if (!may_be_of_flat_equations(result.status) || integration->adjoint() != nullptr) return false;
+  TaylorEvaluator* const equations = regularized ? regularized->model().evaluator() : equations_with_conditions();
+  if (equations == nullptr || equations->has_source()) return false;
+  const LayerPoint at = integration->layer_point();
+  const std::vector<FlatEquation> found = flat_equations(*equations, at.t, at.x, at.tolerances);
+  if (found.empty()) return false;
+  Regularization parts = regularized ? regularized->parts() : Regularization();
+  parts.terms.insert(parts.terms.end(), found.begin(), found.end());
+  try {
+    start_regularized(tout, std::move(parts), {});
+    return true;
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    return false;
+  }
+}
+
 bool Solver::goes_on_with_branches(double tout, CallResult& result) {
+  // The last step may have led beyond tout, where the solution could not be evaluated.
+  if ((tout - integration->stepper().state().t) * integration->direction() <= 0.0) return false;
+  const bool is_idle = integration->is_idle();
+  if (goes_on_with_terms(tout, result)) return true;
+  if (is_idle) {
+    integration->go_on_idle();
+    return true;
+  }
   if (!may_be_of_branches(result.status) || integration->adjoint() != nullptr) return false;
   if (!integration->layers_fit()) return goes_on_with_layers(tout, result);
   const bool can_be_held = regularized || !conditions || conditions->can_be_held();
@@ -61,12 +93,12 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   };
   if (can_be_held && (sliding.empty() || !std::all_of(sliding.begin(), sliding.end(), has_width))) return false;
   try {
-    RegularizationRounds rounds = regularized ? regularized->rounds() : RegularizationRounds();
-    rounds.push_back(sliding);
+    Regularization parts = regularized ? regularized->parts() : Regularization();
+    parts.rounds.push_back(sliding);
     // Each round has a surface that those before it have not.
-    if (rounds.size() > conditions->count() + 1)
+    if (parts.rounds.size() > conditions->count() + 1)
       throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
-    start_with_branches(tout, std::move(rounds), sliding);
+    start_regularized(tout, std::move(parts), sliding);
     return true;
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
@@ -81,9 +113,10 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
 // The surfaces that x moves along are renewed, or those that it has left are given up.
 bool Solver::goes_on_with_layers(double tout, CallResult& result) {
   try {
-    RegularizationRounds rounds = regularized->layers().fitting(regularized->rounds(), integration->layer_point());
-    if (rounds == regularized->rounds()) return false;
-    start_with_branches(tout, std::move(rounds), {});
+    Regularization parts = regularized->parts();
+    parts.rounds = regularized->layers().fitting(parts.rounds, integration->layer_point());
+    if (parts == regularized->parts()) return false;
+    start_regularized(tout, std::move(parts), {});
     return true;
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
@@ -93,15 +126,14 @@ bool Solver::goes_on_with_layers(double tout, CallResult& result) {
 }
 
 // Where this throws, the integration stays what it was.
-void Solver::start_with_branches(double tout, RegularizationRounds rounds,
-                                 const std::vector<RegularizedCondition>& sliding) {
+void Solver::start_regularized(double tout, Regularization parts, const std::vector<RegularizedCondition>& sliding) {
   const Stepper& stepper = integration->stepper();
   const double t = stepper.state().t;
   const std::vector<double>& x = stepper.x();
   HeldConditions* const those_before = options.integration.conditions;
   const PointOfInterest point{t, tout, x.data()};
   std::vector<RankDecision> found_decisions;
-  std::unique_ptr<RegularizedEquations> before = use(regularize(std::move(rounds)));
+  std::unique_ptr<RegularizedEquations> before = use(regularize(std::move(parts)));
   std::unique_ptr<Integration> ended;
   try {
     set_limits(integration->start(), integration->direction());
@@ -124,7 +156,7 @@ void Solver::start_with_branches(double tout, RegularizationRounds rounds,
     use(std::move(before));
     throw;
   }
-  conditions->release();
+  if (conditions) conditions->release();
   breakpoints->set_differentiations(system()->analysis().values.mu);
   decisions = KeptDecisions(found_decisions);
 }
