@@ -172,7 +172,7 @@ bool ConditionFunctions::find_zero(std::size_t function, double t, const double*
     }
     if (!(steepness > 0.0)) return false;
     for (std::size_t i = 0; i < n_; ++i) at.x[i] -= g[function] / steepness * at.direction[i];
-    if (std::fabs(g[function]) <= roundings * size) {
+    if (std::fabs(g[function]) <= roundings * (size + steepness * part / longest)) {
       for (double& component : at.direction) component *= part / longest;
       return true;
     }
@@ -180,13 +180,16 @@ bool ConditionFunctions::find_zero(std::size_t function, double t, const double*
   return false;
 }
 
-// Returns 1 for functions that are zero on the surface of the leader, and beside it have the sign that it has, -1 for
-// those with the other sign there, and else 0. Functions that are zero together at the point alone are not meant, nor
-// those that have now the one sign, now the other one: several points of the surface are asked, at several times. Those
-// at which functions cannot be evaluated say nothing.
-std::vector<int> ConditionFunctions::sides_beside(std::size_t leader, const Point& at, const double* tolerances) {
+// Functions that are zero together at the point alone are not meant: several points of the surface are asked, at
+// several times. Those at which functions cannot be evaluated say nothing.
+std::vector<ConditionFunctions::Side> ConditionFunctions::sides_beside(std::size_t leader, const Point& at,
+                                                                       const double* tolerances) {
   constexpr double step = 1e-2, nearest = 1e-6;  // of the distance of points; of max(|x|, 1). (Chosen.)
-  std::vector<int> sides(count(), 0), others;
+  Normal here{{at.x, at.x + n_}, std::vector<double>(n_)};
+  std::vector<Side> sides(count(), Side::none);
+  sides[leader] = Side::above;
+  if (!find_zero(leader, at.t, tolerances, nearest, here)) return sides;
+  sides = sides_at(at.t, here);
   std::minstd_rand numbers;
   const auto offset = [&numbers](double around, double part) {
     const double number = static_cast<double>(numbers()) / static_cast<double>(std::minstd_rand::max());
@@ -198,24 +201,19 @@ std::vector<int> ConditionFunctions::sides_beside(std::size_t leader, const Poin
     const double t = offset(at.t, part);
     for (std::size_t i = 0; i < n_; ++i) point.x[i] = offset(at.x[i], part);
     if (!find_zero(leader, t, tolerances, step * part, point)) continue;
-    const std::vector<int> there = sides_at(t, point);
-    if (evaluated == 0) others = there;
+    const std::vector<Side> there = sides_at(t, point);
     for (std::size_t k = 0; k < count(); ++k)
-      if (there[k] != others[k]) others[k] = 0;
+      if (sides[k] == Side::none || there[k] == Side::none) sides[k] = Side::none;
+      else if (there[k] != sides[k]) sides[k] = Side::both;
     ++evaluated;
   }
-  Normal here{{at.x, at.x + n_}, std::vector<double>(n_)};
-  if (evaluated > 1 && find_zero(leader, at.t, tolerances, nearest, here)) {
-    sides = sides_at(at.t, here);
-    for (std::size_t k = 0; k < count(); ++k)
-      if (sides[k] != others[k]) sides[k] = 0;
-  }
-  sides[leader] = 1;
+  if (evaluated < 2) std::fill(sides.begin(), sides.end(), Side::none);
+  sides[leader] = Side::above;
   return sides;
 }
 
-// The same of one point of a surface.
-std::vector<int> ConditionFunctions::sides_at(double t, const Normal& point) {
+// Sides at one point of a surface.
+std::vector<ConditionFunctions::Side> ConditionFunctions::sides_at(double t, const Normal& point) {
   constexpr double same = 1e-9;  // of what g changes by in the step away from the surface
   std::vector<double> on(count()), above(count()), below(count()), x(n_);
   const auto evaluate_beside = [&](double side, std::vector<double>& g) {
@@ -225,10 +223,10 @@ std::vector<int> ConditionFunctions::sides_at(double t, const Normal& point) {
   evaluate_beside(0.0, on);
   evaluate_beside(1.0, above);
   evaluate_beside(-1.0, below);
-  std::vector<int> sides(count(), 0);
+  std::vector<Side> sides(count(), Side::none);
   for (std::size_t k = 0; k < count(); ++k) {
     const bool is_zero = std::fabs(on[k]) <= same * std::max(std::fabs(above[k]), std::fabs(below[k]));
-    if (is_zero && is_met(above[k]) != is_met(below[k])) sides[k] = is_met(above[k]) ? 1 : -1;
+    if (is_zero && is_met(above[k]) != is_met(below[k])) sides[k] = is_met(above[k]) ? Side::above : Side::below;
   }
   return sides;
 }
@@ -242,11 +240,12 @@ std::vector<RegularizedCondition> ConditionFunctions::surfaces(const std::vector
     if (is_taken[leader] != 0) continue;
     const double width = width_of(leader, at, tolerances);
     if (!(width > 0.0)) continue;
-    const std::vector<int> sides = sides_beside(leader, at, tolerances);
+    const std::vector<Side> sides = sides_beside(leader, at, tolerances);
+    if (std::find(sides.begin(), sides.end(), Side::both) != sides.end()) return {};
     for (std::size_t k = 0; k < count(); ++k) {
-      if (sides[k] == 0 || is_taken[k] != 0) continue;
+      if (sides[k] == Side::none || is_taken[k] != 0) continue;
       is_taken[k] = 1;
-      found.push_back({k, width, leader, sides[k] < 0});
+      found.push_back({k, width, leader, sides[k] == Side::below});
     }
   }
   return found;

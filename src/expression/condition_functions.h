@@ -46,6 +46,7 @@ class ConditionFunctions {
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
   // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
   // that are zero on the same surfaces. Functions of x', and those that do not pass zero there, have no such surface.
+  // Where a function is met now above a surface and now below it, none is returned.
   std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
                                              const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
@@ -62,11 +63,14 @@ class ConditionFunctions {
   void load(const double* x, const double* xdot);
   std::optional<Rates> rates(const Point& at);
   double width_of(std::size_t function, const Point& at, const double* tolerances);
-  std::vector<int> sides_beside(std::size_t leader, const Point& at, const double* tolerances);
+  // Sides of a surface on which functions are met: above or below it, now above and now below, or none as they have
+  // other zeros.
+  enum class Side { none, above, below, both };
+  std::vector<Side> sides_beside(std::size_t leader, const Point& at, const double* tolerances);
   struct Normal {
     std::vector<double> x, direction;  // a point on a surface, and a step away from it
   };
-  std::vector<int> sides_at(double t, const Normal& point);
+  std::vector<Side> sides_at(double t, const Normal& point);
   bool find_zero(std::size_t function, double t, const double* tolerances, double part, Normal& at);
 
   const TaylorEvaluator& evaluator_;

@@ -31,6 +31,7 @@ void SlidingLayers::add(std::shared_ptr<const Record> record, const TaylorEvalua
     round.equations->set_parameter(i, parameters.parameter(i));
   round.functions = std::make_unique<ConditionFunctions>(*round.equations, nodes);
   round.g.resize(nodes.size());
+  round.are_entered.resize(nodes.size());
   round.gradients.resize(nodes.size() * round.functions->width());
   rounds_.push_back(std::move(round));
 }
@@ -43,37 +44,27 @@ bool SlidingLayers::is_left(const Round& round, std::size_t k, bool with_sensiti
 bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t leader) const {
   double sides = 0.0;
   for (std::size_t i = 0; i < round.functions->width(); ++i) sides += round.slope(k, i) * round.slope(leader, i);
-  return sides == 0.0 || (sides < 0.0) == round.conditions[k].is_opposite;
+  return sides != 0.0 && (sides < 0.0) == round.conditions[k].is_opposite;
 }
 
-bool SlidingLayers::may_turn() const {
-  return std::any_of(rounds_.begin(), rounds_.end(), [](const Round& round) {
-    return std::any_of(round.conditions.begin(), round.conditions.end(),
-                       [](const RegularizedCondition& each) { return each.condition != each.leader; });
-  });
-}
-
-bool SlidingLayers::turn(double t, const double* x) {
+bool SlidingLayers::turn(const LayerPoint& at) {
   for (Round& round : rounds_) {
-    if (round.conditions.empty()) continue;
-    if (!round.functions->linearize(t, x, nullptr, round.g.data(), round.gradients.data())) continue;
-    for (std::size_t k = 0; k < round.conditions.size(); ++k) {
-      const std::size_t leader = round.leader_of(k);
-      if (round.is_within(leader) && !is_on_side(round, k, leader)) return true;
-    }
+    if (std::find(round.are_entered.begin(), round.are_entered.end(), 1) == round.are_entered.end()) continue;
+    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
+    for (std::size_t k = 0; k < round.conditions.size(); ++k)
+      if (round.are_entered[k] != 0 && !fits(round, k, at, similar * similar)) return true;
   }
   return false;
 }
 
-bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at) const {
+// For a surface that x is within the layer of.
+bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at, double factor) const {
   const RegularizedCondition& own = round.conditions[k];
   const std::size_t leader = round.leader_of(k);
-  if (is_left(round, leader, at.with_sensitivities)) return false;
-  if (!round.is_within(leader)) return true;
   if (k == leader) {
     const auto [best, largest] =
         round.functions->widths(round.gradients.data() + k, round.conditions.size(), at.x, at.tolerances);
-    return best < similar * own.width && own.width < std::max(similar * best, largest);
+    return best < factor * own.width && own.width < std::max(factor * best, largest);
   }
   return is_on_side(round, k, leader);
 }
@@ -87,7 +78,10 @@ void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<d
     if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
     for (std::size_t k = 0; k < round.conditions.size(); ++k) {
       const double width = round.conditions[k].width;
-      fit_ = fit_ && fits(round, k, at);
+      const std::size_t leader = round.leader_of(k);
+      round.are_entered[k] = round.is_within(leader) ? 1 : 0;
+      fit_ = fit_ && !is_left(round, leader, at.with_sensitivities) &&
+             (round.are_entered[k] == 0 || fits(round, k, at, similar));
       if (round.conditions[k].condition != round.conditions[k].leader || !(std::fabs(round.g[k]) < width)) continue;
       entered_ = true;
       for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -107,7 +101,9 @@ RegularizationRounds SlidingLayers::fitting(const RegularizationRounds& rounds, 
     bool stays = true;
     std::vector<std::size_t> leaders;
     for (std::size_t k = 0; k < round.conditions.size(); ++k) {
-      stays = stays && fits(round, k, at);
+      const std::size_t leader = round.leader_of(k);
+      stays = stays && !is_left(round, leader, at.with_sensitivities) &&
+              (!round.is_within(leader) || fits(round, k, at, similar));
       const bool is_leader = round.conditions[k].condition == round.conditions[k].leader;
       if (is_leader && !is_left(round, k, at.with_sensitivities)) leaders.push_back(k);
     }

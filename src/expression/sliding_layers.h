@@ -42,10 +42,8 @@ class SlidingLayers {
   bool fit() const { return fit_; }
   // Whether x was within one of them there.
   bool are_entered() const { return entered_; }
-  // Whether several conditions of a surface are met on other sides of it at a point than before; this may be so where
-  // a surface has several conditions.
-  bool may_turn() const;
-  bool turn(double t, const double* x);
+  // Whether the layers that x was within cease to fit at a point by far more than they may: steps end before it.
+  bool turn(const LayerPoint& at);
   // Returns the rounds with layers that fit, near the point.
   RegularizationRounds fitting(const RegularizationRounds& rounds, const LayerPoint& at);
 
@@ -55,6 +53,7 @@ class SlidingLayers {
     std::unique_ptr<ConditionFunctions> functions;
     std::vector<RegularizedCondition> conditions;
     std::vector<double> g, gradients;
+    std::vector<char> are_entered;  // by conditions: layers of their surfaces, where limits were asked for last
     double slope(std::size_t k, std::size_t i) const { return gradients[i * conditions.size() + k]; }
     std::size_t leader_of(std::size_t k) const {
       std::size_t leader = 0;
@@ -65,7 +64,7 @@ class SlidingLayers {
   };
   bool is_on_side(const Round& round, std::size_t k, std::size_t leader) const;
   bool is_left(const Round& round, std::size_t k, bool with_sensitivities) const;
-  bool fits(const Round& round, std::size_t k, const LayerPoint& at) const;
+  bool fits(const Round& round, std::size_t k, const LayerPoint& at, double similar) const;
 
   std::vector<Round> rounds_;
   bool fit_ = true, entered_ = false;

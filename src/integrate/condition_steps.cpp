@@ -387,6 +387,7 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
 bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) {
   const double t = integrator.stepper->state().t;
   const std::vector<double>& x = integrator.stepper->x();
+  find_slopes(integrator, t, x, slopes_);
   double steepness = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double slope = near_.gradients[i * branches_.size() + k] * tolerances_[i];
@@ -397,7 +398,6 @@ bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) 
     const double slope = near_.gradients[i * branches_.size() + k];
     change_[i] = x[i] - 2.0 * tried_.g[k] / steepness * slope * tolerances_[i] * tolerances_[i];
   }
-  find_slopes(integrator, t, x, slopes_);
   const HeldConditions::Point from{t, x.data(), slopes_.data()}, to{t, change_.data(), slopes_.data()};
   return conditions_->passing(k, tried_.g.data(), from, to) == HeldConditions::Passing::jump;
 }

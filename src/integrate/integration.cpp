@@ -257,6 +257,7 @@ void Integration::limit_errors_in_layers() {
 
 LayerPoint Integration::layer_point() {
   const std::vector<double>& x = integrator_.stepper->x();
+  regularity_.tolerances.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
     regularity_.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
   return {integrator_.stepper->state().t, x.data(), regularity_.tolerances.data(), has_companion()};
@@ -283,7 +284,9 @@ void Integration::resize_workspace() {
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
   const std::size_t n = index(integrator_.system.unknowns());
-  for (std::vector<double>* const each : {&regularity_.limits, &regularity_.tolerances}) each->resize(n);
+  if (options_.conditions != nullptr)
+    for (std::vector<double>* const each : {&regularity_.limits, &regularity_.slopes, &regularity_.tolerances})
+      each->resize(n);
   regularity_.idle_x.resize(n, std::numeric_limits<double>::infinity());
   if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
@@ -403,13 +406,13 @@ bool Integration::may_hide_jump(double h) {
 
 bool Integration::turns_in_step(SlidingLayers& layers) {
   constexpr int places = 8;  // within the step. (Chosen.)
-  if (!layers.may_turn()) return false;
+  if (!layers.are_entered()) return false;
   const PointsOfCurve points = integrator_.stepper->points_of_tried();
   const std::size_t n = regularity_.limits.size();
   for (int k = 1; k <= places; ++k) {
     const double t = k < places ? points.t[0] + k * (points.t[1] - points.t[0]) / places : points.t[1];
-    points.evaluate(t, n, regularity_.limits.data(), regularity_.tolerances.data());
-    if (layers.turn(t, regularity_.limits.data())) return true;
+    points.evaluate(t, n, regularity_.limits.data(), regularity_.slopes.data());
+    if (layers.turn({t, regularity_.limits.data(), regularity_.tolerances.data(), has_companion()})) return true;
   }
   return false;
 }

@@ -233,6 +233,7 @@ class Integration {
   std::optional<Approach> approach_;
   struct Regularity {
     std::vector<double> limits, tolerances;  // of errors in layers; of x
+    std::vector<double> slopes;              // at a point within a step
     // So many attempts since x and t, from where these may have moved by next to nothing.
     int attempts = 0;
     double idle_t = 0.0;

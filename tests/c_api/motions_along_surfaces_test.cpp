@@ -199,6 +199,8 @@ std::vector<Law> laws() {
       {"x^3 > 0", [](T, X x) { return choose(x[0] * x[0] * x[0] > 0.0, 1.0, 0.0); }, 3.0},
       {"exp(x) > 1", [](T, X x) { return choose(exp(x[0]) > 1.0, 1.0, 0.0); }, 3.0},
       {"(1 + 0.8 sin t) x > 0", [](T t, X x) { return choose((1.0 + 0.8 * sin(t)) * x[0] > 0.0, 1.0, 0.0); }, 3.0},
+      {"x exp(14 tanh(100 (t - 2))) > 0",
+       [](T t, X x) { return choose(x[0] * exp(14.0 * tanh(100.0 * (t - 2.0))) > 0.0, 1.0, 0.0); }, 3.0},
       {"x / (1 + y^2) > 0", [](T, X x) { return choose(x[0] / (1.0 + x[2] * x[2]) > 0.0, 1.0, 0.0); }, 3.0},
       {"max(x, 0) > 0", [](T, X x) { return choose(max(x[0], 0.0) > 0.0, 1.0, 0.0); }, 3.0},
       // Convex combinations of what equations are on both sides.
@@ -247,6 +249,18 @@ TEST(MotionsAlongSurfaces, AreNamedWhereConditionsCannotBeToldApart) {
         EXPECT_THROW(end_of(equations, {0.0, 0.0, 0.0}, 4.0, with(method, tolerance)), sfdae::Error)
             << "law " << k << ", method " << method << ", tolerance " << tolerance;
       }
+}
+
+// x_1 falls from 1/2 to 1/5 until t = 2/5, and stays there, with 1/2 of both branches: x_0 does not move any more.
+TEST(MotionsAlongSurfaces, HaveThresholds) {
+  const Equations equations = [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - sign(x[1] - 0.2);
+    F[1] = xdot[1] - 0.25 + choose(x[1] - 0.2 > 0.0, 1.0, -0.5);
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double tolerance : {1e-4, 1e-6, 1e-8, 1e-9})
+      EXPECT_NEAR(end_of(equations, {0.0, 0.5}, 4.0, with(method, tolerance))[0], 0.4, 100.0 * tolerance)
+          << "method " << method << ", tolerance " << tolerance;
 }
 
 // x_0 = 0 and x_1 = 0, with 7/8 and 5/8 of the branches above: max(sign(x_0), sign(x_1)) is -1 in 3/64 of the cases.
