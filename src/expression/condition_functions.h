@@ -46,7 +46,7 @@ class ConditionFunctions {
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
   // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
   // that are zero on the same surfaces. Functions of x', and those that do not pass zero there, have no such surface.
-  // Where a function is met now above a surface and now below it, none is returned.
+  // If a function is met now above a surface and now below it, there are none.
   std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
                                              const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:

@@ -66,7 +66,7 @@ class FlatSearch {
     return equations_.entries(t_, jet_.data(), 0, std::vector<int>(values_.size(), 0), entries.data());
   }
 
-  // What tolerances of other unknowns than that of entry e leave open of equation i.
+  // Returns what tolerances of other unknowns than that of entry e leave open of equation i.
   double openness(int i, std::size_t e, const std::vector<double>& entries) const {
     const Tape& tape = equations_.tape();
     double sum = 0.0;
@@ -82,7 +82,7 @@ class FlatSearch {
     return values_[index(i)];
   }
 
-  // There, or where it has no slope, if that is near.
+  // Looks there, and where the equation has no slope, if that is near.
   std::optional<FlatEquation> flat_near(int i, std::size_t e) {
     constexpr int most_moves = 20;
     const std::size_t j = index(equations_.tape().targets[e].unknown);
@@ -122,7 +122,7 @@ class FlatSearch {
     return std::nullopt;
   }
 
-  // Whether what the equation says of other unknowns is about the same on both sides: they do not cease to matter here.
+  // Returns whether other unknowns matter to the equation about as much on both sides: they do not cease to do so here.
   bool others_stay(int i, std::size_t e, double center, double width, double open) {
     constexpr double similar = 2.0;  // (Chosen.)
     std::vector<double> beside(x_), entries;

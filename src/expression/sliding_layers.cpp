@@ -40,7 +40,7 @@ bool SlidingLayers::is_left(const Round& round, std::size_t k, bool with_sensiti
   return with_sensitivities && std::fabs(round.g[k]) > far * round.conditions[k].width;
 }
 
-// Whether condition k and the one of its leader are met on the sides where they have been.
+// Returns whether condition k and the one of its leader are met on the sides where they have been.
 bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t leader) const {
   double sides = 0.0;
   for (std::size_t i = 0; i < round.functions->width(); ++i) sides += round.slope(k, i) * round.slope(leader, i);
@@ -57,7 +57,7 @@ bool SlidingLayers::turn(const LayerPoint& at) {
   return false;
 }
 
-// For a surface that x is within the layer of.
+// Returns whether condition k fits, whose surface has x within its layer.
 bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at, double factor) const {
   const RegularizedCondition& own = round.conditions[k];
   const std::size_t leader = round.leader_of(k);
@@ -93,7 +93,7 @@ void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<d
 }
 
 // Numbers of later rounds depend on the conditions of those before: where these differ, the later ones are left out.
-// What x still moves along leads back to its zero again.
+// Conditions of surfaces that x still moves along lead back to their zeros again.
 RegularizationRounds SlidingLayers::fitting(const RegularizationRounds& rounds, const LayerPoint& at) {
   RegularizationRounds fitting;
   for (std::size_t r = 0; r < rounds.size(); ++r) {

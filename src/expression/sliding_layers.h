@@ -1,5 +1,5 @@
-// Where solutions move along surfaces on which equations are continuous by regularized_conditions.h, and how accurately
-// x has to be known there.
+// Layers about the surfaces that solutions move along, in which equations are continuous (regularized_conditions.h),
+// limit the errors that x may have there.
 //
 // Within the width of a surface the part u of a branch changes from 0 to 1 while x changes by no more than its
 // tolerances. Errors of x that do not matter as such are errors of forces then, which do: too coarse a step may not see
@@ -36,13 +36,14 @@ class SlidingLayers {
   // Sets limits, as many as unknowns, of errors of x: with these the error of u is `part` at most in all layers that x
   // lies in; infinity where there are none. Nothing is allocated.
   void find_limits(const LayerPoint& at, double part, std::vector<double>& limits);
-  // Whether the layers were those at the point asked for last: widths depend on slopes of g, and on which side of a
-  // surface several conditions are met. With sensitivities surfaces that x has left do not fit, either: where x only
-  // passes them, sensitivities jump.
+  // Returns whether the layers fit at the point that limits were asked for last: widths depend on slopes of g, and on
+  // which side of a surface several conditions are met. With sensitivities surfaces that x has left do not fit, either:
+  // where x only passes them, sensitivities jump.
   bool fit() const { return fit_; }
-  // Whether x was within one of them there.
+  // Returns whether x was within one of them there.
   bool are_entered() const { return entered_; }
-  // Whether the layers that x was within cease to fit at a point by far more than they may: steps end before it.
+  // Returns whether the layers that x was within cease to fit at a point, by far more than they may: steps end before
+  // it.
   bool turn(const LayerPoint& at);
   // Returns the rounds with layers that fit, near the point.
   RegularizationRounds fitting(const RegularizationRounds& rounds, const LayerPoint& at);

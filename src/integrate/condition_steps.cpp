@@ -298,8 +298,8 @@ double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   return end_at(part);
 }
 
-// Whether conditions have other values at the end of a step that has failed, and residuals jump there; where the step
-// has no end, whether the polynomial says so that leads there.
+// Returns whether conditions have other values at the end of a step that has failed, and residuals jump there; if the
+// step has no end, whether the polynomial says so that leads there.
 bool ConditionSteps::switches_ahead(const Integrator& integrator, StepOutcome outcome) {
   if (outcome == StepOutcome::error_too_large) {
     take_attempt(integrator);
@@ -383,7 +383,7 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
   return branches.size();
 }
 
-// Whether residuals jump where condition k, which is near its zero, passes it.
+// Returns whether residuals jump where condition k, which is near its zero, passes it.
 bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) {
   const double t = integrator.stepper->state().t;
   const std::vector<double>& x = integrator.stepper->x();
@@ -444,7 +444,7 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
   if (!is_visited) return;
   const double t = integrator.stepper->state().t;
   find_slopes(integrator, t, x, slopes_);
-  // Where residuals are continuous at a zero, nothing leads back to it.
+  // Nothing leads back to a zero at which residuals are continuous.
   const HeldConditions::Point before{before_.t, before_.x.data(), slopes_.data()};
   const HeldConditions::Point after{after_.t, after_.x.data(), slopes_.data()};
   std::size_t named = 0;

@@ -75,7 +75,7 @@ class FormulatedModel final : public Model {
   ConstraintsReport constraints();
 
   bool fulfils_equations(const PointOfInterest& point) { return all_.own->fulfils_equations(point); }
-  // Whether a mechanical system's own start values hold: its motion is consistent.
+  // Returns whether consistent values are those of the motion of a mechanical system.
   bool has_consistent_motion() const { return all_.multibody != nullptr && active_ != all_.own.get(); }
 
  private:

@@ -320,7 +320,7 @@ void Solver::make_analysis(PointOfInterest point) {
   direction = wanted;
 }
 
-// Whether the values that the analysis has found differ from those given in what is differentiated.
+// Returns whether the values that the analysis has found differ from those given in what is differentiated.
 bool Solver::moves_differentiated(const PointOfInterest& point) const {
   const Jet found = model.accepted_point();
   if (found.n == 0) return false;

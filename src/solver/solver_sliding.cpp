@@ -125,7 +125,7 @@ bool Solver::goes_on_with_layers(double tout, CallResult& result) {
   }
 }
 
-// Where this throws, the integration stays what it was.
+// If this throws, the integration stays what it was.
 void Solver::start_regularized(double tout, Regularization parts, const std::vector<RegularizedCondition>& sliding) {
   const Stepper& stepper = integration->stepper();
   const double t = stepper.state().t;

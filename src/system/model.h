@@ -173,7 +173,7 @@ class WholeModel : public Model {
   // jumps that are moved have to. Throws Failure.
   virtual bool differentiate_jump(const MovingJump&, const ModelOptions&, View /*after*/) { return false; }
 
-  // Whether some x' fulfils the equations at these values of x; true where that is not known.
+  // Returns whether some x' fulfils the equations at these values of x; true where that is not known.
   virtual bool fulfils_equations(const PointOfInterest&) { return true; }
 
   // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is

@@ -121,7 +121,7 @@ class Modes {
   double speed_of_surface(std::size_t i, const State& x, double t) const {
     return i == 0 ? of_.m * of_.nu * std::cos(of_.nu * t) : of_.c * slope(0, x, t);
   }
-  // What the relay has to give for the motion along its surface.
+  // Returns what the relay has to give for the motion along its surface.
   double needed(std::size_t i, const State& x, double t) const {
     return (drift(i, x, t) - speed_of_surface(i, x, t)) / of_.k[i];
   }
