@@ -339,20 +339,24 @@ std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
     return point.x != nullptr ? std::vector<double>(point.x, point.x + model.n()) : std::vector<double>();
   }
   std::vector<char> stays(index(model.n()), 0);
+  std::optional<CharacteristicValues> known;
   try {
     make_analysis(point);
     if (!moves_differentiated(point)) return {point.x, point.x + model.n()};
+    known = system()->analysis().values;
   } catch (const Failure& failure) {
     if (!may_be_of_guess(failure.status()) || model.fulfils_equations(point)) throw;
   }
   for (const double move : {0.1, -0.1, 1.0, -1.0, 1e-3, -1e-3, 0.0}) {  // of max(|x|, 1). (Chosen.)
     try {
       if (system()) model.system()->find_differentiated(stays.data());
-      if (auto guess = analyze_beside(point, move, stays)) return std::move(*guess);
+      if (auto guess = analyze_beside(point, move, known, stays)) return std::move(*guess);
     } catch (const Failure& failure) {
       if (ends_everything(failure.status())) throw;
     } catch (const std::runtime_error&) {  // of decompositions of what overflows
     }
+    // Ranks are the same there: it is constraints that move what is differentiated.
+    if (system() && system()->analysis().values == known) break;
   }
   make_analysis(point);
   return {point.x, point.x + model.n()};
@@ -361,6 +365,7 @@ std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
 // Where nothing stays by now it is not known yet what is differentiated. If the analysis finds values only by moving
 // that, the other unknowns found are the next guess.
 std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest& point, double move,
+                                                          const std::optional<CharacteristicValues>& known,
                                                           std::vector<char>& stays) {
   constexpr int most_analyses = 4;
   std::vector<double> guess(stays.size());
@@ -373,6 +378,7 @@ std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest&
   if (!all_finite(guess.data(), guess.size())) return std::nullopt;
   const PointOfInterest beside{point.t, point.toward, guess.data(), point.xdot};
   make_analysis(beside);
+  if (system()->analysis().values == known) return std::nullopt;
   for (int count = 1; count < most_analyses && moves_differentiated(point); ++count) {
     const Jet found = model.accepted_point();
     model.system()->find_differentiated(stays.data());

@@ -131,6 +131,7 @@ struct Solver {
   // from it in unknowns that are not differentiated.
   std::vector<double> analyze_near(const PointOfInterest& point);
   std::optional<std::vector<double>> analyze_beside(const PointOfInterest& point, double move,
+                                                    const std::optional<CharacteristicValues>& known,
                                                     std::vector<char>& stays);
   bool moves_differentiated(const PointOfInterest& point) const;
   // The sensitivities that were asked for go with the integration from its start, at the values found, where the system
