@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "family_run.h"
+#include "motion_in_pieces.h"
 #include "random_family.h"
+#include "solver_options.h"
 
 namespace conditions_that_slide {
 namespace {
@@ -28,10 +30,8 @@ using sfdae_test::RandomNumbers;
 using Vector = std::vector<double>;
 
 sfdae::Options with(int method, double tolerance, int structure = SFDAE_STRUCTURE_AUTOMATIC) {
-  sfdae::Options options;
-  options.method = method;
+  sfdae::Options options = sfdae_test::solver_options(tolerance, method);
   options.structure = structure;
-  options.rtol = options.atol = tolerance;
   return options;
 }
 
@@ -261,84 +261,43 @@ Chain random_chain(RandomNumbers& random) {
   return chain;
 }
 
-// Classical Runge-Kutta steps; each ends where a block comes to rest on its belt, or breaks loose.
-class Pieces {
+// A block comes to rest on its belt, and breaks loose again.
+class Blocks {
  public:
-  explicit Pieces(const Chain& chain) : chain_(chain), x_(chain.start), modes_(n()) {
-    for (std::size_t i = 0; i < n(); ++i) settle(i);
-  }
-  Vector advance(double end) {
-    while (t_ < end) {
-      const double h = std::min(longest, end - t_);
-      const Vector next = step(h);
-      if (!is_over(next, t_ + h)) {
-        x_ = next;
-        t_ += h;
-        continue;
-      }
-      double low = 0.0, high = h;
-      for (int k = 0; k < 60; ++k) {
-        const double middle = 0.5 * (low + high);
-        (is_over(step(middle), t_ + middle) ? high : low) = middle;
-      }
-      x_ = step(high);
-      t_ += high;
-      for (std::size_t i = 0; i < n(); ++i)
-        if (is_over(i, x_, t_)) change(i);
+  explicit Blocks(const Chain& chain) : chain_(chain), modes_(parts()) {
+    Vector x = chain.start;
+    for (std::size_t i = 0; i < parts(); ++i) {
+      const double slip = x[parts() + i] - chain_.belt[i];
+      if (slip != 0.0) modes_[i] = slip > 0.0 ? 1 : -1;
+      else change(i, 0.0, x);
     }
-    return x_;
   }
-
- private:
-  static constexpr double longest = 1e-3;
-  std::size_t n() const { return static_cast<std::size_t>(chain_.n); }
-  double force(std::size_t i, const Vector& x, double t) const {
-    const double left = i > 0 ? x[i - 1] : 0.0, right = i + 1 < n() ? x[i + 1] : 0.0;
-    return chain_.k * (right - 2.0 * x[i] + left) + chain_.pull[i] * std::sin(chain_.omega[i] * t);
-  }
-  Vector slopes(const Vector& x, double t) const {
-    Vector result(2 * n());
-    for (std::size_t i = 0; i < n(); ++i) {
-      result[i] = x[n() + i];
-      result[n() + i] = modes_[i] == 0 ? 0.0 : (force(i, x, t) - chain_.mu[i] * modes_[i]) / chain_.m;
+  std::size_t parts() const { return static_cast<std::size_t>(chain_.n); }
+  Vector slopes(double t, const Vector& x) const {
+    Vector result(2 * parts());
+    for (std::size_t i = 0; i < parts(); ++i) {
+      result[i] = x[parts() + i];
+      result[parts() + i] = modes_[i] == 0 ? 0.0 : (force(i, t, x) - chain_.mu[i] * modes_[i]) / chain_.m;
     }
     return result;
   }
-  Vector step(double h) const {
-    const auto moved = [&](const Vector& by, double part) {
-      Vector x = x_;
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] += part * h * by[i];
-      return x;
-    };
-    const Vector a = slopes(x_, t_), b = slopes(moved(a, 0.5), t_ + 0.5 * h), c = slopes(moved(b, 0.5), t_ + 0.5 * h),
-                 d = slopes(moved(c, 1.0), t_ + h);
-    Vector x = x_;
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-    return x;
+  bool is_over(std::size_t i, double t, const Vector& x) const {
+    if (modes_[i] == 0) return std::fabs(force(i, t, x)) > chain_.mu[i];
+    return modes_[i] * (x[parts() + i] - chain_.belt[i]) < 0.0;
   }
-  bool is_over(std::size_t i, const Vector& x, double t) const {
-    if (modes_[i] == 0) return std::fabs(force(i, x, t)) > chain_.mu[i];
-    return modes_[i] * (x[n() + i] - chain_.belt[i]) < 0.0;
-  }
-  bool is_over(const Vector& x, double t) const {
-    for (std::size_t i = 0; i < n(); ++i)
-      if (is_over(i, x, t)) return true;
-    return false;
-  }
-  void change(std::size_t i) {
-    if (modes_[i] != 0) x_[n() + i] = chain_.belt[i];
-    const double pulled = force(i, x_, t_);
+  void change(std::size_t i, double t, Vector& x) {
+    if (modes_[i] != 0) x[parts() + i] = chain_.belt[i];
+    const double pulled = force(i, t, x);
     modes_[i] = std::fabs(pulled) <= chain_.mu[i] ? 0 : pulled > 0.0 ? 1 : -1;
   }
-  void settle(std::size_t i) {
-    const double slip = x_[n() + i] - chain_.belt[i];
-    if (slip != 0.0) modes_[i] = slip > 0.0 ? 1 : -1;
-    else change(i);
+
+ private:
+  double force(std::size_t i, double t, const Vector& x) const {
+    const double left = i > 0 ? x[i - 1] : 0.0, right = i + 1 < parts() ? x[i + 1] : 0.0;
+    return chain_.k * (right - 2.0 * x[i] + left) + chain_.pull[i] * std::sin(chain_.omega[i] * t);
   }
 
   const Chain& chain_;
-  double t_ = 0.0;
-  Vector x_;
   std::vector<int> modes_;  // 0: at rest on the belt, else the sign of the slip
 };
 
@@ -389,7 +348,8 @@ sfdae::MultibodyProblem mechanical(const Chain& chain, int number) {
 template <class Problem>
 std::string motion_error(const Problem& problem, int size, const Chain& chain, const sfdae::Options& options) {
   constexpr double end = 6.0;
-  const Vector exact = Pieces(chain).advance(end);
+  Blocks blocks(chain);
+  const Vector exact = sfdae_test::move_in_pieces(blocks, chain.start, end);
   sfdae::Solver solver(problem, options);
   sfdae::Point point{0.0, chain.start, {}};
   point.x.resize(static_cast<std::size_t>(size), 0.0);

@@ -15,7 +15,9 @@
 #include <vector>
 
 #include "family_run.h"
+#include "motion_in_pieces.h"
 #include "random_family.h"
+#include "solver_options.h"
 
 namespace flows_at_rest {
 namespace {
@@ -38,12 +40,7 @@ Expression resistance(int law, const Expression& q) {
 }
 double exponent(int law) { return law == 1 ? 3.0 : 2.0; }
 
-sfdae::Options with(int method, double tolerance) {
-  sfdae::Options options;
-  options.method = method;
-  options.rtol = options.atol = tolerance;
-  return options;
-}
+sfdae::Options with(int method, double tolerance) { return sfdae_test::solver_options(tolerance, method); }
 
 // Two tanks with levels x_0 and x_1, and a pipe: x_0' = inflow - q, x_1' = q, k resistance(q) = x_0 - x_1.
 sfdae::NonlinearProblem tanks(int law, double k, const Inflow& inflow = {}) {
@@ -134,18 +131,10 @@ TEST(FlowsAtRest, TurnAgainAndAgain) {
         EXPECT_NEAR(point.x[0] + point.x[1], 0.2 + std::sin(12.0), 100.0 * tolerance) << "law " << law;
         return point.x;
       };
-      // By classical Runge-Kutta steps.
-      double d = 0.0;
-      constexpr int steps = 120000;
-      constexpr double h = 12.0 / steps;
-      const auto slope = [&](double t, double at) {
-        return std::cos(t) - 2.0 * std::copysign(std::pow(std::fabs(at) / 5.0, 1.0 / exponent(law)), at);
+      const auto slopes = [&](double t, const Vector& d) {
+        return Vector{std::cos(t) - 2.0 * std::copysign(std::pow(std::fabs(d[0]) / 5.0, 1.0 / exponent(law)), d[0])};
       };
-      for (int i = 0; i < steps; ++i) {
-        const double t = i * h, a = slope(t, d), b = slope(t + 0.5 * h, d + 0.5 * h * a),
-                     c = slope(t + 0.5 * h, d + 0.5 * h * b), e = slope(t + h, d + h * c);
-        d += h / 6.0 * (a + 2.0 * b + 2.0 * c + e);
-      }
+      const double d = sfdae_test::runge_kutta(slopes, {0.0}, 12.0, 120000)[0];
       for (double tolerance : {1e-4, 1e-6}) {
         const Vector x = levels(tolerance);
         EXPECT_NEAR(x[0] - x[1], d, 100.0 * tolerance) << "law " << law << ", method " << method;

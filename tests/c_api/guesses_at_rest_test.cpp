@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "family_run.h"
+#include "motion_in_pieces.h"
 #include "random_family.h"
+#include "solver_options.h"
 
 namespace guesses_at_rest {
 namespace {
@@ -59,21 +61,8 @@ struct Tanks {
     }
     return result;
   }
-  // By classical Runge-Kutta steps.
   Vector levels_at_end() const {
-    constexpr int steps = 200;
-    const double dt = end() / steps;
-    Vector h = levels;
-    for (int step = 0; step < steps; ++step) {
-      const auto moved = [&](const Vector& by, double part) {
-        Vector x = h;
-        for (std::size_t i = 0; i < x.size(); ++i) x[i] += part * dt * by[i];
-        return x;
-      };
-      const Vector a = slopes(h), b = slopes(moved(a, 0.5)), c = slopes(moved(b, 0.5)), d = slopes(moved(c, 1.0));
-      for (std::size_t i = 0; i < h.size(); ++i) h[i] += dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-    }
-    return h;
+    return sfdae_test::runge_kutta([this](double, const Vector& h) { return slopes(h); }, levels, end(), 200);
   }
   sfdae::NonlinearProblem problem() const {
     const int n = static_cast<int>(levels.size() + pipes());
@@ -109,10 +98,9 @@ TEST(GuessesAtRest, LeaveWhatIsDifferentiated) {
     SCOPED_TRACE("tanks " + std::to_string(seed));
     RandomNumbers random(8800 + static_cast<std::uint64_t>(seed));
     const Tanks tanks = random_tanks(random);
-    sfdae::Options options;
-    options.method = random.integer(0, 1) == 0 ? SFDAE_METHOD_BDF : SFDAE_METHOD_RADAU;
+    sfdae::Options options =
+        sfdae_test::solver_options(1e-6, random.integer(0, 1) == 0 ? SFDAE_METHOD_BDF : SFDAE_METHOD_RADAU);
     options.structure = random.integer(0, 1) == 0 ? SFDAE_STRUCTURE_OFF : SFDAE_STRUCTURE_AUTOMATIC;
-    options.rtol = options.atol = 1e-6;
     sfdae::Solver solver(tanks.problem(), options);
     const std::size_t levels = tanks.levels.size();
     sfdae::Point point{0.0, tanks.levels, {}};

@@ -17,7 +17,9 @@
 #include <vector>
 
 #include "family_run.h"
+#include "motion_in_pieces.h"
 #include "random_family.h"
+#include "solver_options.h"
 
 namespace motions_along_surfaces {
 namespace {
@@ -28,12 +30,7 @@ using sfdae::Expressions;
 using sfdae_test::RandomNumbers;
 using Vector = std::vector<double>;
 
-sfdae::Options with(int method, double tolerance) {
-  sfdae::Options options;
-  options.method = method;
-  options.rtol = options.atol = tolerance;
-  return options;
-}
+sfdae::Options with(int method, double tolerance) { return sfdae_test::solver_options(tolerance, method); }
 
 using Equations = std::function<void(const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F)>;
 
@@ -83,76 +80,44 @@ Equations equations_of(const TwoRelays& of) {
   };
 }
 
-// Small classical Runge-Kutta steps with the modes of both relays: 1, -1, or 0 on the surface.
+// Modes of both relays: 1, -1, or 0 on the surface.
 class Modes {
  public:
-  explicit Modes(const TwoRelays& of) : of_(of), x_(of.start) {
-    modes_ = {s(0, x_, 0.0) > 0.0 ? 1 : -1, s(1, x_, 0.0) > 0.0 ? 1 : -1};
+  explicit Modes(const TwoRelays& of) : of_(of) {
+    const Vector x(of.start.begin(), of.start.end());
+    for (std::size_t i = 0; i < parts(); ++i) modes_[i] = s(i, 0.0, x) > 0.0 ? 1 : -1;
   }
-  std::array<double, 2> advance(double end) {
-    while (t_ < end) {
-      const double h = std::min(1e-3, end - t_);
-      if (!is_over(step(h), t_ + h)) {
-        x_ = step(h);
-        t_ += h;
-        continue;
-      }
-      double low = 0.0, high = h;
-      for (int k = 0; k < 55; ++k) {
-        const double middle = 0.5 * (low + high);
-        (is_over(step(middle), t_ + middle) ? high : low) = middle;
-      }
-      x_ = step(high);
-      t_ += high;
-      for (std::size_t i = 0; i < 2; ++i)
-        if (is_over(i, x_, t_)) change(i);
-    }
-    return x_;
+  static std::size_t parts() { return 2; }
+  Vector slopes(double t, const Vector& x) const { return {slope(0, t, x), slope(1, t, x)}; }
+  bool is_over(std::size_t i, double t, const Vector& x) const {
+    return modes_[i] == 0 ? std::fabs(needed(i, t, x)) > 1.0 : modes_[i] * s(i, t, x) < 0.0;
   }
-
- private:
-  using State = std::array<double, 2>;
-  double s(std::size_t i, const State& x, double t) const {
-    return i == 0 ? x[0] - of_.m * std::sin(of_.nu * t) : x[1] - of_.c * x[0];
-  }
-  double drift(std::size_t i, const State& x, double t) const {
-    return of_.a[i] * std::sin(of_.omega[i] * t + of_.phase[i]) - of_.r[i] * x[i];
-  }
-  double speed_of_surface(std::size_t i, const State& x, double t) const {
-    return i == 0 ? of_.m * of_.nu * std::cos(of_.nu * t) : of_.c * slope(0, x, t);
-  }
-  // Returns what the relay has to give for the motion along its surface.
-  double needed(std::size_t i, const State& x, double t) const {
-    return (drift(i, x, t) - speed_of_surface(i, x, t)) / of_.k[i];
-  }
-  double slope(std::size_t i, const State& x, double t) const {
-    return modes_[i] == 0 ? speed_of_surface(i, x, t) : drift(i, x, t) - of_.k[i] * modes_[i];
-  }
-  State step(double h) const {
-    const auto slopes = [&](const State& x, double t) { return State{slope(0, x, t), slope(1, x, t)}; };
-    const auto moved = [&](const State& by, double part) {
-      return State{x_[0] + part * h * by[0], x_[1] + part * h * by[1]};
-    };
-    const State a = slopes(x_, t_), b = slopes(moved(a, 0.5), t_ + 0.5 * h), c = slopes(moved(b, 0.5), t_ + 0.5 * h),
-                d = slopes(moved(c, 1.0), t_ + h);
-    State x = x_;
-    for (std::size_t i = 0; i < 2; ++i) x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-    return x;
-  }
-  bool is_over(std::size_t i, const State& x, double t) const {
-    return modes_[i] == 0 ? std::fabs(needed(i, x, t)) > 1.0 : modes_[i] * s(i, x, t) < 0.0;
-  }
-  bool is_over(const State& x, double t) const { return is_over(0, x, t) || is_over(1, x, t); }
-  void change(std::size_t i) {
-    if (modes_[i] != 0) x_[i] -= s(i, x_, t_);
-    const double value = needed(i, x_, t_);
+  void change(std::size_t i, double t, Vector& x) {
+    if (modes_[i] != 0) x[i] -= s(i, t, x);
+    const double value = needed(i, t, x);
     modes_[i] = std::fabs(value) <= 1.0 ? 0 : value > 0.0 ? 1 : -1;
   }
 
+ private:
+  double s(std::size_t i, double t, const Vector& x) const {
+    return i == 0 ? x[0] - of_.m * std::sin(of_.nu * t) : x[1] - of_.c * x[0];
+  }
+  double drift(std::size_t i, double t, const Vector& x) const {
+    return of_.a[i] * std::sin(of_.omega[i] * t + of_.phase[i]) - of_.r[i] * x[i];
+  }
+  double speed_of_surface(std::size_t i, double t, const Vector& x) const {
+    return i == 0 ? of_.m * of_.nu * std::cos(of_.nu * t) : of_.c * slope(0, t, x);
+  }
+  // Returns what the relay has to give for the motion along its surface.
+  double needed(std::size_t i, double t, const Vector& x) const {
+    return (drift(i, t, x) - speed_of_surface(i, t, x)) / of_.k[i];
+  }
+  double slope(std::size_t i, double t, const Vector& x) const {
+    return modes_[i] == 0 ? speed_of_surface(i, t, x) : drift(i, t, x) - of_.k[i] * modes_[i];
+  }
+
   const TwoRelays& of_;
-  double t_ = 0.0;
-  State x_;
-  std::array<int, 2> modes_;
+  std::array<int, 2> modes_{};
 };
 
 // One may slide while the other one comes to its surface, or leaves it. None is wrong, and at most 2 % end by name.
@@ -163,12 +128,13 @@ TEST(MotionsAlongSurfaces, OfTwoRelays) {
     SCOPED_TRACE("relays " + std::to_string(seed));
     RandomNumbers random(9100 + static_cast<std::uint64_t>(seed));
     const TwoRelays relays = random_relays(random);
-    const std::array<double, 2> exact = Modes(relays).advance(5.0);
+    Modes modes(relays);
+    const Vector start(relays.start.begin(), relays.start.end());
+    const Vector exact = sfdae_test::move_in_pieces(modes, start, 5.0);
     const double tolerance = std::pow(10.0, -random.uniform(4.0, 7.0));
     for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
       try {
-        const Vector x =
-            end_of(equations_of(relays), {relays.start[0], relays.start[1]}, 5.0, with(method, tolerance));
+        const Vector x = end_of(equations_of(relays), start, 5.0, with(method, tolerance));
         for (std::size_t i = 0; i < 2; ++i)
           EXPECT_NEAR(x[i], exact[i], 100.0 * tolerance * (1.0 + std::fabs(exact[i])))
               << "method " << method << ", tolerance " << tolerance;
