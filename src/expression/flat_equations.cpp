@@ -20,6 +20,10 @@ namespace {
 
 // An entry of F_x counts as flat if the equation changes by more than ten times what it says. (Chosen.)
 constexpr double flat = 0.1;
+// Changes of an equation, in what it is open by, beyond which it is not flat. (Chosen.)
+constexpr double steep = 100.0;
+// Widths are tried from a tolerance on, each twice the one before. (Chosen: up to 1e12 tolerances.)
+constexpr int most_widths = 40;
 
 class FlatSearch {
  public:
@@ -52,7 +56,11 @@ class FlatSearch {
     for (int i = 0; i < record_.m(); ++i) {
       if ((record_.dependence(record_.residual(i)) & on_derivatives) != 0) continue;
       for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i) + 1]; ++e) {
-        if (is_differentiated_[index(tape.targets[e].unknown)] != 0 || entries[e] == other[e]) continue;
+        const std::size_t j = index(tape.targets[e].unknown);
+        if (is_differentiated_[j] != 0 || entries[e] == other[e]) continue;
+        // As far as that is from where the slope is zero the equation changes by far more than it is open.
+        const double distance = tolerances_[j] * entries[e] / (other[e] - entries[e]);
+        if (std::fabs(entries[e] * distance) > steep * openness(i, e, entries)) continue;
         if (const auto equation = flat_near(i, e)) found.push_back(*equation);
       }
     }
@@ -108,12 +116,13 @@ class FlatSearch {
     if (!here || !(open > 0.0) || !std::isfinite(open) || !(tolerances_[j] > 0.0)) return std::nullopt;
     // A term of this size would be linear up to there.
     const double most = flat * open / std::fabs(entries_[e]);
-    for (double width = tolerances_[j]; width <= most; width *= 2.0) {
+    double width = tolerances_[j];
+    for (int tried = 0; tried < most_widths && width <= most; ++tried, width *= 2.0) {
       const auto below = value(i, j, center - width), above = value(i, j, center + width);
       if (!below || !above) return std::nullopt;
       const double fall = *here - *below, rise = *above - *here;
       if (std::fabs(rise) < open || std::fabs(fall) < open) {
-        if (std::max(std::fabs(rise), std::fabs(fall)) > 100.0 * open || width > 1e300) return std::nullopt;
+        if (std::max(std::fabs(rise), std::fabs(fall)) > steep * open) return std::nullopt;
         continue;
       }
       if ((rise > 0.0) != (fall > 0.0) || !others_stay(i, e, center, width, open)) return std::nullopt;

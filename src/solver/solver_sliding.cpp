@@ -35,7 +35,7 @@ bool may_be_of_branches(int status) {
   return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
 }
 
-// Integrations end with these at points where the equations have other ranks than beside them.
+// Integrations end with these at points where the equations have other ranks than nearby.
 bool may_be_of_flat_equations(int status) {
   return may_be_of_branches(status) || status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_RANK_UNCLEAR;
 }
@@ -54,7 +54,7 @@ double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditi
 
 }  // namespace
 
-// Equations that are flat in an unknown get a term there.
+// Goes on with terms in the equations that are flat in an unknown.
 bool Solver::goes_on_with_terms(double tout, const CallResult& result) {
   if (!may_be_of_flat_equations(result.status) || integration->adjoint() != nullptr) return false;
   TaylorEvaluator* const equations = regularized ? regularized->model().evaluator() : equations_with_conditions();
@@ -76,6 +76,7 @@ bool Solver::goes_on_with_terms(double tout, const CallResult& result) {
 bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   // The last step may have led beyond tout, where the solution could not be evaluated.
   if ((tout - integration->stepper().state().t) * integration->direction() <= 0.0) return false;
+  if (!integration->layers_fit()) return goes_on_with_layers(tout, result);
   const bool is_idle = integration->is_idle();
   if (goes_on_with_terms(tout, result)) return true;
   if (is_idle) {
@@ -83,7 +84,6 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
     return true;
   }
   if (!may_be_of_branches(result.status) || integration->adjoint() != nullptr) return false;
-  if (!integration->layers_fit()) return goes_on_with_layers(tout, result);
   const bool can_be_held = regularized || !conditions || conditions->can_be_held();
   const bool lacks_branches = integration->lacks_branches();
   std::vector<RegularizedCondition> sliding;
