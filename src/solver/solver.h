@@ -128,14 +128,14 @@ struct Solver {
   std::vector<double> prepare_start(const PointOfInterest& point);
   void make_analysis(PointOfInterest point);
   // Makes an analysis, and returns the x from which consistent values are searched: the one given, or one that differs
-  // from it in unknowns that are not differentiated.
+  // from it in algebraic unknowns.
   std::vector<double> analyze_near(const PointOfInterest& point);
   std::optional<std::vector<double>> analyze_beside(const PointOfInterest& point, double move,
                                                     const std::optional<CharacteristicValues>& known,
                                                     std::vector<char>& stays);
   bool moves_differentiated(const PointOfInterest& point) const;
   // The sensitivities that were asked for go with the integration from its start, at the values found, where the system
-  // stands; keeps_differentiated: their directions agree with what is differentiated, and so keep their values.
+  // stands; keeps_differentiated: their directions agree with the differentiated part of x already, and stay.
   void carry_sensitivities(const SensitivityRequest& wanted, const ConsistentPoint& found, bool keeps_differentiated);
   TaylorEvaluator* equations_with_conditions() { return first_order ? &*first_order : model.evaluator(); }
   std::unique_ptr<RegularizedEquations> regularize(Regularization parts);
