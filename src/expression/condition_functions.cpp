@@ -111,8 +111,8 @@ std::optional<std::vector<double>> ConditionFunctions::shifts(const std::vector<
 
 namespace {
 
-// A fraction of the tolerances. What x moves by within a width adds up in what x is integrated to. (Chosen: a block at
-// rest creeps by 0.1 tolerances in a unit of time.)
+// Widths are this fraction of the tolerances. Movements of x within a width add up in the integrals of x. (Chosen: a
+// block at rest creeps by 0.1 tolerances in a unit of time.)
 constexpr double width_of_tolerances = 0.1;
 // Widths have so many roundings, for parts of branches to have the errors that are wanted (sliding_layers.h), and as
 // many as relative tolerances have parts, as unknowns may be proportional to parts of branches. (Chosen.)

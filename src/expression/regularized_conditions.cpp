@@ -15,9 +15,9 @@ namespace sfdae::core {
 
 namespace {
 
-class Regularization {
+class CombinedSides {
  public:
-  Regularization(const Record& record, const std::vector<RegularizedCondition>& which)
+  CombinedSides(const Record& record, const std::vector<RegularizedCondition>& which)
       : record_(record), recorder_(record.n()) {
     for (const RegularizedCondition& each : which) {
       conditions_.emplace(record.conditions()[each.condition].parameter, each);
@@ -121,7 +121,7 @@ class Regularization {
 }  // namespace
 
 std::shared_ptr<const Record> with_regularized(const Record& record, const std::vector<RegularizedCondition>& which) {
-  return Regularization(record, which).record();
+  return CombinedSides(record, which).record();
 }
 
 }  // namespace sfdae::core

@@ -1,6 +1,6 @@
 // Equations that are continuous where a condition passes zero.
 //
-// Where both branches of a condition g > 0 lead back to g = 0, the solution moves along that surface [Fil88]. Equations
+// The solution moves along a surface g = 0 if both branches of a condition g > 0 lead back to it [Fil88]. Equations
 // become continuous there [ST96]: with u = 1/2 + g / (2 width) they are those of the one branch for u <= 0, those of
 // the other for u >= 1, and (1 - u) times the ones and u times the others in between. The solution stays within the
 // width of the surface, and for smaller widths it tends to the motion along the surface. With several surfaces at once

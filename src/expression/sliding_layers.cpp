@@ -22,7 +22,8 @@ constexpr double far = 100.0;
 
 void SlidingLayers::add(std::shared_ptr<const Record> record, const TaylorEvaluator& parameters,
                         const std::vector<RegularizedCondition>& which) {
-  Round round;
+  Round& round = rounds_.emplace_back();
+  if (which.empty()) return;
   std::vector<int> nodes;
   for (const RegularizedCondition& each : which) nodes.push_back(record->conditions()[each.condition].node);
   round.conditions = which;
@@ -33,7 +34,6 @@ void SlidingLayers::add(std::shared_ptr<const Record> record, const TaylorEvalua
   round.g.resize(nodes.size());
   round.are_entered.resize(nodes.size());
   round.gradients.resize(nodes.size() * round.functions->width());
-  rounds_.push_back(std::move(round));
 }
 
 bool SlidingLayers::is_left(const Round& round, std::size_t k, bool with_sensitivities) const {
@@ -49,8 +49,8 @@ bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t le
 
 bool SlidingLayers::turn(const LayerPoint& at) {
   for (Round& round : rounds_) {
-    if (std::find(round.are_entered.begin(), round.are_entered.end(), 1) == round.are_entered.end()) continue;
-    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
+    if (!round.is_any_entered()) continue;
+    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) return true;
     for (std::size_t k = 0; k < round.conditions.size(); ++k)
       if (round.are_entered[k] != 0 && !fits(round, k, at, similar * similar)) return true;
   }
@@ -69,20 +69,29 @@ bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at
   return is_on_side(round, k, leader);
 }
 
+// Returns whether condition k and its surface stay what they are.
+bool SlidingLayers::stays(const Round& round, std::size_t k, const LayerPoint& at) const {
+  if (is_left(round, round.leader_of(k), at.with_sensitivities)) return false;
+  return round.are_entered[k] == 0 || fits(round, k, at, similar);
+}
+
 void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<double>& limits) {
   std::fill(limits.begin(), limits.end(), std::numeric_limits<double>::infinity());
   fit_ = true;
   entered_ = false;
   for (Round& round : rounds_) {
     if (round.conditions.empty()) continue;
-    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) continue;
+    if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) {
+      // A layer that x was within cannot be looked at any more.
+      fit_ = fit_ && !round.is_any_entered();
+      continue;
+    }
     for (std::size_t k = 0; k < round.conditions.size(); ++k) {
       const double width = round.conditions[k].width;
       const std::size_t leader = round.leader_of(k);
       round.are_entered[k] = round.is_within(leader) ? 1 : 0;
-      fit_ = fit_ && !is_left(round, leader, at.with_sensitivities) &&
-             (round.are_entered[k] == 0 || fits(round, k, at, similar));
-      if (round.conditions[k].condition != round.conditions[k].leader || !(std::fabs(round.g[k]) < width)) continue;
+      fit_ = fit_ && stays(round, k, at);
+      if (k != leader || round.are_entered[k] == 0) continue;
       entered_ = true;
       for (std::size_t i = 0; i < limits.size(); ++i) {
         const double slope = std::fabs(round.slope(k, i));
@@ -98,16 +107,13 @@ RegularizationRounds SlidingLayers::fitting(const RegularizationRounds& rounds, 
   RegularizationRounds fitting;
   for (std::size_t r = 0; r < rounds.size(); ++r) {
     Round& round = rounds_[r];
-    bool stays = true;
+    bool all_stay = true;
     std::vector<std::size_t> leaders;
     for (std::size_t k = 0; k < round.conditions.size(); ++k) {
-      const std::size_t leader = round.leader_of(k);
-      stays = stays && !is_left(round, leader, at.with_sensitivities) &&
-              (!round.is_within(leader) || fits(round, k, at, similar));
-      const bool is_leader = round.conditions[k].condition == round.conditions[k].leader;
-      if (is_leader && !is_left(round, k, at.with_sensitivities)) leaders.push_back(k);
+      all_stay = all_stay && stays(round, k, at);
+      if (k == round.leader_of(k) && !is_left(round, k, at.with_sensitivities)) leaders.push_back(k);
     }
-    if (stays) {
+    if (all_stay) {
       fitting.push_back(rounds[r]);
       continue;
     }

@@ -7,6 +7,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -36,9 +37,9 @@ class SlidingLayers {
   // Sets limits, as many as unknowns, of errors of x: with these the error of u is `part` at most in all layers that x
   // lies in; infinity where there are none. Nothing is allocated.
   void find_limits(const LayerPoint& at, double part, std::vector<double>& limits);
-  // Returns whether the layers fit at the point that limits were asked for last: widths depend on slopes of g, and on
-  // which side of a surface several conditions are met. With sensitivities surfaces that x has left do not fit, either:
-  // where x only passes them, sensitivities jump.
+  // Returns whether the layers fit at the point that limits were asked for last, and can be looked at: widths depend on
+  // slopes of g, and on which side of a surface several conditions are met. With sensitivities surfaces that x has left
+  // do not fit, either: where x only passes them, sensitivities jump.
   bool fit() const { return fit_; }
   // Returns whether x was within one of them there.
   bool are_entered() const { return entered_; }
@@ -61,10 +62,12 @@ class SlidingLayers {
       while (conditions[leader].condition != conditions[k].leader) ++leader;
       return leader;
     }
+    bool is_any_entered() const { return std::find(are_entered.begin(), are_entered.end(), 1) != are_entered.end(); }
     bool is_within(std::size_t leader) const { return std::fabs(g[leader]) < conditions[leader].width; }
   };
   bool is_on_side(const Round& round, std::size_t k, std::size_t leader) const;
   bool is_left(const Round& round, std::size_t k, bool with_sensitivities) const;
+  bool stays(const Round& round, std::size_t k, const LayerPoint& at) const;
   bool fits(const Round& round, std::size_t k, const LayerPoint& at, double similar) const;
 
   std::vector<Round> rounds_;

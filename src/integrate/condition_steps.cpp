@@ -405,18 +405,20 @@ bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) 
 void ConditionSteps::demand_distinct(const Integrator& integrator) {
   constexpr double near = 0.1;  // of what tolerances leave open: as wide as layers are
   SlidingLayers* const layers = conditions_ != nullptr ? conditions_->layers() : nullptr;
-  if (layers == nullptr || !layers->are_entered() || is_due_ || conditions_->functions().depend_on_derivatives())
+  if (layers == nullptr || !layers->are_entered() || is_due_)
     return std::fill(near_.is_near.begin(), near_.is_near.end(), 0);
   const QuietArithmetic quiet;
   const double t = integrator.stepper->state().t;
   const std::vector<double>& x = integrator.stepper->x();
-  if (!conditions_->functions().linearize(t, x.data(), nullptr, tried_.g.data(), near_.gradients.data())) return;
+  ConditionFunctions& functions = conditions_->functions();
+  if (functions.depend_on_derivatives()) find_slopes(integrator, t, x, slopes_);
+  const double* const slopes = functions.depend_on_derivatives() ? slopes_.data() : nullptr;
+  if (!functions.linearize(t, x.data(), slopes, tried_.g.data(), near_.gradients.data())) return;
   const bool stays = is_idle(integrator, near_.x);
   bool is_any_near = false;
   for (std::size_t k = 0; k < branches_.size(); ++k) {
-    double open = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      open += std::fabs(near_.gradients[i * branches_.size() + k]) * tolerances_[i];
+    const double open =
+        functions.widths(near_.gradients.data() + k, branches_.size(), x.data(), tolerances_.data()).largest;
     const bool is_near = !conditions_->is_of_layer(k) && std::fabs(tried_.g[k]) < near * open;
     if (is_near && near_.is_near[k] != 0 && !stays && jumps_at_zero(integrator, k))
       throw Failure(

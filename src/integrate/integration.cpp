@@ -151,6 +151,7 @@ CallResult Integration::run(double tout, bool one_step) {
     if (is_idle() && !integrator_.has_passed(tout)) return result_of_idle_steps(t, regularity_.idle_t);
     if (is_step_taken)
       if (auto event = search_events(tout)) return std::move(*event);
+    if (is_step_taken && adjoint() == nullptr) conditions_.demand_distinct(integrator_);
     if (result) return *result;
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
@@ -225,7 +226,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   return accept_step(h, state.next_step, tout, jumps);
 }
 
-// Where equations are flat steps may lead back and forth, however small they are.
+// Notices that attempts lead nowhere: if equations are flat, steps may go back and forth, however small they are.
 void Integration::notice_idle_steps() {
   constexpr int many = 200;
   constexpr double next_to_nothing = 10.0, part = 1e-3;  // tolerances; of the interval of interest. (Chosen.)
@@ -248,10 +249,9 @@ void Integration::notice_idle_steps() {
 // does not matter to x.
 void Integration::limit_errors_in_layers() {
   constexpr double exponent = 2.0 / 3.0;
-  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
-  if (layers == nullptr) return integrator_.weights.set_ceiling(nullptr);
+  if (layers() == nullptr) return integrator_.weights.set_ceiling(nullptr);
   const double part = std::pow(integrator_.weights.tightest(integrator_.stepper->x().data()), exponent);
-  layers->find_limits(layer_point(), part, regularity_.limits);
+  layers()->find_limits(layer_point(), part, regularity_.limits);
   integrator_.weights.set_ceiling(regularity_.limits.data());
 }
 
@@ -263,9 +263,8 @@ LayerPoint Integration::layer_point() {
   return {integrator_.stepper->state().t, x.data(), regularity_.tolerances.data(), has_companion()};
 }
 
-bool Integration::layers_fit() const {
-  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
-  return layers == nullptr || layers->fit();
+SlidingLayers* Integration::layers() const {
+  return options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
 }
 
 // After a failure of a step of size h: the same step with branches held, or a much shorter one without.
@@ -363,7 +362,6 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   integrator_.stepper->commit();
   system.accept();
   conditions_.commit();
-  if (adjoint() == nullptr) conditions_.demand_distinct(integrator_);
   hidden_.end.reset();
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
@@ -404,15 +402,15 @@ bool Integration::may_hide_jump(double h) {
   return true;
 }
 
-bool Integration::turns_in_step(SlidingLayers& layers) {
+bool Integration::turns_in_step() {
   constexpr int places = 8;  // within the step. (Chosen.)
-  if (!layers.are_entered()) return false;
+  if (layers() == nullptr || !layers()->are_entered()) return false;
   const PointsOfCurve points = integrator_.stepper->points_of_tried();
   const std::size_t n = regularity_.limits.size();
   for (int k = 1; k <= places; ++k) {
     const double t = k < places ? points.t[0] + k * (points.t[1] - points.t[0]) / places : points.t[1];
     points.evaluate(t, n, regularity_.limits.data(), regularity_.slopes.data());
-    if (layers.turn({t, regularity_.limits.data(), regularity_.tolerances.data(), has_companion()})) return true;
+    if (layers()->turn({t, regularity_.limits.data(), regularity_.tolerances.data(), has_companion()})) return true;
   }
   return false;
 }
@@ -421,10 +419,9 @@ bool Integration::turns_in_step(SlidingLayers& layers) {
 // short that x moves by next to nothing.
 bool Integration::ends_before_turn(double h) {
   constexpr double shorter = 0.25, located = 1e-2;  // of the step; tolerances. (Chosen.)
-  SlidingLayers* const layers = options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
   const Stepper& stepper = *integrator_.stepper;
   const double t = stepper.state().t;
-  if (layers == nullptr || !turns_in_step(*layers)) return false;
+  if (!turns_in_step()) return false;
   for (std::size_t i = 0; i < regularity_.limits.size(); ++i)
     regularity_.limits[i] = stepper.tried_x()[i] - stepper.x()[i];
   const double moved = integrator_.weights.norm(regularity_.limits.data());

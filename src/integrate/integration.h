@@ -73,8 +73,8 @@ class Integration {
   // Many steps have led nowhere: advance() ends with SFDAE_STEP_TOO_SMALL, unless it has to go on until x has moved.
   bool is_idle() const { return regularity_.is_idle && !regularity_.goes_on_idle; }
   void go_on_idle() { regularity_.goes_on_idle = true; }
-  // Whether layers fit at the last point (SlidingLayers::fit): advance() ends with SFDAE_ZENO where they do not.
-  bool layers_fit() const;
+  // Returns whether layers fit at the last point (SlidingLayers::fit): if not, advance() ends with SFDAE_ZENO.
+  bool layers_fit() const { return layers() == nullptr || layers()->fit(); }
   LayerPoint layer_point();
   // ConditionSteps::sliding, at the last point.
   const std::vector<RegularizedCondition>& sliding() const { return conditions_.sliding(); }
@@ -171,7 +171,8 @@ class Integration {
   bool ends_as_located() const { return conditions_.end() || hidden_.end; }
   void notice_idle_steps();
   void limit_errors_in_layers();
-  bool turns_in_step(SlidingLayers& layers);
+  SlidingLayers* layers() const;  // null: none
+  bool turns_in_step();
   bool ends_before_turn(double h);
   void try_with_branches(StepOutcome outcome, double h);
   void resize_workspace();

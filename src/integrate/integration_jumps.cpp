@@ -182,12 +182,9 @@ void Integration::continue_from(Integration& before, double longest) {
   constexpr double same = 1.0;  // tolerances: E x stays. (Chosen.)
   const std::vector<double>& x = integrator_.stepper->x();
   const std::vector<double>& x_before = before.integrator_.stepper->x();
-  std::vector<double> change(x.size()), tolerances(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    change[i] = x[i] - x_before[i];
-    tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
-  }
-  if (!(integrator_.system.change_of_differentiated(change.data(), tolerances.data()) <= same))
+  std::vector<double> change(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) change[i] = x[i] - x_before[i];
+  if (!(integrator_.system.change_of_differentiated(change.data(), layer_point().tolerances) <= same))
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "consistent values of these equations have another E x.");
   const double step = integrator_.stepper->state().next_step;
   if (std::fabs(step) > longest) integrator_.stepper->set_next_step(std::copysign(longest, step));

@@ -20,10 +20,10 @@ CallResult result_of_ignored_contradictions(double largest);
 CallResult result_of_change(const DaeSystem& system, const LocatedChange& change);
 // E x jumps at t, or next to it.
 [[noreturn]] void throw_jump_with_sensitivities(double t);
-// The smallest step fails, and not for a change of the characteristic values.
 CallResult result_without_branches(double t);
 CallResult result_of_layers(double t);
 CallResult result_of_idle_steps(double t, double since);
+// The smallest step fails, and not for a change of the characteristic values.
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
 
 }  // namespace sfdae::core

@@ -17,7 +17,7 @@
 
 namespace sfdae::core {
 
-// What equations that are not regular, or lead back and forth, become.
+// Changes of equations that are singular at some points, or lead back and forth at others.
 struct Regularization {
   std::vector<FlatEquation> terms;
   RegularizationRounds rounds;  // of conditions, in equations with these terms
