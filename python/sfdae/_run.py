@@ -23,6 +23,7 @@ _log = logging.getLogger("sfdae")  # level INFO: notes as they come, events, the
 _GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
 # Attempts in a run with times of outputs, over those between two of them, unless a limit is given.
 _SPANS_OF_RUN = 100
+_UNKNOWN_ACCURACY = 1e300  # sfdae_get_solution_accuracy
 _ACCURACY_TO_WARN = 10.0  # tolerances that dense output may err by without a warning
 
 
@@ -316,9 +317,10 @@ class Run:
         if dense.t_min <= self.last.t <= dense.t_max:
             dense.cut(self.last.t)
         if not dense.is_empty and dense.accuracy > _ACCURACY_TO_WARN:
+            is_known = dense.accuracy < _UNKNOWN_ACCURACY
+            difference = f"up to {dense.accuracy:.0f} tolerances" if is_known else "an unknown amount"
             self._note(
-                f"dense output differs from the solution by up to {dense.accuracy:.0f} tolerances "
-                f"near t = {dense.worst_t:.6g}, where it has a jump or a kink: sol.t and sol.x are "
-                "accurate there",
+                f"dense output differs from the solution by {difference} near t = {dense.worst_t:.6g}, "
+                "where it has a jump or a kink: sol.t and sol.x are accurate there",
                 IntegrationWarning,
             )
