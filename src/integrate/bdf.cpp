@@ -70,6 +70,7 @@ StepState Bdf::state() const {
           control_.failures_in_a_row(),
           std::numeric_limits<double>::infinity(),
           true,
+          judged_.error,
           0};
 }
 

@@ -122,7 +122,7 @@ void DiscreteAdjoint::prepare(Integrator& integrator, const IntegrationOptions& 
   failed_evaluations_ = failed_evaluations;
   std::vector<Attempt>& attempts = pieces_.back().attempts;
   make_room_for_one(attempts);
-  attempts.push_back({t, AttemptEnd::failed});
+  attempts.push_back({t, AttemptEnd::failed, integrator.weights.part()});
 }
 
 // At the point that the integrator has reached, which may be the first one of the last piece.

@@ -37,6 +37,7 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
   set.safety_ = safety;
   set.floor_ = floor_;
   set.ceiling_ = ceiling_;
+  set.part_ = part_;
   set.floor_ratio_ = floor_ratio_;
   set.rtol_ = tolerances.rtol;
   set.atol_ = tolerances.atol;
@@ -53,7 +54,7 @@ void ErrorWeights::update(const double* x) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
     const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
-    double weight = factor * (rtol_[i] * size + atol_[i]);
+    double weight = part_ * factor * (rtol_[i] * size + atol_[i]);
     if (ceiling_ != nullptr) weight = std::min(weight, std::max(ceiling_[i], rounding_safety * unit_roundoff * size));
     if (floor_ != nullptr && floor_[i] > 0.0) {
       floor_ratio_ = weight > 1.0 / no_tolerance ? std::max(floor_ratio_, floor_[i] / weight) : no_tolerance;

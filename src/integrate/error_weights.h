@@ -27,6 +27,9 @@ class ErrorWeights {
   void set_ceiling(const double* ceiling) { ceiling_ = ceiling; }
   // Of the last update: the largest floor over the weight without it.
   double floor_ratio() const { return floor_ratio_; }
+  // Weights are that part of what they would be, until another one is set.
+  void set_part(double part) { part_ = part; }
+  double part() const { return part_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
   void update(const double* x);
   // Updates weights; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
@@ -54,7 +57,7 @@ class ErrorWeights {
   double relative_tolerance(int i, double size) const;
 
   Tightening tightening_ = Tightening::none;
-  double safety_ = 1.0;
+  double safety_ = 1.0, part_ = 1.0;
   const double *floor_ = nullptr, *ceiling_ = nullptr;
   double floor_ratio_ = 0.0;
   PerComponent rtol_, atol_, reduction_;

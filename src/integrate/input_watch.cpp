@@ -13,9 +13,21 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what a change of slopes amounts to over the step is of no importance; of the change that the ends of
-// a step show, what may be hidden between them. (Chosen.)
-constexpr double unimportant = 10.0, shown_part = 0.5;
+// Of the change that the ends of a step show, what may be hidden between them if the error test is sure to see what is
+// shown: so many tolerances. (Chosen.)
+constexpr double shown_part = 0.5, surely_seen = 20.0;
+// What is hidden is known where it is largest: so much is charged, its mean over a step. (Chosen.)
+constexpr double mean_part = 0.3;
+// Of all that is unimportant, in tolerances: what may be spent at first.
+constexpr double at_first = 2.0;
+// Of the interval of interest: so long after inputs have kept a step short, local errors are charged. (Chosen.)
+constexpr double lately = 0.01;
+// Steps that are short, of the interval of interest, and by how much longer ones would not notice inputs that drive the
+// steps. (Chosen: with 10 to 30 steps for a period of a sine.)
+constexpr double short_step = 1e-3, much_longer = 8.0;
+// Of estimates of local errors, what is charged, so that their sum over the interval of interest stays below 50
+// tolerances, and the least part of the tolerances that they are kept below. (Chosen.)
+constexpr double charged = 0.2, least_allowed = 1e-3;
 // After as many the step is tried as it is, a billionth of the one that was wanted.
 constexpr int most_input_halvings = 30;
 
@@ -44,19 +56,75 @@ std::size_t InputWatch::set_nodes(const Integrator& integrator, double h) {
   return count;
 }
 
+void InputWatch::open_account(double span) {
+  account_.rate = span > 0.0 ? unimportant / span : 0.0;
+  account_.balance = at_first;
+}
+
+void InputWatch::note_switch(double t) {
+  account_.busy = t;
+  account_.is_busy = true;
+}
+
+bool InputWatch::is_busy(double t) const {
+  return account_.is_busy && account_.rate > 0.0 &&
+         std::fabs(t - account_.busy) * account_.rate <= lately * unimportant;
+}
+
+double InputWatch::allowed_error(double t, double h) const {
+  if (!is_busy(t)) return 1.0;
+  return std::clamp((account_.balance + account_.rate * std::fabs(h)) / charged, least_allowed, 1.0);
+}
+
+void InputWatch::commit(double t, double h, double error) {
+  account_.balance +=
+      account_.rate * std::fabs(h) - mean_part * account_.charge - (is_busy(t) ? charged * error : 0.0);
+  account_.charge = 0.0;
+}
+
+void InputWatch::archive_account(Archive& archive) {
+  archive.real(account_.rate);
+  archive.real(account_.balance);
+  archive.real(account_.busy);
+  archive.small(account_.is_busy);
+}
+
+// hidden, shown: by changes of slopes over a step of size h, in tolerances.
+bool InputWatch::is_important(double hidden, double shown, double h) const {
+  const double allowed = account_.rate > 0.0 ? account_.balance + account_.rate * std::fabs(h) : unimportant;
+  const bool is_covered = mean_part * hidden <= allowed;
+  return !is_covered && !(shown >= surely_seen && hidden <= shown_part * shown);
+}
+
 double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, double h) {
   has_slope_ = false;
   double size = h, seen = 0.0;
   for (int halvings = 0; halvings < most_input_halvings; ++halvings) {
     const std::span<const double> nodes(nodes_.data(), set_nodes(integrator, size));
     search_.search(inputs, nodes, size, fastest_);
+    account_.charge = 0.0;
     const Importance of_all = of_unseen(integrator, size, search_.unseen());
     if (of_all == Importance::none && of_peaks(integrator, size, nodes) == Importance::none) break;
     size *= 0.5;
     if (of_all == Importance::matters) seen = std::fabs(size);
   }
+  if (size != h || drive_steps(integrator, inputs, h)) note_switch(integrator.stepper->state().t);
   if (seen > 0.0) fastest_ = fastest_ > 0.0 ? std::fmin(fastest_, seen) : seen;
   return size;
+}
+
+// Returns whether steps are short since inputs change fast: a step that is not much longer than h would not show what
+// they do.
+bool InputWatch::drive_steps(Integrator& integrator, TimeInputs& inputs, double h) {
+  const StepState state = integrator.stepper->state();
+  const bool grows = std::fabs(h) > std::fabs(state.last.h);
+  const bool is_short = account_.rate * std::fabs(h) <= short_step * unimportant;
+  if (grows || !is_short || is_busy(state.t) || !inputs.are_enclosed()) return false;
+  search_.search(inputs, {nodes_.data(), set_nodes(integrator, much_longer * h)}, much_longer * h, fastest_);
+  const double charge = account_.charge;
+  const Importance importance = of_unseen(integrator, much_longer * h, search_.unseen());
+  account_.charge = charge;
+  return importance != Importance::none;
 }
 
 // Whether the slope of w at one of the places is far from what the ends of the step show. Elsewhere inputs may be
@@ -68,17 +136,18 @@ InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, s
   const double start = integrator.stepper->state().t;
   if (!has_slope_at_start(integrator) || !slopes_.find(integrator, start + h, change_)) return Importance::unknown;
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] -= at_start_[i];
-  const double enough = unimportant + shown_part * slopes_.size_of_change(integrator, h, change_);
+  const double shown = slopes_.size_of_change(integrator, h, change_);
   double largest = 0.0;
   for (const double t : places) {
     if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
     const double part = (t - start) / h;
     for (std::size_t i = 0; i < here_.size(); ++i) here_[i] -= at_start_[i] + part * change_[i];
     const double size = slopes_.size_of_change(integrator, h, here_);
-    if (!(size <= enough)) return Importance::matters;
+    if (is_important(size, shown, h)) return Importance::matters;
     largest = std::fmax(largest, size);
   }
-  return doubt * largest <= enough ? Importance::none : Importance::unknown;
+  account_.charge = std::fmax(account_.charge, largest);
+  return is_important(doubt * largest, shown, h) ? Importance::unknown : Importance::none;
 }
 
 // The same of peaks, and of the polynomial through the slopes at all nodes, the first of which is the start: what
@@ -109,8 +178,9 @@ InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, st
     for (std::size_t i = 0; i < size_w; ++i) here_[i] -= at_start_[i];
     for (std::size_t k = 1; k < nodes.size(); ++k)
       for (std::size_t i = 0; i < size_w; ++i) here_[i] -= weights[k] * changes_[k * size_w + i];
-    if (!(slopes_.size_of_change(integrator, h, here_) <= unimportant + shown_part * shown))
-      return Importance::matters;
+    const double size = slopes_.size_of_change(integrator, h, here_);
+    if (is_important(size, shown, h)) return Importance::matters;
+    account_.charge = std::fmax(account_.charge, size);
   }
   return Importance::none;
 }

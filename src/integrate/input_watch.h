@@ -1,5 +1,6 @@
 // Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test,
 // which knows the points of a step alone, does not ask for shorter ones (docs/decisions/87-inputs-between-points.md).
+// What steps do not notice and x bears is added up in an account over the whole run.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,19 +22,43 @@ class InputWatch {
   enum class Importance { none, matters, unknown };
 
   void resize(const DaeSystem& system, int inputs);
+  // span: the interval of interest.
+  void open_account(double span);
+  void take_account(const InputWatch& other) { account_ = other.account_; }
   // The next step, of size h at first, as short as it has to be to notice what inputs do, where that matters. Throws
   // Failure.
   double noticing_step(Integrator& integrator, TimeInputs& inputs, double h);
+  // Inputs switch at t.
+  void note_switch(double t);
+  // The part of the tolerances that the local error of a step of size h from t may have: 1, unless inputs have kept
+  // steps short lately.
+  double allowed_error(double t, double h) const;
+  // Such a step has been accepted, with that error in tolerances.
+  void commit(double t, double h, double error);
   void archive(Archive& archive) { archive.real(fastest_); }
+  void archive_account(Archive& archive);
 
  private:
+  // In tolerances: what a step does not notice may add up to as much over the interval of interest (design, 17.2).
+  static constexpr double unimportant = 10.0;
+  struct Account {
+    double rate = 0.0;                   // per unit of t; 0: nothing is known of the run
+    double balance = 0.0, charge = 0.0;  // saved so far; by the step to come
+    double busy = 0.0;                   // when inputs have kept a step short last
+    bool is_busy = false;                // ever
+  };
+
   std::size_t set_nodes(const Integrator& integrator, double h);
+  bool is_important(double hidden, double shown, double h) const;
+  bool is_busy(double t) const;
+  bool drive_steps(Integrator& integrator, TimeInputs& inputs, double h);
   Importance of_unseen(Integrator& integrator, double h, std::span<const double> places);
   Importance of_peaks(Integrator& integrator, double h, std::span<const double> nodes);
   bool has_slope_at_start(Integrator& integrator);
 
   InputSearch search_;
   HeldSlopes slopes_;
+  Account account_;
   double fastest_ = 0.0;  // in which time inputs have been found to change unnoticed; 0: none have
   std::array<double, InputSearch::most_nodes> nodes_{};
   bool has_slope_ = false;                        // at the start of the step

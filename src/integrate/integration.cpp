@@ -47,6 +47,7 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
       integrator_.stepper->first_step(integrator_.weights, point.x.data(), point.xdot.data(), span_);
   integrator_.start(point.t, point.x, point.xdot, options_);
   resize_workspace();
+  inputs_.open_account(span_);
   if (watch_) watch_->start(integrator_.direction);
   start_trail();
 }
@@ -162,6 +163,7 @@ CallResult Integration::run(double tout, bool one_step) {
 // (docs/decisions/41-tables-and-solutions.md), and what changes of the characteristic values would show in.
 void Integration::restart_at_kink() {
   restart(integrator_.method);
+  inputs_.note_switch(integrator_.stepper->state().t);
   if (watch_) watch_->start(integrator_.direction);
   start_trail();
 }
@@ -210,6 +212,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const double h = target.t - state.t;
   std::optional<JumpTest> jumps;
   if (crosses_kink(options_, state.t, h)) jumps.emplace(index(integrator_.system.unknowns()));
+  integrator_.weights.set_part(inputs_.allowed_error(state.t, h));
   if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted)
@@ -358,11 +361,12 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   counts.rounding = std::max(counts.rounding, integrator_.weights.floor_ratio());
   counts.smallest_kept =
       std::min({counts.smallest_kept, quality.smallest_pivot, quality.kept_constraints, quality.kept_differential});
-  const double from = integrator_.stepper->state().t;
+  const auto [from, error] = std::pair(integrator_.stepper->state().t, integrator_.stepper->state().tried_error);
   integrator_.stepper->commit();
   system.accept();
   conditions_.commit();
   hidden_.end.reset();
+  inputs_.commit(from, h, integrator_.weights.part() * error);
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();

@@ -44,6 +44,7 @@ void Integration::archive(Archive& archive) {
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
   if ((kind & 8) != 0) inputs_.archive(archive);
+  if (!options_.short_checkpoints) inputs_.archive_account(archive);
   integrator_.stepper->archive(archive, system);
   if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
   if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));

@@ -193,6 +193,7 @@ void Integration::continue_from(Integration& before, double longest) {
   choice_ = before.choice_;
   start_ = before.start_;
   span_ = before.span_;
+  inputs_.take_account(before.inputs_);
   slopes_ = before.slopes_;
   branches_.passed = before.branches_.passed;
   solution_ = std::move(before.solution_);

@@ -83,6 +83,7 @@ StepState Radau::state() const {
           control_.failures_in_a_row(),
           output_.longest_interpolated(history_, control_.stages()),
           output_.interpolates_well(),
+          terms_.error,
           history_.inner_count()};
 }
 

@@ -33,6 +33,7 @@ class Replay {
   bool repeat(const Attempt& attempt, const std::vector<double>& times, KeptSteps& steps) {
     Stepper& stepper = *integrator_.stepper;
     const double h = attempt.t - stepper.state().t;
+    integrator_.weights.set_part(attempt.part);
     const StepOutcome outcome = stepper.attempt(integrator_.system, attempt.t, integrator_.weights);
     const bool has_succeeded = attempt.end == AttemptEnd::taken || attempt.end == AttemptEnd::withdrawn;
     if (outcome == StepOutcome::callback_error && !integrator_.system.callback_error().is_recoverable())

@@ -18,6 +18,7 @@ namespace sfdae::core {
 struct Attempt {
   double t;
   AttemptEnd end;
+  double part;  // of the tolerances (ErrorWeights)
 };
 
 struct StepPiece {

@@ -99,6 +99,7 @@ struct StepState {
   // step tells.
   double longest_interpolated;
   bool interpolates_well;  // within the last one, for w
+  double tried_error;      // of the last attempt that has been judged, in tolerances as the weights have them
   // Points within the last step where refine() made up for interpolate(), as far as they are kept.
   int refined_points;
 };

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Tests of inputs that change hundreds of times in a run, each time so little that no step needs to notice it: what
+// steps pass over must not add up. SFDAE_TEST_SCALE scales the number of random problems.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "family_run.h"
+#include "random_family.h"
+#include "solver_options.h"
+
+namespace inputs_that_add_up {
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using sfdae_test::RandomNumbers;
+
+constexpr double pi = 3.14159265358979323846;
+
+enum class Law { pulses, saw, square_of_sine, exponential, corners, clipped, peaks, count };
+
+// Of phase = periods t + shift.
+struct Input {
+  Law law;
+  double periods, shift, shape, height;
+};
+
+Input random_input(RandomNumbers& random) {
+  Input input{};
+  input.law = static_cast<Law>(random.integer(0, static_cast<int>(Law::count) - 1));
+  input.periods = std::pow(10.0, random.uniform(2.0, 3.5));
+  input.shift = random.uniform(0.0, 1.0);
+  input.shape = random.uniform(0.1, 0.9);
+  input.height = random.uniform(0.3, 3.0);
+  return input;
+}
+
+double maximum(double a, double b) { return std::fmax(a, b); }
+Expression maximum(const Expression& a, double b) { return max(a, Expression(b)); }
+double size(double a) { return std::fabs(a); }
+Expression size(const Expression& a) { return abs(a); }
+
+// Number: double or Expression.
+template <class Number>
+Number value(const Input& input, const Number& phase) {
+  using std::exp, std::floor, std::sin;
+  const Number sine = sin(2.0 * pi * phase);
+  switch (input.law) {
+    case Law::pulses: return 1.0 + floor(phase) - floor(phase + (1.0 - input.shape));
+    case Law::saw: return phase - floor(phase);
+    case Law::square_of_sine: return sine * sine;
+    case Law::exponential: return exp(3.0 * input.shape * sine);
+    case Law::corners: return size(sine);
+    case Law::clipped: return maximum(sine - input.shape, 0.0);
+    default: return exp(-(sine * sine) / (0.04 + 0.2 * input.shape));
+  }
+}
+
+// Returns the integral of height u(t) exp(-rate (1 - t)) over 0 ... 1, by Gauss's rule with three points between kinks.
+double response(const Input& input, double rate) {
+  constexpr int parts = 12;
+  const double corner = std::asin(input.shape) / (2.0 * pi);
+  std::vector<double> ends = {0.0, corner, 0.5 - corner, 0.25, 0.5, 0.75, input.shape, 1.0};
+  std::sort(ends.begin(), ends.end());
+  double sum = 0.0;
+  for (double first = std::floor(input.shift); first < input.shift + input.periods; first += 1.0)
+    for (std::size_t k = 1; k < ends.size(); ++k) {
+      const double from = std::fmax(first + ends[k - 1], input.shift);
+      const double width = (std::fmin(first + ends[k], input.shift + input.periods) - from) / parts;
+      for (int part = 0; width > 0.0 && part < parts; ++part)
+        for (const double node : {-std::sqrt(0.6), 0.0, std::sqrt(0.6)}) {
+          const double phase = from + (part + 0.5 + 0.5 * node) * width, weight = node == 0.0 ? 8.0 : 5.0;
+          const double t = (phase - input.shift) / input.periods;
+          sum += weight / 18.0 * width * value(input, phase) * std::exp(-rate * (1.0 - t));
+        }
+    }
+  return input.height * sum / input.periods;
+}
+
+// x' = height u - rate x; or with the input, or x' itself, as an unknown.
+enum class Form { explicit_equation, input_unknown, slope_unknown, count };
+
+struct Case {
+  Input input;
+  Form form;
+  double rate, tolerance;
+  int method;
+};
+
+double solve(const Case& of) {
+  const int n = of.form == Form::explicit_equation ? 1 : 2;
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = [&of](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    const Expression u = of.input.height * value(of.input, of.input.periods * t + of.input.shift);
+    switch (of.form) {
+      case Form::explicit_equation: F[0] = xdot[0] + of.rate * x[0] - u; break;
+      case Form::input_unknown:
+        F[0] = xdot[0] + of.rate * x[0] - x[1];
+        F[1] = x[1] - u;
+        break;
+      default: F[0] = xdot[0] - x[1]; F[1] = x[1] + of.rate * x[0] - u;
+    }
+  };
+  sfdae::Options options = sfdae_test::solver_options(of.tolerance, of.method);
+  options.max_steps = 10000000;
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, std::vector<double>(static_cast<std::size_t>(n), 0.0), {}};
+  solver.start(point, 1.0);
+  solver.advance(1.0, point);
+  return point.x[0];
+}
+
+TEST(InputsThatAddUp, AreNotPassedOver) {
+  constexpr double enough = 50.0;  // tolerances
+  RandomNumbers random(36008);
+  const int count = sfdae_test::scaled_count(200, 24);
+  for (int i = 0; i < count; ++i) {
+    Case of{random_input(random), static_cast<Form>(random.integer(0, 2)), random.uniform(0.0, 2.0),
+            std::pow(10.0, -random.integer(3, 5)), random.integer(0, 1)};
+    const double exact = response(of.input, of.rate), x = solve(of);
+    EXPECT_LE(std::fabs(x - exact), enough * of.tolerance * (1.0 + std::fabs(exact)))
+        << "run " << i << ": law " << static_cast<int>(of.input.law) << ", " << of.input.periods << " periods, form "
+        << static_cast<int>(of.form) << ", tolerance " << of.tolerance << ", method " << of.method << ": " << x
+        << " for " << exact;
+  }
+}
+
+}  // namespace
+}  // namespace inputs_that_add_up
