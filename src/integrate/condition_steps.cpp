@@ -324,7 +324,7 @@ void ConditionSteps::note_obstacle(const Integrator& integrator) {
 
 // Returns whether the next attempt, with the branches held, is as long: a condition switches ahead, and E x jumps, or
 // the equations end where a branch does. If that attempt fails, too, a shorter one has the branches as they are. Next
-// to the zero that has been passed last branches stay.
+// to the zero that has been passed last branches stay. Kinks that were passed again and again are gone over.
 bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome) {
   if (conditions_ == nullptr) return false;
   next_.end.reset();
@@ -338,6 +338,8 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   const QuietArithmetic quiet;
   const bool switches = switches_ahead(integrator, outcome);
   const bool has_end = outcome == StepOutcome::error_too_large;
+  if (passed_.are_kinks && is_idle(integrator, passed_.x)) return false;
+  passed_.are_kinks = false;
   // The error test has failed because of something else.
   if (has_end && !integrator.system.differentiates() && !switches) return false;
   hold();
@@ -458,6 +460,11 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
     if (!is_switched || conditions_->passing(k, branches_.data(), before, after) != HeldConditions::Passing::kink)
       sliding.push_back(k);
   }
+  if (sliding.empty()) {
+    std::fill(passed_.visits.begin(), passed_.visits.end(), 0);
+    passed_.are_kinks = true;
+    return;
+  }
   passed_.sliding = conditions_->functions().surfaces(sliding, {t, x.data(), slopes_.data()}, tolerances_.data());
   throw Failure(SFDAE_ZENO,
                 format("at t = %.15g conditions switch again and again while x stays where it is: both sides of one "
@@ -521,7 +528,7 @@ void ConditionSteps::restore_branches() {
 }
 
 void ConditionSteps::archive(Archive& archive) {
-  archive.small(is_due_);
+  archive.small(is_due_, passed_.are_kinks);
   archive.reals(branches_, branches_.size());
   for (double* const time : {&before_.t, &after_.t, &passed_.from, &passed_.to}) archive.real(*time);
   archive.reals(after_.x, after_.x.size());

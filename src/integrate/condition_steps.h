@@ -122,6 +122,7 @@ class ConditionSteps {
     std::vector<double> branches;  // that it leads to, as change_branches() has found them
     std::vector<int> visits;       // of each condition: how often it switched while E x did not move
     std::vector<RegularizedCondition> sliding;
+    bool are_kinks = false;  // conditions have switched again and again where residuals are continuous
   };
   Passed passed_;  // the zero passed last
   struct Obstacle {

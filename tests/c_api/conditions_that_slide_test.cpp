@@ -195,6 +195,35 @@ TEST(ConditionsThatSlide, CombineWithOthers) {
     }
 }
 
+// A steep kink, x' = g max(u - x, 0) - x: x follows u until u falls faster than x, and meets it again and again where it
+// is so near that the tolerances decide on which side of the kink it is.
+TEST(ConditionsThatSlide, AreNotKinks) {
+  constexpr double g = 1e4, end = 0.05, pi = 3.14159265358979323846;
+  for (const double frequency : {100.0, 400.0, 1000.0}) {
+    const auto slope = [&](double t, double x) {
+      return g * std::max(std::sin(2.0 * pi * frequency * t) - x, 0.0) - x;
+    };
+    double exact = 0.0;  // by Heun's method
+    constexpr int steps = 500000;
+    for (int i = 0; i < steps; ++i) {
+      const double h = end / steps, t = i * h, first = slope(t, exact);
+      exact += 0.5 * h * (first + slope(t + h, exact + h * first));
+    }
+    for (const double tolerance : {1e-3, 1e-5})
+      for (const sfdae::Options& options : all_options(tolerance)) {
+        sfdae::NonlinearProblem problem(1, 1);
+        problem.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+          F[0] = xdot[0] - g * max(sin(2.0 * pi * frequency * t) - x[0], 0.0) + x[0];
+        };
+        sfdae::Solver solver(problem, options);
+        sfdae::Point point{0.0, {0.0}, {}};
+        solver.start(point, end);
+        solver.advance(end, point);
+        EXPECT_NEAR(point.x[0], exact, 20.0 * tolerance) << frequency << ", " << text_of(options);
+      }
+  }
+}
+
 // Two conditions have the same zero, and the same gradient, at the start alone.
 TEST(ConditionsThatSlide, LeaveOthersThatAreZeroAtTheSameTime) {
   using Law = std::function<Expression(const Expression& t, ConstExpressions x)>;
