@@ -34,7 +34,7 @@ constexpr int most_input_halvings = 30;
 }  // namespace
 
 void InputWatch::resize(const DaeSystem& system, int inputs) {
-  search_.resize(inputs);
+  search_.resize(inputs, system.differentiates());
   slopes_.resize(system);
   const std::size_t size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);

@@ -31,6 +31,8 @@ constexpr double peak_gain = 1e-8;
 constexpr double reach_in_next = 0.25;
 // Changes below this part of the size of an input are rounding errors.
 constexpr double least_range = 1e-10;
+// Nor are changes of so many rounding errors, as of 1 - cos(t) near 0; peaks are looked at from so many on. (Chosen.)
+constexpr double above_noise = 64.0, noise_at_peaks = 4.0;
 // Changes below this part of its size are not sought: enclosures of constant sums of squares leave such. (Chosen.)
 constexpr double least_sought = 1e-6;
 // Pieces of a step; if more are needed what inputs do is not known. (Measured: 75 were enough for all but sums of many
@@ -118,15 +120,17 @@ Interval NodePolynomials::bends(std::size_t i, Interval y) const {
   return 1.0 / (half_ * half_) * sum;
 }
 
-void InputSearch::resize(int inputs) {
+void InputSearch::resize(int inputs, bool with_slopes) {
   const std::size_t n = index(inputs);
   polynomials_.resize(n);
   seen_.resize(n);
   enclosed_.resize(n);
+  noise_.resize(n);
   for (Sample& sample : samples_)
     for (std::vector<double>* v : {&sample.values, &sample.distances}) v->assign(n, 0.0);
   pieces_.reserve(most_pieces + 1);
-  unseen_.resize(3 * n);
+  with_slopes_ = with_slopes;
+  unseen_.resize((with_slopes ? 9 : 3) * n);
   peaks_.resize(2 * n);
 }
 
@@ -134,6 +138,7 @@ void InputSearch::resize(int inputs) {
 void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
   const QuietArithmetic quiet;
   polynomials_.set(inputs, nodes, h);
+  find_noise(inputs, nodes[0], nodes[0] + h);
   with_peaks_ = inputs.are_with_steep_functions();
   constexpr Extreme none{0.0, 0.0, 0.0};
   std::fill(seen_.begin(), seen_.end(), Seen{{-infinity, 0.0, 0.0}, {infinity, 0.0, 0.0}, none, none, none});
@@ -163,6 +168,18 @@ void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, doub
   }
   doubt_ = are_too_many ? infinity : pieces_.front().score;
   find_places(inputs);
+}
+
+// Enclosures of values at a time contain their rounding errors.
+void InputSearch::find_noise(TimeInputs& inputs, double start, double end) {
+  std::fill(noise_.begin(), noise_.end(), 0.0);
+  for (const double t : {start, end}) {
+    inputs.enclose(Interval::of(t), enclosed_.data());
+    for (std::size_t i = 0; i < noise_.size(); ++i) {
+      const double width = enclosed_[i].value.high - enclosed_[i].value.low;
+      if (std::isfinite(width)) noise_[i] = std::fmax(noise_[i], width);
+    }
+  }
 }
 
 void InputSearch::take(TimeInputs& inputs, double y, double reach, Sample& sample) {
@@ -202,7 +219,7 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
   const Interval y{piece.low, piece.high}, nodes = polynomials_.range(i);
   const double width = std::fabs(polynomials_.half()) * (piece.high - piece.low), part = 0.25 * width * width;
   const Seen& seen = seen_[i];
-  const double sought = std::fmax(range_of(i), least_sought * nodes.magnitude());
+  const double sought = std::max({range_of(i), least_sought * nodes.magnitude(), above_noise * noise_[i]});
   const auto ratio = [](double value, double enough) {
     return value <= enough ? 0.0 : std::isnan(value) ? infinity : value / enough;
   };
@@ -225,7 +242,7 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
       result, ratio(std::fmin(low + nodes.low, far), std::fmax(clearly_seen, place_factor * seen.below.value)));
   if (!with_peaks_) return result;
   const Interval within = polynomials_.range_within(i);
-  const double least = peak_part * sought;
+  const double least = std::fmax(peak_part * sought, noise_at_peaks * noise_[i]);
   result = std::fmax(result, ratio(high - std::fmax(seen.high.value, within.high), least));
   return std::fmax(result, ratio(low - std::fmax(-seen.low.value, -within.low), least));
 }
@@ -235,7 +252,8 @@ double InputSearch::range_of(std::size_t i) const {
   const Interval nodes = polynomials_.range(i);
   const double low = std::fmin(seen_[i].low.value, nodes.low), high = std::fmax(seen_[i].high.value, nodes.high);
   const double range = high - low;
-  return range > least_range * std::fmax(std::fabs(low), std::fabs(high)) ? range : 0.0;
+  const double least = std::fmax(least_range * std::fmax(std::fabs(low), std::fabs(high)), above_noise * noise_[i]);
+  return range > least ? range : 0.0;
 }
 
 void InputSearch::find_places(TimeInputs& inputs) {
@@ -245,13 +263,13 @@ void InputSearch::find_places(TimeInputs& inputs) {
     const double range = range_of(i);
     if (range == 0.0 || !polynomials_.is_defined(i)) continue;
     const Seen& seen = seen_[i];
-    unseen_.add(seen.above.value / (visible_excess * range), seen.above.t);
-    unseen_.add(seen.below.value / (visible_excess * range), seen.below.t);
-    unseen_.add(seen.far.value / (visible_part * range), seen.far.t);
+    add_unseen(seen.above.value / (visible_excess * range), seen.above);
+    add_unseen(seen.below.value / (visible_excess * range), seen.below);
+    add_unseen(seen.far.value / (visible_part * range), seen.far);
     if (!with_peaks_) continue;
     const Interval within = polynomials_.range_within(i);
-    const double least =
-        peak_part * (std::fmax(seen.high.value, within.high) - std::fmin(seen.low.value, within.low));
+    const double extent = std::fmax(seen.high.value, within.high) - std::fmin(seen.low.value, within.low);
+    const double least = std::fmax(peak_part * extent, noise_at_peaks * noise_[i]);
     if (seen.high.value - within.high > least)
       peaks_.add((seen.high.value - within.high) / least, peak(inputs, i, 1.0, seen.high));
     if (within.low - seen.low.value > least)
@@ -260,6 +278,14 @@ void InputSearch::find_places(TimeInputs& inputs) {
   const double same = 2.0 * same_place * std::fabs(polynomials_.half());
   unseen_.finish(same);
   peaks_.finish(same);
+}
+
+void InputSearch::add_unseen(double score, const Extreme& extreme) {
+  unseen_.add(score, extreme.t);
+  if (!with_slopes_) return;
+  const double a = polynomials_.time(-1.0), b = polynomials_.time(1.0);
+  for (const double side : {-1.0, 1.0})
+    unseen_.add(score, std::clamp(extreme.t + side * extreme.reach, std::fmin(a, b), std::fmax(a, b)));
 }
 
 // Near the sample that is the largest one, of those times sign, by parabolas within the step.

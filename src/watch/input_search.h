@@ -55,7 +55,8 @@ class InputSearch {
  public:
   static constexpr std::size_t most_nodes = NodePolynomials::most_nodes;
 
-  void resize(int inputs);
+  // with_slopes: derivatives of inputs matter, which are large beside the places where inputs are.
+  void resize(int inputs, bool with_slopes);
   // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among
   // them. fastest: in which time inputs are known to change, or 0.
   void search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest);
@@ -108,17 +109,20 @@ class InputSearch {
   void add_piece(TimeInputs& inputs, Piece piece, const Sample& start, const Sample& end);
   double score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) const;
   double range_of(std::size_t i) const;
+  void find_noise(TimeInputs& inputs, double start, double end);
   void find_places(TimeInputs& inputs);
+  void add_unseen(double score, const Extreme& extreme);
   double peak(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from);
 
   NodePolynomials polynomials_;
   std::vector<Seen> seen_;
   std::vector<TimeSeries> enclosed_;
+  std::vector<double> noise_;  // rounding errors of inputs at the ends of the step
   std::array<Sample, 3> samples_;
   std::vector<Piece> pieces_;  // a heap
   Places unseen_, peaks_;
   double doubt_ = 0.0;
-  bool with_peaks_ = false;
+  bool with_peaks_ = false, with_slopes_ = false;
 };
 
 }  // namespace sfdae::core

@@ -134,5 +134,65 @@ TEST(InputsThatAddUp, AreNotPassedOver) {
   }
 }
 
+// ---- Inputs that are differentiated, or nearly constant ----------------------------------------------------------
+
+double end_of(int n, const sfdae::EquationsFunction& equations, std::vector<double> start, double end,
+              const sfdae::Options& options) {
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = equations;
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, std::move(start), {}};
+  solver.start(point, end);
+  solver.advance(end, point);
+  return point.x.back();
+}
+
+// x0 = u, x1 = x0', x2' = g x1^2 with peaks u = c exp(k (cos(omega t) - 1)): u' is large beside the peaks and zero at
+// them. Over a period the mean of sin^2 exp(2 k (cos - 1)) is exp(-2 k) I_1(2 k) / (2 k).
+TEST(InputsThatAddUp, AreNotPassedOverWhereTheirDerivativesCount) {
+  constexpr double omega = 2.0 * pi * 1000.0, k = 30.0, g = 100.0, end = 0.3;
+  const double c = 1.0 / (omega * std::sqrt(k) * 0.6);
+  double mean = 0.0;
+  constexpr int nodes = 4000;  // of the trapezoidal rule, which is exact to rounding for periodic functions
+  for (int i = 0; i < nodes; ++i) {
+    const double angle = 2.0 * pi * i / nodes;
+    mean += std::sin(angle) * std::sin(angle) * std::exp(2.0 * k * (std::cos(angle) - 1.0)) / nodes;
+  }
+  const double exact = g * std::pow(c * k * omega, 2) * mean * end;
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const double tolerance : {1e-4, 1e-6}) {
+      sfdae::Options options = sfdae_test::solver_options(tolerance, method);
+      options.max_steps = 1000000;
+      const auto equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - x[1];
+        F[1] = x[0] - c * exp(k * (cos(omega * t) - 1.0));
+        F[2] = xdot[2] - g * x[1] * x[1];
+      };
+      const double x = end_of(3, equations, {c, 0.0, 0.0}, end, options);
+      EXPECT_NEAR(x, exact, 50.0 * tolerance * (1.0 + exact)) << method << ", " << tolerance;
+    }
+}
+
+// Near their ends these consist of rounding errors, which are no changes of an input.
+TEST(InputsThatAddUp, AreNotRoundingErrors) {
+  using Input = Expression (*)(const Expression&);
+  const std::vector<Input> inputs = {[](const Expression& t) -> Expression { return 1.0 + tanh(100.0 * (t - 0.8)); },
+                                     [](const Expression& t) -> Expression { return 1.0 - tanh(50.0 * t); },
+                                     [](const Expression& t) -> Expression { return 1.0 - cos(1e-6 * t); },
+                                     [](const Expression& t) -> Expression { return 1.0 - sqrt(1.0 - 1e-14 * t); }};
+  const std::vector<double> exact = {1.0 + std::log(std::cosh(20.0) / std::cosh(80.0)) / 100.0,
+                                     1.0 - std::log(std::cosh(50.0)) / 50.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+      for (const double tolerance : {1e-3, 1e-6}) {
+        sfdae::Options options = sfdae_test::solver_options(tolerance, method);
+        options.max_steps = 500;
+        const auto equations = [&](const Expression& t, ConstExpressions, ConstExpressions xdot, Expressions F) {
+          F[0] = xdot[0] - inputs[i](t);
+        };
+        EXPECT_NEAR(end_of(1, equations, {0.0}, 1.0, options), exact[i], 20.0 * tolerance) << i << ", " << method;
+      }
+}
+
 }  // namespace
 }  // namespace inputs_that_add_up
