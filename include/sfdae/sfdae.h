@@ -132,13 +132,14 @@ typedef int (*sfdae_matrix_function)(double t, int order, double* matrix, void* 
  * type write prescribed values, too: order is 0. */
 typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* user);
 
-/* What callbacks write as matrices of which sparsity patterns are given. A pattern has compressed columns: rows of the
- * entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] - 1], in any order
- * and none twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are copied. */
+/* What callbacks write as matrices: all entries, or those of sparsity patterns that are given. A pattern has compressed
+ * columns: rows of the entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] -
+ * 1], in any order and none twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are
+ * copied. */
 #define SFDAE_MATRICES_DENSE 0 /**< all m x n entries; those beyond the pattern have to be zero, which is checked */
 #define SFDAE_MATRICES_COMPRESSED 1 /**< the entries alone, in the order of row_index */
 #define SFDAE_MATRICES_DIFFERENCES \
-  2 /**< nonlinear: nothing. F_x and F_x' are differences of F, by groups of columns */
+  2 /**< nonlinear: nothing. F_x and F_x' are differences of F: of each column, or of groups of columns of a pattern */
 
 /** Linear problem E(t) x' = A(t) x + f(t). Call sfdae_linear_problem_init first, then set members. */
 typedef struct sfdae_linear_problem {

@@ -244,7 +244,7 @@ def _total_derivative(
     if problem.records:
         result = problem.total_derivative(t, order, jet, asks_for_jacobians)
     else:
-        result = problem._derivative_of_numbers(t, order, jet, asks_for_jacobians, state.values)
+        result = problem._derivative_of_numbers(t, order, jet, state.values)
     if result is None:
         return lib.SFDAE_ORDER_NOT_AVAILABLE
     if isinstance(result, tuple):

@@ -92,7 +92,15 @@ def coefficient(name: str, given: Any, dimension: int, parameters: Mapping[str, 
 
 
 def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(col_start, row_index) of n columns; what else is wrong with it the library says."""
+    """(col_start, row_index) of n columns, as they are or of a matrix; the library says what else is
+    wrong with it.
+    """
+    if hasattr(given, "tocsc"):
+        matrix = given.tocsc()
+        given = (matrix.indptr, matrix.indices)
+    elif isinstance(given, np.ndarray) and given.ndim == 2:
+        columns, rows = np.nonzero(given.T)
+        given = (np.searchsorted(columns, np.arange(given.shape[1] + 1)), rows)
     parts = tuple(np.asarray(part) for part in given)
     if len(parts) != 2:
         raise ValueError(f"{name} has to be a pair (col_start, row_index)")

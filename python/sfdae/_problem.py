@@ -12,9 +12,9 @@ from ._arguments import Arguments
 from ._binding import ffi, lib
 from ._equations import Equations
 from ._expression import Expression
-from ._finite_differences import jacobian
 from ._formula import flatten, parameter_values
-from ._matrices import Matrices
+from ._matrices import MATRICES, Matrices
+from ._status import CannotEvaluate
 from ._types import Values
 from ._unknowns import Watch, by_name, require_confirmed, require_same_names
 
@@ -217,19 +217,20 @@ class NonlinearProblem(Matrices, Problem):
     record : bool
         False: the equations are called with numbers at every point, and Jacobians are central
         differences, so that branches, interpolators and other programs work. Each Jacobian costs
-        4 n calls, and no equation can be differentiated: for differentiation index 0 and 1 only.
+        4 n calls, fewer with patterns, and no equation can be differentiated: for differentiation
+        index 0 and 1 only.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
         They have no parameters of the equations.
     differentiations : sequence of int, optional
         How often each equation is differentiated at most; see sfdae_nonlinear_problem.
-    F_x_pattern, F_xdot_pattern : pair of array_like, optional
-        For total_derivative: sparsity by compressed columns, ``(col_start, row_index)`` with n + 1
-        numbers and as many rows as there are entries, from 0: both matrices or none.
+    F_x_pattern, F_xdot_pattern : pair of array_like, numpy.ndarray or scipy.sparse matrix, optional
+        For total_derivative or record=False: sparsity by compressed columns, ``(col_start,
+        row_index)`` with n + 1 numbers and as many rows as there are entries, from 0, or an m x n
+        matrix that is not zero at these entries: both matrices or none.
     matrices : {"dense", "compressed", "differences"}, optional
-        With patterns: what total_derivative returns as F_x and F_xdot. "compressed": the entries in
-        the order of the pattern; "differences": nothing, jacobians is false then, and they are
-        differences of F.
+        What total_derivative returns as F_x and F_xdot. "compressed": the entries in the order of
+        the pattern; "differences": nothing, jacobians is false then, and they are differences of F.
     """
 
     kind = "nonlinear"
@@ -332,24 +333,18 @@ class NonlinearProblem(Matrices, Problem):
         return super().with_names(text)
 
     def _derivative_of_numbers(
-        self, t: float, order: int, jet: np.ndarray, jacobians: bool, values: Mapping[str, Any]
-    ) -> Any:
+        self, t: float, order: int, jet: np.ndarray, values: Mapping[str, Any]
+    ) -> np.ndarray | None:
         """The total derivative of equations that are not recorded: of order 0 alone."""
         if order > 0:
             return None
-
-        def F(x: Any, xdot: Any) -> np.ndarray:
-            result = self._evaluated(t, x.copy(), xdot.copy(), values)
-            if len(result) != self.num_equations:
-                raise ValueError(
-                    f"{len(result)} residuals, not {self.num_equations}: num_equations?"
-                )
-            return result
-
-        x, xdot = jet[:, 0], jet[:, 1]
-        if not jacobians:
-            return F(x, xdot)
-        return F(x, xdot), jacobian(lambda z: F(z, xdot), x), jacobian(lambda z: F(x, z), xdot)
+        try:
+            result = self._evaluated(t, jet[:, 0].copy(), jet[:, 1].copy(), values)
+        except ArithmeticError as exception:  # OverflowError, ZeroDivisionError
+            raise CannotEvaluate(str(exception)) from exception
+        if len(result) != self.num_equations:
+            raise ValueError(f"{len(result)} residuals, not {self.num_equations}: num_equations?")
+        return result
 
     def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
         if self.records or self.equations is None:
@@ -373,6 +368,8 @@ class NonlinearProblem(Matrices, Problem):
             keep.append(ffi.new("int[]", self.differentiations))
             c.differentiations = keep[-1]
         self._fill_patterns(c, keep)
+        if not self.records:
+            c.matrices = MATRICES.index("differences")
 
 
 def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:

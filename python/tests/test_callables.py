@@ -3,6 +3,7 @@
 recording.
 """
 
+import math
 import traceback
 
 import numpy as np
@@ -301,6 +302,37 @@ def test_parameters_without_defaults_have_the_values_given():
     expected = pytest.approx([np.exp(-2)], abs=1e-7)
     assert end_of(decay, (0, 1), [1.0], parameters={"k": 2}) == expected
     assert end_of(decay, (0, 1), [1.0], parameters={"k": 2}, record=False) == expected
+
+
+def test_numbers_that_overflow_cannot_be_evaluated():
+    def junction(t, x, xdot):  # nanocoulombs, guessed as 0
+        charge, current = x
+        return [xdot[0] - current,
+                charge / 1e-9 + 1e6 * current + math.exp(charge / 1e-9) - 1 - math.sin(t)]
+
+    found = end_of(junction, (0, 1), [0, 0], record=False, rtol=1e-6, atol=1e-15)
+    assert found[0] == pytest.approx(3.79580321e-10, abs=1e-15)
+
+
+@pytest.mark.parametrize("is_sparse", [False, True])
+def test_patterns_may_be_matrices(is_sparse):
+    form = pytest.importorskip("scipy.sparse").csr_matrix if is_sparse else np.asarray
+    n = 40
+    calls = []
+
+    def cells(t, x, xdot):
+        calls.append(t)
+        beside = np.concatenate(([1.0], x, [0.0]))
+        return xdot - (beside[:-2] - 2 * x + beside[2:])
+
+    line = np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
+    problem = sfdae.NonlinearProblem(
+        cells, n, record=False, F_x_pattern=form(line), F_xdot_pattern=form(np.eye(n))
+    )
+    found = end_of(problem, (0, 1), np.zeros(n), rtol=1e-6, atol=1e-6)
+    with_patterns, calls[:] = len(calls), []
+    assert found == pytest.approx(end_of(cells, (0, 1), np.zeros(n), record=False), abs=1e-4)
+    assert 3 * with_patterns < len(calls)
     assert sfdae.make_consistent(decay, 0.0, [1.0], parameters={"k": 2}).xdot[0] == -2
     report = sfdae.analyze(decay, 0.0, [1.0], parameters={"k": 2})
     assert report.characteristics.differential == 1

@@ -118,16 +118,15 @@ void check_problem(const sfdae_linear_problem& problem) {
 
 namespace {
 
-void check_jacobians(const sfdae_nonlinear_problem& problem, bool has_structure) {
+void check_jacobians(const sfdae_nonlinear_problem& problem) {
   const NamedPattern F_x{"F_x", {problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index}},
       F_xdot{"F_xdot", {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}};
   if (F_x.is_given() && problem.total_derivative == nullptr)
     refuse_argument("patterns are for total_derivative: those of formulas are known.");
-  check_form(problem.matrices, SFDAE_MATRICES_DIFFERENCES, F_x.is_given());
-  if (problem.matrices == SFDAE_MATRICES_DIFFERENCES && !has_structure)
-    refuse_argument(
-        "SFDAE_MATRICES_DIFFERENCES needs as many equations as unknowns, nothing prescribed and no "
-        "differentiations.");
+  const bool are_differences = problem.matrices == SFDAE_MATRICES_DIFFERENCES;
+  if (are_differences && problem.total_derivative == nullptr)
+    refuse_argument("SFDAE_MATRICES_DIFFERENCES is for total_derivative: derivatives of formulas are known.");
+  check_form(problem.matrices, SFDAE_MATRICES_DIFFERENCES, F_x.is_given() || are_differences);
   return check_patterns(F_x, F_xdot, problem.num_equations, problem.num_unknowns);
 }
 
@@ -137,7 +136,8 @@ void check_problem(const sfdae_nonlinear_problem& problem) {
   const bool has_structure = problem.num_equations == problem.num_unknowns && problem.num_prescribed == 0 &&
                              problem.differentiations == nullptr;
   const bool may_be_sparse =
-      has_structure && (problem.total_derivative == nullptr || problem.matrices != SFDAE_MATRICES_DENSE);
+      has_structure && (problem.total_derivative == nullptr ||
+                        (problem.matrices != SFDAE_MATRICES_DENSE && problem.F_x_col_start != nullptr));
   check_dimensions(problem.num_equations, problem.num_unknowns, may_be_sparse ? largest_sparse : largest_dimension);
   const int functions =
       (problem.equations != nullptr) + (problem.linear_equations != nullptr) + (problem.total_derivative != nullptr);
@@ -146,7 +146,7 @@ void check_problem(const sfdae_nonlinear_problem& problem) {
         format("%d of the functions equations, linear_equations and total_derivative are set; it must "
                "be one.",
                functions));
-  check_jacobians(problem, has_structure);
+  check_jacobians(problem);
   for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
     if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
       refuse_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i, problem.differentiations[i],

@@ -89,6 +89,7 @@ std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& probl
         patterns_of({problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index},
                     {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}, n);
     if (patterns) callback->set_patterns(patterns, form_of(problem.matrices));
+    else if (problem.matrices == SFDAE_MATRICES_DIFFERENCES) callback->take_differences();
     return model_of(std::move(callback));
   }
   std::shared_ptr<const Record> record =

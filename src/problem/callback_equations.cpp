@@ -119,11 +119,7 @@ bool PatternedEquations::entries(double t, const double* jet, int order, const s
 NonlinearEquations::NonlinearEquations(CallbackProblem& problem)
     : PatternedEquations(problem, problem.m(), problem.n()), problem_(problem), F_(index(problem.m())) {}
 
-// Central differences have errors of 1e-10, as a rule.
-double NonlinearEquations::noise() const {
-  constexpr double noise_of_differences = 1e-9;
-  return has_differences() ? noise_of_differences : 0.0;
-}
+double NonlinearEquations::noise() const { return has_differences() ? noise_of_differences : 0.0; }
 
 const double* NonlinearEquations::derivatives_of(const double* jet, int order) {
   derivatives_of_jet(jet, index(n()), order, derivatives_);

@@ -60,6 +60,12 @@ void CallbackProblem::set_patterns(std::shared_ptr<const JacobianPatterns> patte
   differences_->united = {both, group_columns(both, m())};
 }
 
+void CallbackProblem::take_differences() {
+  form_ = JacobianForm::differences;
+  differences_ = std::make_unique<Differences>();
+  differences_->F_x = differences_->F_xdot = differences_->united = full_pattern(m(), n());
+}
+
 void CallbackProblem::to_derivatives(const double* jet, int order) {
   derivatives_of_jet(jet, index(n()), order, derivatives_);
 }
@@ -82,7 +88,7 @@ CallbackError CallbackProblem::check_finite(const char* name, const double* valu
 // Of the order, with all that the form has room for.
 CallbackError CallbackProblem::invoke(double t, int order, const double* derivatives, const Outputs& to) {
   const auto [F, F_x, F_xdot] = to;
-  const bool is_dense = form_ == JacobianForm::dense;
+  const bool is_dense = form_ != JacobianForm::compressed;
   const std::size_t m_size = index(m()), area = m_size * index(n());
   std::fill_n(F, m_size, 0.0);
   if (F_x != nullptr) std::fill_n(F_x, is_dense ? area : index(patterns_->F_x.entries()), 0.0);
@@ -139,11 +145,13 @@ CallbackError CallbackProblem::beyond_pattern(const Outputs& dense, const Callba
 CallbackError CallbackProblem::call(double t, int order, const double* derivatives, const Outputs& to) {
   if (form_ == JacobianForm::dense || (to.F_x == nullptr && to.F_xdot == nullptr))
     return invoke(t, order, derivatives, to);
-  std::vector<double> F_x(index(patterns_->F_x.entries())), F_xdot(index(patterns_->F_xdot.entries()));
+  const ColumnPattern& of_F_x = patterns_ ? patterns_->F_x : differences_->F_x.pattern;
+  const ColumnPattern& of_F_xdot = patterns_ ? patterns_->F_xdot : differences_->F_xdot.pattern;
+  std::vector<double> F_x(index(of_F_x.entries())), F_xdot(index(of_F_xdot.entries()));
   const CallbackError error = call_entries(t, order, derivatives, {to.F, F_x.data(), F_xdot.data()});
   if (error.status != SFDAE_OK) return error;
-  if (to.F_x != nullptr) scatter(patterns_->F_x, F_x.data(), m(), to.F_x);
-  if (to.F_xdot != nullptr) scatter(patterns_->F_xdot, F_xdot.data(), m(), to.F_xdot);
+  if (to.F_x != nullptr) scatter(of_F_x, F_x.data(), m(), to.F_x);
+  if (to.F_xdot != nullptr) scatter(of_F_xdot, F_xdot.data(), m(), to.F_xdot);
   return error;
 }
 
@@ -160,7 +168,7 @@ CallbackError CallbackProblem::call_entries(double t, int order, const double* d
   }
   error = form_ == JacobianForm::compressed ? invoke(t, order, derivatives, to)
                                             : differentiate(t, order, derivatives, to);
-  if (error.status != SFDAE_OK || order > 0 || is_checking_ || until_probe_-- > 0) return error;
+  if (error.status != SFDAE_OK || order > 0 || is_checking_ || !probe_ || until_probe_-- > 0) return error;
   error = probe(t, derivatives, to);
   // Who has not heard of a missing entry, as other points may do, asks again.
   until_probe_ = error.status == SFDAE_OK ? gradients_between_probes - 1 : 0;
@@ -180,18 +188,22 @@ CallbackError CallbackProblem::differentiate(double t, int order, const double* 
     ++evaluations_;
     return invoke(t, order, moved, {F_moved});
   };
-  error = colored_differences(evaluate, {jet, n(), 0}, own.of_x, own.F_x, F, to.F_x);
+  std::vector<double> terms(F);
+  for (double& term : terms) term = std::fabs(term);
+  const ChangingJet of_x{jet, n(), 0}, of_xdot{jet, n(), 1};
+  error = ColoredDifferences(evaluate, of_x, own.of_x, F).find(own.F_x, terms, to.F_x);
   if (error.status != SFDAE_OK) return error;
-  if (order == 0) return colored_differences(evaluate, {jet, n(), 1}, own.of_xdot, own.F_xdot, F, to.F_xdot);
+  ColoredDifferences by_xdot(evaluate, of_xdot, own.of_xdot, F);
+  if (order == 0) return by_xdot.find(own.F_xdot, terms, to.F_xdot);
   std::vector<double> both(index(own.united.pattern.entries()));
-  error = colored_differences(evaluate, {jet, n(), 1}, own.of_xdot, own.united, F, both.data());
+  error = by_xdot.find(own.united, terms, both.data());
   if (error.status != SFDAE_OK) return error;
-  std::vector<double> F_below(index(m())), F_x_below(index(patterns_->F_x.entries())),
-      F_xdot_below(index(patterns_->F_xdot.entries()));
+  std::vector<double> F_below(index(m())), F_x_below(index(own.F_x.pattern.entries())),
+      F_xdot_below(index(own.F_xdot.pattern.entries()));
   error = differentiate(t, order - 1, derivatives, {F_below.data(), F_x_below.data(), F_xdot_below.data()});
   if (error.status != SFDAE_OK) return error;
-  subtract_entries(patterns_->F_x, F_x_below.data(), order, own.united.pattern, both, m());
-  select_entries(patterns_->F_xdot, own.united.pattern, both, m(), to.F_xdot);
+  subtract_entries(own.F_x.pattern, F_x_below.data(), order, own.united.pattern, both, m());
+  select_entries(own.F_xdot.pattern, own.united.pattern, both, m(), to.F_xdot);
   return error;
 }
 
@@ -226,6 +238,7 @@ CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int 
 
 CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const int highest = std::max({orders.E, orders.A, orders.f});
+  data.entry_noise = form_ == JacobianForm::differences ? noise_of_differences : 0.0;
   to_derivatives(jet, highest + 1);
   unused_.resize(index(m()));
   for (int k = 0; k <= highest; ++k) {

@@ -20,6 +20,8 @@ class CallbackProblem final : public NonlinearProblem {
   CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
 
+  // Jacobians are differences, without any patterns.
+  void take_differences();
   // Dense Jacobians are compared with the patterns wherever they are evaluated, others now and then by moving unknowns.
   void set_patterns(std::shared_ptr<const JacobianPatterns> patterns, JacobianForm form);
   const std::shared_ptr<const JacobianPatterns>& patterns() const { return patterns_; }

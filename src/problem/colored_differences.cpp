@@ -1,16 +1,35 @@
-// Entries of a sparse Jacobian by differences.
+// Entries of a Jacobian by differences.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/colored_differences.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/rank.h"
 
 namespace sfdae::core {
 
+namespace {
+
+// An increment is too small if rounding errors of the terms of a row exceed this part of the difference in all rows; it
+// becomes larger by that factor, so often for x' and, as F may overflow sooner, for x. (Chosen: central differences
+// have errors of 1e-10 as a rule.)
+constexpr double rounding_part = 1e-7, larger = 1e3;
+constexpr int most_larger_of_xdot = 4, most_larger_of_x = 1;
+// An increment is too large if F bends by this part of the difference; a smaller one is tried, by that factor, so
+// often, until both differences agree to that accuracy. (The error of a central difference is about the square of the
+// part.)
+constexpr double bent = 3e-5, smaller = 1.0 / 16.0, agreement = noise_of_differences;
+constexpr int most_smaller = 8;
+// Roundings in a value of F.
+constexpr double roundings_of_F = 64.0;
+
+}  // namespace
+
 void ChangeSizes::note(const double* values, int n) {
   seen_.resize(index(n), 0.0);
+  is_absent_.resize(index(n), 0);
   double largest = 0.0;
   for (int j = 0; j < n; ++j) {
     seen_[index(j)] = std::max(seen_[index(j)], std::fabs(values[j]));
@@ -19,40 +38,181 @@ void ChangeSizes::note(const double* values, int n) {
   size_of_zeros_ = largest > 0.0 ? std::min(largest, 1.0) : 1.0;
 }
 
-CallbackError colored_differences(const FunctionOfJet& evaluate, const ChangingJet& jet, const ChangeSizes& sizes,
-                                  const GroupedPattern& grouped, const std::vector<double>& F, double* values) {
-  // Of the error of truncation and that of rounding the sum is least near eps^(1/3).
-  const double part = std::cbrt(unit_roundoff);
-  const std::vector<double> before(jet.derivatives);
-  std::vector<double> above(F.size()), below(F.size());
-  const auto move = [&](const std::vector<int>& group, double side, std::vector<double>& to) {
-    for (int j : group) jet.unknown(j) += side * part * sizes.size(j);
-    const CallbackError error = evaluate(jet.derivatives.data(), to.data());
-    return error;
+GroupedPattern full_pattern(int rows, int columns) {
+  GroupedPattern full;
+  for (int j = 0; j < columns; ++j) {
+    for (int i = 0; i < rows; ++i) full.pattern.row.push_back(i);
+    full.pattern.start.push_back(full.pattern.entries());
+    full.groups.push_back({j});
+  }
+  return full;
+}
+
+ColoredDifferences::ColoredDifferences(const FunctionOfJet& evaluate, const ChangingJet& jet, ChangeSizes& sizes,
+                                       const std::vector<double>& F)
+    : evaluate_(evaluate),
+      jet_(jet),
+      sizes_(sizes),
+      F_(F),
+      before_(jet.derivatives),
+      above_(F.size()),
+      below_(F.size()) {}
+
+// Calls entry(k, e, c) for entry e of the pattern, which is the kth of the group and in its column c.
+template <class Visit>
+void ColoredDifferences::visit(const GroupedPattern& grouped, const Group& group, Visit entry) {
+  std::size_t k = 0;
+  for (std::size_t c = 0; c < group.columns->size(); ++c) {
+    const std::size_t j = index((*group.columns)[c]);
+    for (int e = grouped.pattern.start[j]; e < grouped.pattern.start[j + 1]; ++e) entry(k++, index(e), c);
+  }
+}
+
+CallbackError ColoredDifferences::move(const std::vector<int>& columns, double distance, std::vector<double>& to) {
+  for (const int j : columns) jet_.unknown(j) += distance * sizes_.size(j);
+  return evaluate_(jet_.derivatives.data(), to.data());
+}
+
+CallbackError ColoredDifferences::difference(const GroupedPattern& grouped, Group& group) {
+  // The sum of the errors of truncation and of rounding is least near eps^(1/3).
+  const double part = group.factor * std::cbrt(unit_roundoff);
+  const std::vector<int>& columns = *group.columns;
+  group.increments.assign(columns.size(), 0.0);
+  // Returns how far unknowns have moved, after all.
+  const auto move_back = [&](bool counts, double side) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const double x = before_[index(columns[c] + jet_.level * jet_.n)];
+      if (counts) group.increments[c] += side * (jet_.unknown(columns[c]) - x);
+      jet_.unknown(columns[c]) = x;
+    }
   };
-  for (const std::vector<int>& group : grouped.groups) {
-    CallbackError error = move(group, 1.0, above);
-    const bool has_above = error.status == SFDAE_OK;
-    if (!has_above && !error.is_recoverable()) return error;
-    std::vector<double> distance;
-    for (int j : group) {
-      const double x = before[index(j + jet.level * jet.n)];
-      distance.push_back(has_above ? jet.unknown(j) - x : 0.0);
-      jet.unknown(j) = x;
+  CallbackError error = move(columns, part, above_);
+  const bool has_above = error.status == SFDAE_OK;
+  move_back(has_above, 1.0);
+  if (!has_above && !error.is_recoverable()) return error;
+  error = move(columns, -part, below_);
+  const bool has_below = error.status == SFDAE_OK;
+  move_back(has_below, -1.0);
+  if (!has_below && (!has_above || !error.is_recoverable())) return error;
+  group.is_central = has_above && has_below;
+  group.values.clear();
+  group.bends.clear();
+  group.sided.clear();
+  visit(grouped, group, [&](std::size_t, std::size_t e, std::size_t c) {
+    const std::size_t i = index(grouped.pattern.row[e]);
+    const double above = has_above ? above_[i] : F_[i], below = has_below ? below_[i] : F_[i];
+    group.values.push_back((above - below) / group.increments[c]);
+    group.bends.push_back(std::fabs(above - 2.0 * F_[i] + below));
+    const double up = above - F_[i], down = F_[i] - below;
+    group.sided.push_back(2.0 * (std::fabs(up) < std::fabs(down) ? up : down) / group.increments[c]);
+  });
+  return {};
+}
+
+bool ColoredDifferences::is_below_rounding(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                           const Group& group) const {
+  bool is_seen = false;
+  visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t c) {
+    const double rounding = unit_roundoff * terms[index(grouped.pattern.row[e])];
+    is_seen = is_seen || rounding_part * std::fabs(group.values[k] * group.increments[c]) > rounding;
+  });
+  return !is_seen;
+}
+
+bool ColoredDifferences::bends(const GroupedPattern& grouped, const std::vector<double>& terms,
+                               const Group& group) const {
+  bool result = false;
+  visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t c) {
+    const double least = roundings_of_F / bent * unit_roundoff * terms[index(grouped.pattern.row[e])];
+    result = result || group.bends[k] > std::max(least, bent * std::fabs(group.values[k] * group.increments[c]));
+  });
+  return result && group.is_central;
+}
+
+// b has the smaller increments.
+bool ColoredDifferences::agree(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a,
+                               const Group& b) const {
+  bool result = true;
+  visit(grouped, a, [&](std::size_t k, std::size_t e, std::size_t c) {
+    const double rounding =
+        roundings_of_F * unit_roundoff * terms[index(grouped.pattern.row[e])] / std::fabs(b.increments[c]);
+    const double size = std::max(std::fabs(a.values[k]), std::fabs(b.values[k]));
+    result = result && std::fabs(a.values[k] - b.values[k]) <= agreement * size + rounding;
+  });
+  return result;
+}
+
+// Increments of unknowns that are not zero have their sizes.
+int ColoredDifferences::most_increases(const Group& group) const {
+  const std::vector<int>& columns = *group.columns;
+  const bool are_absent =
+      std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_absent(j); }) &&
+      std::all_of(group.values.begin(), group.values.end(), [](double value) { return value == 0.0; });
+  if (are_absent) return 0;
+  if (jet_.level > 0) return most_larger_of_xdot;
+  const bool are_zero = std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_zero(j); });
+  return are_zero ? most_larger_of_x : 0;
+}
+
+CallbackError ColoredDifferences::increase(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                           Group& group) {
+  for (int left = most_increases(group); left > 0 && is_below_rounding(grouped, terms, group); --left) {
+    Group other(*group.columns, larger * group.factor);
+    const CallbackError error = difference(grouped, other);
+    if (error.status != SFDAE_OK && !error.is_recoverable()) return error;
+    if (error.status != SFDAE_OK || bends(grouped, terms, other)) return {};
+    group = std::move(other);
+    if (left > 1) continue;
+    const auto is_zero = [](double value) { return value == 0.0; };
+    if (std::all_of(group.values.begin(), group.values.end(), is_zero))
+      for (const int j : *group.columns) sizes_.note_absent(j);
+  }
+  return {};
+}
+
+// F bends as much between smaller increments, as where it jumps.
+bool ColoredDifferences::jumps(const Group& group, const Group& with_smaller_increments) {
+  const auto largest = [](const std::vector<double>& bends) { return *std::max_element(bends.begin(), bends.end()); };
+  return largest(with_smaller_increments.bends) > 0.5 * largest(group.bends);
+}
+
+CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                          Group& group) {
+  if (CallbackError error = increase(grouped, terms, group); error.status != SFDAE_OK) return error;
+  for (int tries = 0; tries < most_smaller && bends(grouped, terms, group); ++tries) {
+    Group other(*group.columns, smaller * group.factor);
+    const CallbackError error = difference(grouped, other);
+    if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
+    if (agree(grouped, terms, group, other)) break;
+    if (jumps(group, other)) {
+      group.values = group.sided;
+      break;
     }
-    const CallbackError other = move(group, -1.0, below);
-    const bool has_below = other.status == SFDAE_OK;
-    if (!has_below && (!has_above || !other.is_recoverable())) return other;
-    for (std::size_t k = 0; k < group.size(); ++k) {
-      const int j = group[k];
-      const double x = before[index(j + jet.level * jet.n)];
-      if (has_below) distance[k] += x - jet.unknown(j);
-      jet.unknown(j) = x;
-      for (int e = grouped.pattern.start[index(j)]; e < grouped.pattern.start[index(j + 1)]; ++e) {
-        const std::size_t i = index(grouped.pattern.row[index(e)]);
-        values[e] = ((has_above ? above[i] : F[i]) - (has_below ? below[i] : F[i])) / distance[k];
-      }
+    group = std::move(other);
+  }
+  return {};
+}
+
+CallbackError ColoredDifferences::find(const GroupedPattern& grouped, std::vector<double>& terms, double* values) {
+  std::vector<Group> groups;
+  for (const std::vector<int>& columns : grouped.groups) {
+    groups.emplace_back(columns, 1.0);
+    CallbackError error = difference(grouped, groups.back());
+    for (int tries = 0; tries < most_smaller && error.status != SFDAE_OK && error.is_recoverable(); ++tries) {
+      groups.back().factor *= smaller;
+      error = difference(grouped, groups.back());
     }
+    if (error.status != SFDAE_OK) return error;
+  }
+  for (const Group& group : groups)
+    visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t c) {
+      const double x = before_[index((*group.columns)[c] + jet_.level * jet_.n)];
+      terms[index(grouped.pattern.row[e])] += std::fabs(group.values[k] * x);
+    });
+  for (Group& group : groups) {
+    const CallbackError error = improve(grouped, terms, group);
+    if (error.status != SFDAE_OK) return error;
+    visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t) { values[e] = group.values[k]; });
   }
   return {};
 }

@@ -254,7 +254,7 @@ double TaylorData::norm_f(int level) const {
 
 double TaylorData::noise(int level) const {
   const double size = norm(level);
-  double relative = std::max(unit_roundoff, residual_noise);
+  double relative = std::max({unit_roundoff, residual_noise, entry_noise});
   for (int k = 1; k <= level && size > 0.0; ++k)
     relative = std::max({relative, largest_scaled_error('E', k) / size, largest_scaled_error('A', k) / size});
   return relative;

@@ -15,8 +15,9 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       log_(log),
       t_(data.t),
       level_(level),
-      sizes_{std::max(data.m, data.n), data.norm(level),  data.norm_A(level),
-             data.norm_E0(),           data.noise(level), data.residual_noise * data.norm(level)},
+      sizes_{std::max(data.m, data.n), data.norm(level),
+             data.norm_A(level),       data.norm_E0(),
+             data.noise(level),        std::max(data.residual_noise, data.entry_noise) * data.norm(level)},
       errors_(sizes_.eps * sizes_.norm),
       constraint_errors_(sizes_.eps * sizes_.norm_A) {}
 

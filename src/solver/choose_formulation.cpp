@@ -101,15 +101,10 @@ void demand_dense(int n) {
 
 // Throws Failure if the structure has to be used and cannot be.
 void demand_structure(Formulations& all, const ModelOptions& options) {
-  if (all.has_differences() && options.structure == StructureUse::off)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        "structure = SFDAE_STRUCTURE_OFF and SFDAE_MATRICES_DIFFERENCES exclude each other: the whole array "
-        "needs Jacobians.");
   if (all.equations->shared_structure() == nullptr)
     throw Failure(SFDAE_RANK_UNCLEAR,
-                  "the option structure, or Jacobians by differences, require what these equations do not have: some "
-                  "contain too few unknowns, as sfdae_get_structure tells.");
+                  "the option structure requires what these equations do not have: some contain"
+                  " too few unknowns, as sfdae_get_structure tells.");
   if (options.for_adjoint) demand_array_for_sensitivities(options);
   if (!orders_are_possible(*all.equations))
     throw Failure(SFDAE_INDEX_TOO_HIGH,
@@ -119,7 +114,7 @@ void demand_structure(Formulations& all, const ModelOptions& options) {
 Choice choice_for_equations(Formulations& all, const PointOfInterest& point, const ModelOptions& options) {
   RecordedProblem& equations = *all.equations;
   Choice choice{.has_others = equations.n() <= most_dense_unknowns};
-  choice.requires_extension = options.structure == StructureUse::required || all.has_differences();
+  choice.requires_extension = options.structure == StructureUse::required;
   if (choice.requires_extension) demand_structure(all, options);
   choice.may_extend =
       choice.requires_extension ||
@@ -127,8 +122,8 @@ Choice choice_for_equations(Formulations& all, const PointOfInterest& point, con
        options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
        equations.structure() != nullptr && orders_are_possible(equations));
   choice.extends_first =
-      choice.requires_extension ||
-      (choice.may_extend && (is_array_large(equations) || units_are_apart(equations, point, options, far_apart)));
+      choice.requires_extension || (choice.may_extend && (all.has_differences() || is_array_large(equations) ||
+                                                          units_are_apart(equations, point, options, far_apart)));
   return choice;
 }
 

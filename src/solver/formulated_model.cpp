@@ -223,11 +223,6 @@ WholeModel& FormulatedModel::whole() {
         format("objects of the theory are those of the whole derivative array: there are none of more than %d "
                "unknowns.",
                most_dense_unknowns));
-  if (all_.has_differences())
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        "objects of the theory are those of the whole derivative array, which needs Jacobians: there are none "
-        "with SFDAE_MATRICES_DIFFERENCES.");
   analyze_own();
   return *all_.own;
 }

@@ -109,6 +109,14 @@ static int F(double t, int order, const double* d, double* values, double* F_x, 
   return 0;
 }
 
+static int formulas(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                    sfdae_expression* to, void* user) {
+  (void)record, (void)t, (void)user;
+  to[0] = sfdae_add(xdot[0], x[0]);
+  to[1] = x[1];
+  return 0;
+}
+
 static sfdae_nonlinear_problem nonlinear_problem(void) {
   sfdae_nonlinear_problem problem;
   sfdae_nonlinear_problem_init(&problem, sizeof problem);
@@ -135,23 +143,30 @@ static void differences_need_F_alone(void) {
   CHECK(fabs(log(x[1]) + 1.5 * x[1] * x[1] + 1 - 1.5) < 1e-6);
   options.structure = SFDAE_STRUCTURE_OFF;
   CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
-  CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_ILLEGAL_ARGUMENT);
+  x[0] = 2, x[1] = 1;
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 1, &t, x, xdot), SFDAE_OK);
+  CHECK(fabs(log(x[1]) + 1.5 * x[1] * x[1] + 1 - 1.5) < 1e-6);
   sfdae_destroy(&solver);
 }
 
-static void differences_need_square_problems(void) {
+static void differences_need_a_function(void) {
   sfdae_nonlinear_problem problem = nonlinear_problem();
-  const int counts[] = {1, 1};
   char text[300];
-  problem.differentiations = counts;
+  problem.F_x_col_start = problem.F_xdot_col_start = NULL;
+  problem.F_x_row_index = problem.F_xdot_row_index = NULL;
+  problem.F_x_entries = problem.F_xdot_entries = 0;
+  CHECK_STATUS(sfdae_check_nonlinear(&problem, NULL, text, sizeof text), SFDAE_OK);
+  problem.total_derivative = NULL;
+  problem.equations = formulas;
   CHECK_STATUS(sfdae_check_nonlinear(&problem, NULL, text, sizeof text), SFDAE_ILLEGAL_ARGUMENT);
-  CHECK(strstr(text, "SFDAE_MATRICES_DIFFERENCES needs as many equations") != NULL);
+  CHECK(strstr(text, "derivatives of formulas are known") != NULL);
 }
 
 int main(void) {
   linear_problems_are_the_same_in_all_forms();
   mistakes_are_named();
   differences_need_F_alone();
-  differences_need_square_problems();
+  differences_need_a_function();
   return failures != 0;
 }
