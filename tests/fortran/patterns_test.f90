@@ -3,7 +3,7 @@
 !>
 !>     x1' = -x2,   0 = x2^3 + x2 - x1
 !>
-!> by values of the entries of their Jacobians, or by differences; and x1' = -x1, 0 = x1 - x2 as a
+!> by values of the entries of their Jacobians, or by differences, with patterns and without; and x1' = -x1, 0 = x1 - x2 as a
 !> linear problem with entries.
 module patterns_problem
   use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
@@ -101,6 +101,11 @@ program patterns_test
   problem%matrices = sfdae_matrices_differences
   call run_nonlinear("differences")
   call check(.not. problem%was_asked, "differences ask for nothing")
+  deallocate (problem%pattern_f_x%col_start, problem%pattern_f_x%row_index)
+  deallocate (problem%pattern_f_xdot%col_start, problem%pattern_f_xdot%row_index)
+  call run_nonlinear("residuals alone")
+  call check(.not. problem%was_asked, "differences without patterns ask for nothing")
+  problem%pattern_f_x = sparsity_pattern([1, 2, 4], [2, 1, 2])
   call run_linear()
   problem%pattern_f_xdot = sparsity_pattern([1, 2], [1])
   call sfdae_check_nonlinear(problem, text, status)
@@ -121,7 +126,7 @@ contains
     type(dae_options) :: options
     real(dp) :: t
 
-    options%structure = sfdae_structure_required
+    if (allocated(problem%pattern_f_x%col_start)) options%structure = sfdae_structure_required
     options%rtol = 1e-8_dp
     options%atol = 1e-8_dp
     call solver%create(problem, status, options)
