@@ -48,11 +48,20 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
   }
 }
 
+void TimeInputs::count_slopes(bool with_slopes) {
+  with_slopes_ = with_slopes;
+  enclosed_.resize(with_slopes ? index(count_) : 0);
+}
+
 void TimeInputs::evaluate(double t, double* values) {
   for (Part& part : parts_) {
     const double* const slots = part.values.at(t);
     for (const int slot : part.inputs) *values++ = slots[slot];
   }
+  if (!with_slopes_) return;
+  enclose_inputs(Interval::of(t), enclosed_.data());
+  for (std::size_t k = 0; k < enclosed_.size(); ++k)
+    *values++ = is_enclosed(k) ? 0.5 * (enclosed_[k].slope.low + enclosed_[k].slope.high) : 0.0;
 }
 
 bool TimeInputs::are_enclosed() const {
@@ -60,6 +69,12 @@ bool TimeInputs::are_enclosed() const {
 }
 
 void TimeInputs::enclose(Interval t, TimeSeries* all) {
+  enclose_inputs(t, all);
+  for (std::size_t k = 0; k < enclosed_.size(); ++k)
+    all[enclosed_.size() + k] = {all[k].slope, all[k].bend + all[k].bend, Interval::entire()};
+}
+
+void TimeInputs::enclose_inputs(Interval t, TimeSeries* all) {
   for (Part& part : parts_) {
     part.enclosures.enclose(part.values.numbers(), t);
     for (std::size_t k = 0; k < part.inputs.size(); ++k) *all++ = part.enclosures[k];

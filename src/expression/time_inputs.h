@@ -17,7 +17,9 @@ class TimeInputs {
   explicit TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators);
 
   // t itself is none.
-  int count() const { return count_; }
+  int count() const { return with_slopes_ ? 2 * count_ : count_; }
+  // Derivatives of inputs are inputs, too, after these: of equations that are differentiated.
+  void count_slopes(bool with_slopes);
   // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is
   // at its largest, as the current of a diode.
   bool are_with_steep_functions() const { return are_with_steep_functions_; }
@@ -28,7 +30,7 @@ class TimeInputs {
   // where user-supplied functions contribute.
   void enclose(Interval t, TimeSeries* all);
   // Whether no user-supplied function contributes to an input, to any of them.
-  bool is_enclosed(std::size_t input) const { return is_enclosed_[input] != 0; }
+  bool is_enclosed(std::size_t input) const { return is_enclosed_[input % is_enclosed_.size()] != 0; }
   bool are_enclosed() const;
 
  private:
@@ -37,10 +39,13 @@ class TimeInputs {
     TimeEnclosures enclosures;
     std::vector<int> inputs;  // slots
   };
+  void enclose_inputs(Interval t, TimeSeries* all);
+
   std::vector<Part> parts_;
   std::vector<char> is_enclosed_;
   int count_ = 0;
-  bool are_with_steep_functions_ = false;
+  bool are_with_steep_functions_ = false, with_slopes_ = false;
+  std::vector<TimeSeries> enclosed_;
 };
 
 }  // namespace sfdae::core

@@ -16,6 +16,9 @@ namespace {
 // Of the change that the ends of a step show, what may be hidden between them if the error test is sure to see what is
 // shown: so many tolerances. (Chosen.)
 constexpr double shown_part = 0.5, surely_seen = 20.0;
+// Of the range of an input in a step: nearer to their polynomials, inputs are resolved, and so are their derivatives.
+// (Chosen.)
+constexpr double resolved = 0.01;
 // What is hidden is known where it is largest: so much is charged, its mean over a step. (Chosen.)
 constexpr double mean_part = 0.3;
 // Of all that is unimportant, in tolerances: what may be spent at first.
@@ -34,7 +37,9 @@ constexpr int most_input_halvings = 30;
 }  // namespace
 
 void InputWatch::resize(const DaeSystem& system, int inputs) {
-  search_.resize(inputs, system.differentiates());
+  differentiates_ = system.differentiates();
+  of_values_.resize(inputs);
+  with_slopes_.resize(differentiates_ ? 2 * inputs : 0);
   slopes_.resize(system);
   const std::size_t size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);
@@ -96,14 +101,25 @@ bool InputWatch::is_important(double hidden, double shown, double h) const {
   return !is_covered && !(shown >= surely_seen && hidden <= shown_part * shown);
 }
 
+// With equations that are differentiated, derivatives of inputs are inputs, too; they are as far from their polynomials
+// as the inputs are, about, in parts of their ranges.
+void InputWatch::search(TimeInputs& inputs, std::span<const double> nodes, double h) {
+  inputs.count_slopes(false);
+  of_values_.search(inputs, nodes, h, fastest_);
+  is_with_slopes_ = differentiates_ && of_values_.farthest() > resolved;
+  if (!is_with_slopes_) return;
+  inputs.count_slopes(true);
+  with_slopes_.search(inputs, nodes, h, fastest_);
+}
+
 double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, double h) {
   has_slope_ = false;
   double size = h, seen = 0.0;
   for (int halvings = 0; halvings < most_input_halvings; ++halvings) {
     const std::span<const double> nodes(nodes_.data(), set_nodes(integrator, size));
-    search_.search(inputs, nodes, size, fastest_);
+    search(inputs, nodes, size);
     account_.charge = 0.0;
-    const Importance of_all = of_unseen(integrator, size, search_.unseen());
+    const Importance of_all = of_unseen(integrator, size, found().unseen());
     if (of_all == Importance::none && of_peaks(integrator, size, nodes) == Importance::none) break;
     size *= 0.5;
     if (of_all == Importance::matters) seen = std::fabs(size);
@@ -120,9 +136,9 @@ bool InputWatch::drive_steps(Integrator& integrator, TimeInputs& inputs, double 
   const bool grows = std::fabs(h) > std::fabs(state.last.h);
   const bool is_short = account_.rate * std::fabs(h) <= short_step * unimportant;
   if (grows || !is_short || is_busy(state.t) || !inputs.are_enclosed()) return false;
-  search_.search(inputs, {nodes_.data(), set_nodes(integrator, much_longer * h)}, much_longer * h, fastest_);
+  search(inputs, {nodes_.data(), set_nodes(integrator, much_longer * h)}, much_longer * h);
   const double charge = account_.charge;
-  const Importance importance = of_unseen(integrator, much_longer * h, search_.unseen());
+  const Importance importance = of_unseen(integrator, much_longer * h, found().unseen());
   account_.charge = charge;
   return importance != Importance::none;
 }
@@ -130,7 +146,7 @@ bool InputWatch::drive_steps(Integrator& integrator, TimeInputs& inputs, double 
 // Whether the slope of w at one of the places is far from what the ends of the step show. Elsewhere inputs may be
 // `doubt()` times as far from what the step sees of them, and so may slopes.
 InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, std::span<const double> places) {
-  const double doubt = std::fmax(search_.doubt(), 1.0);
+  const double doubt = std::fmax(found().doubt(), 1.0);
   if (places.empty()) return doubt > 1.0 ? Importance::unknown : Importance::none;
   const QuietArithmetic quiet;
   const double start = integrator.stepper->state().t;
@@ -153,7 +169,7 @@ InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, s
 // The same of peaks, and of the polynomial through the slopes at all nodes, the first of which is the start: what
 // depends on inputs in a linear way is as near to it as they are to theirs.
 InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, std::span<const double> nodes) {
-  if (search_.peaks().empty()) return Importance::none;
+  if (found().peaks().empty()) return Importance::none;
   const QuietArithmetic quiet;
   if (!has_slope_at_start(integrator)) return Importance::unknown;
   const std::size_t size_w = at_start_.size();
@@ -171,7 +187,7 @@ InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, st
     std::copy(change_.begin(), change_.end(), changes_.begin() + static_cast<std::ptrdiff_t>(k * size_w));
     shown = std::fmax(shown, slopes_.size_of_change(integrator, h, change_));
   }
-  for (const double t : search_.peaks()) {
+  for (const double t : found().peaks()) {
     if (!slopes_.find(integrator, t, here_)) return Importance::unknown;
     std::array<double, InputSearch::most_nodes> weights{};
     set_lagrange_weights(nodes, t, weights.data());

@@ -48,6 +48,7 @@ class InputWatch {
     bool is_busy = false;                // ever
   };
 
+  void search(TimeInputs& inputs, std::span<const double> nodes, double h);
   std::size_t set_nodes(const Integrator& integrator, double h);
   bool is_important(double hidden, double shown, double h) const;
   bool is_busy(double t) const;
@@ -56,7 +57,10 @@ class InputWatch {
   Importance of_peaks(Integrator& integrator, double h, std::span<const double> nodes);
   bool has_slope_at_start(Integrator& integrator);
 
-  InputSearch search_;
+  const InputSearch& found() const { return is_with_slopes_ ? with_slopes_ : of_values_; }
+
+  InputSearch of_values_, with_slopes_;
+  bool differentiates_ = false, is_with_slopes_ = false;  // the equations; the last search
   HeldSlopes slopes_;
   Account account_;
   double fastest_ = 0.0;  // in which time inputs have been found to change unnoticed; 0: none have

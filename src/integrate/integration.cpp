@@ -283,7 +283,10 @@ void Integration::try_with_branches(StepOutcome outcome, double h) {
 // For the points of the system at present.
 void Integration::resize_workspace() {
   output_.resize(integrator_.system);
-  if (options_.inputs != nullptr) inputs_.resize(integrator_.system, options_.inputs->count());
+  if (options_.inputs != nullptr) {
+    options_.inputs->count_slopes(false);
+    inputs_.resize(integrator_.system, options_.inputs->count());
+  }
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
   const std::size_t n = index(integrator_.system.unknowns());
   if (options_.conditions != nullptr)

@@ -112,6 +112,13 @@ Interval NodePolynomials::values(std::size_t i, Interval y) const {
   return sum;
 }
 
+Interval NodePolynomials::slopes(std::size_t i, Interval y) const {
+  const std::array<double, most_nodes>& c = at_nodes_[i].coefficients;
+  Interval sum;
+  for (std::size_t m = count_; m > 1; --m) sum = sum * y + Interval::of(static_cast<double>(m - 1) * c[m - 1]);
+  return 1.0 / half_ * sum;
+}
+
 Interval NodePolynomials::bends(std::size_t i, Interval y) const {
   const std::array<double, most_nodes>& c = at_nodes_[i].coefficients;
   Interval sum;
@@ -120,7 +127,7 @@ Interval NodePolynomials::bends(std::size_t i, Interval y) const {
   return 1.0 / (half_ * half_) * sum;
 }
 
-void InputSearch::resize(int inputs, bool with_slopes) {
+void InputSearch::resize(int inputs) {
   const std::size_t n = index(inputs);
   polynomials_.resize(n);
   seen_.resize(n);
@@ -129,8 +136,7 @@ void InputSearch::resize(int inputs, bool with_slopes) {
   for (Sample& sample : samples_)
     for (std::vector<double>* v : {&sample.values, &sample.distances}) v->assign(n, 0.0);
   pieces_.reserve(most_pieces + 1);
-  with_slopes_ = with_slopes;
-  unseen_.resize((with_slopes ? 9 : 3) * n);
+  unseen_.resize(3 * n);
   peaks_.resize(2 * n);
 }
 
@@ -143,6 +149,7 @@ void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, doub
   constexpr Extreme none{0.0, 0.0, 0.0};
   std::fill(seen_.begin(), seen_.end(), Seen{{-infinity, 0.0, 0.0}, {infinity, 0.0, 0.0}, none, none, none});
   pieces_.clear();
+  farthest_ = 0.0;
   double count = 1.0;
   if (!inputs.are_enclosed())
     count = std::fmax(fewest_samples, fastest > 0.0 ? std::ceil(per_change * std::fabs(h) / fastest) : 0.0);
@@ -213,8 +220,8 @@ void InputSearch::add_piece(TimeInputs& inputs, Piece piece, const Sample& start
 }
 
 // With u = u_0 + (u_1 - u_0) s + r on a piece of width w, |r| <= w^2 / 8 max |u''|, for u and for its distance from the
-// polynomial.
-double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) const {
+// polynomial; and by the slopes of the distance, which is at most halfway between its ends plus w / 2 of its slope.
+double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) {
   const TimeSeries& u = enclosed_[i];
   const Interval y{piece.low, piece.high}, nodes = polynomials_.range(i);
   const double width = std::fabs(polynomials_.half()) * (piece.high - piece.low), part = 0.25 * width * width;
@@ -226,7 +233,12 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
   double far =
       std::fmax(start.distances[i], end.distances[i]) + part * (u.bend - polynomials_.bends(i, y)).magnitude();
   const double clearly_seen = visible_excess * sought;
-  if (!(far <= clearly_seen)) far = std::fmin(far, (u.value - polynomials_.values(i, y)).magnitude());
+  if (!(far <= clearly_seen)) {
+    const double steepness = (u.slope - polynomials_.slopes(i, y)).magnitude();
+    far = std::fmin(far, 0.5 * (start.distances[i] + end.distances[i] + width * steepness));
+    far = std::fmin(far, (u.value - polynomials_.values(i, y)).magnitude());
+  }
+  farthest_ = std::fmax(farthest_, ratio(far, sought));
   double result = ratio(far, std::fmax(visible_part * sought, place_factor * seen.far.value));
   if (!with_peaks_ && far <= clearly_seen) return result;
   const bool is_monotone = u.slope.low >= 0.0 || u.slope.high <= 0.0;
@@ -263,9 +275,9 @@ void InputSearch::find_places(TimeInputs& inputs) {
     const double range = range_of(i);
     if (range == 0.0 || !polynomials_.is_defined(i)) continue;
     const Seen& seen = seen_[i];
-    add_unseen(seen.above.value / (visible_excess * range), seen.above);
-    add_unseen(seen.below.value / (visible_excess * range), seen.below);
-    add_unseen(seen.far.value / (visible_part * range), seen.far);
+    unseen_.add(seen.above.value / (visible_excess * range), seen.above.t);
+    unseen_.add(seen.below.value / (visible_excess * range), seen.below.t);
+    unseen_.add(seen.far.value / (visible_part * range), seen.far.t);
     if (!with_peaks_) continue;
     const Interval within = polynomials_.range_within(i);
     const double extent = std::fmax(seen.high.value, within.high) - std::fmin(seen.low.value, within.low);
@@ -278,14 +290,6 @@ void InputSearch::find_places(TimeInputs& inputs) {
   const double same = 2.0 * same_place * std::fabs(polynomials_.half());
   unseen_.finish(same);
   peaks_.finish(same);
-}
-
-void InputSearch::add_unseen(double score, const Extreme& extreme) {
-  unseen_.add(score, extreme.t);
-  if (!with_slopes_) return;
-  const double a = polynomials_.time(-1.0), b = polynomials_.time(1.0);
-  for (const double side : {-1.0, 1.0})
-    unseen_.add(score, std::clamp(extreme.t + side * extreme.reach, std::fmin(a, b), std::fmax(a, b)));
 }
 
 // Near the sample that is the largest one, of those times sign, by parabolas within the step.

@@ -33,7 +33,8 @@ class NodePolynomials {
   Interval range_within(std::size_t i) const { return at_nodes_[i].within; }
   double value(std::size_t i, double y) const;
   Interval values(std::size_t i, Interval y) const;
-  // Enclosure of half the second derivative by t.
+  // Enclosures of the first derivative by t, and of half the second one.
+  Interval slopes(std::size_t i, Interval y) const;
   Interval bends(std::size_t i, Interval y) const;
 
  private:
@@ -55,8 +56,7 @@ class InputSearch {
  public:
   static constexpr std::size_t most_nodes = NodePolynomials::most_nodes;
 
-  // with_slopes: derivatives of inputs matter, which are large beside the places where inputs are.
-  void resize(int inputs, bool with_slopes);
+  void resize(int inputs);
   // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among
   // them. fastest: in which time inputs are known to change, or 0.
   void search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest);
@@ -69,6 +69,8 @@ class InputSearch {
   // How many times farther than at these places inputs may be from their polynomials elsewhere; at most 1: no more
   // than is of no importance.
   double doubt() const { return doubt_; }
+  // A bound of the distances of inputs from their polynomials, of their ranges.
+  double farthest() const { return farthest_; }
 
  private:
   // In y; score: above 1, what inputs do in it is not known well enough.
@@ -107,11 +109,10 @@ class InputSearch {
 
   void take(TimeInputs& inputs, double y, double reach, Sample& sample);
   void add_piece(TimeInputs& inputs, Piece piece, const Sample& start, const Sample& end);
-  double score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) const;
+  double score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end);
   double range_of(std::size_t i) const;
   void find_noise(TimeInputs& inputs, double start, double end);
   void find_places(TimeInputs& inputs);
-  void add_unseen(double score, const Extreme& extreme);
   double peak(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from);
 
   NodePolynomials polynomials_;
@@ -121,8 +122,8 @@ class InputSearch {
   std::array<Sample, 3> samples_;
   std::vector<Piece> pieces_;  // a heap
   Places unseen_, peaks_;
-  double doubt_ = 0.0;
-  bool with_peaks_ = false, with_slopes_ = false;
+  double doubt_ = 0.0, farthest_ = 0.0;
+  bool with_peaks_ = false;
 };
 
 }  // namespace sfdae::core
