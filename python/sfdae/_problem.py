@@ -340,7 +340,10 @@ class NonlinearProblem(Matrices, Problem):
             return None
         try:
             result = self._evaluated(t, jet[:, 0].copy(), jet[:, 1].copy(), values)
-        except ArithmeticError as exception:  # OverflowError, ZeroDivisionError
+        except (ArithmeticError, ValueError) as exception:
+            # OverflowError, ZeroDivisionError, and ValueError of the functions of math
+            if isinstance(exception, ValueError) and str(exception) != "math domain error":
+                raise
             raise CannotEvaluate(str(exception)) from exception
         if len(result) != self.num_equations:
             raise ValueError(f"{len(result)} residuals, not {self.num_equations}: num_equations?")

@@ -313,6 +313,12 @@ def test_numbers_that_overflow_cannot_be_evaluated():
     found = end_of(junction, (0, 1), [0, 0], record=False, rtol=1e-6, atol=1e-15)
     assert found[0] == pytest.approx(3.79580321e-10, abs=1e-15)
 
+    def logarithm(t, x, xdot):  # guessed far from 1, so that trial values are negative
+        return [xdot[0] + x[0], math.log(x[1]) - x[0]]
+
+    found = end_of(logarithm, (0, 1), [1, 10], record=False, rtol=1e-6, atol=1e-6)
+    assert found == pytest.approx([np.exp(-1), np.exp(np.exp(-1))], abs=1e-5)
+
 
 @pytest.mark.parametrize("is_sparse", [False, True])
 def test_patterns_may_be_matrices(is_sparse):

@@ -130,8 +130,11 @@ class TaylorData {
   void clear_unused_rows();
   // Of a nonlinear problem along a jet that does not fulfil F = 0 exactly: what that may change, relative to norm().
   double residual_noise = 0.0;
-  // Of a nonlinear problem whose Jacobians are differences: their errors relative to norm().
+  // Of a nonlinear problem whose Jacobians are differences: errors of entries that are not zero, relative to these.
   double entry_noise = 0.0;
+  // The same relative to norm(): as of the smallest row or column of E_0 that is not zero. If an equation is stiff it
+  // is small, and so are its errors.
+  double noise_of_entries() const;
   // F_x' of a nonlinear problem was nothing but rounding errors; E(0) is zero.
   bool E0_was_rounding = false;
   // Contradictions of redundant equations are measured by this if it is larger than f.

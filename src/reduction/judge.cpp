@@ -17,7 +17,7 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       level_(level),
       sizes_{std::max(data.m, data.n), data.norm(level),
              data.norm_A(level),       data.norm_E0(),
-             data.noise(level),        std::max(data.residual_noise, data.entry_noise) * data.norm(level)},
+             data.noise(level),        std::max(data.residual_noise, data.noise_of_entries()) * data.norm(level)},
       errors_(sizes_.eps * sizes_.norm),
       constraint_errors_(sizes_.eps * sizes_.norm_A) {}
 

@@ -195,8 +195,8 @@ TEST(ConditionsThatSlide, CombineWithOthers) {
     }
 }
 
-// A steep kink, x' = g max(u - x, 0) - x: x follows u until u falls faster than x, and meets it again and again where it
-// is so near that the tolerances decide on which side of the kink it is.
+// A steep kink, x' = g max(u - x, 0) - x: x follows u until u falls faster than x, and meets it again and again where
+// it is so near that the tolerances decide on which side of the kink it is.
 TEST(ConditionsThatSlide, AreNotKinks) {
   constexpr double g = 1e4, end = 0.05, pi = 3.14159265358979323846;
   for (const double frequency : {100.0, 400.0, 1000.0}) {

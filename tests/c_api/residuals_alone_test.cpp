@@ -100,6 +100,20 @@ TEST(ResidualsAlone, AreNotEvaluatedFarFromSmallUnknowns) {
   EXPECT_NEAR(ends[1][0], 3.79580321e-10, 1e-14);
 }
 
+// Explicit equations however stiff they are: F_x' is the unit matrix, and small beside F_x.
+TEST(ResidualsAlone, MayBeStiff) {
+  for (const double k : {1e3, 1e6, 1e9, 1e12}) {
+    const Residual reactions = [k](double, const double* x, const double* xdot, double* F) {
+      F[0] = xdot[0] + k * (x[0] * x[0] - x[1]);
+      F[1] = xdot[1] - k * (x[0] * x[0] - x[1]);
+      F[2] = xdot[2] + x[2];
+    };
+    const Vector x = end_of(problem_of(3, reactions), {1.0, 0.0, 1.0}, 1.0, sfdae_test::solver_options(1e-6, 0));
+    EXPECT_NEAR(x[0], 0.5 * (std::sqrt(5.0) - 1.0), 1e-3 / k + 2e-5) << k;
+    EXPECT_NEAR(x[2], std::exp(-1.0), 2e-5) << k;
+  }
+}
+
 // Node equations with 1 pF between both nodes: E is singular, and its entries are far below currents.
 TEST(ResidualsAlone, SeeSmallCapacitorsFromRest) {
   const Residual nodes = [](double t, const double* v, const double* vdot, double* F) {

@@ -3,7 +3,8 @@
 !>
 !>     x1' = -x2,   0 = x2^3 + x2 - x1
 !>
-!> by values of the entries of their Jacobians, or by differences, with patterns and without; and x1' = -x1, 0 = x1 - x2 as a
+!> by values of the entries of their Jacobians, or by differences, with patterns and without; and
+!> x1' = -x1, 0 = x1 - x2 as a
 !> linear problem with entries.
 module patterns_problem
   use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
