@@ -16,9 +16,11 @@ namespace {
 
 // In tolerances: what E x may move by beyond what slopes explain, half of a jump. (Chosen.)
 constexpr double clear_move = 0.5;
-// Of the tolerances: x moves by less while a condition passes zero. (Chosen: positions that go on continuously do so to
-// this accuracy.)
+// A zero is located when x and the condition move by less than this part of the tolerances while the condition passes
+// it. (Chosen: positions that go on continuously do so to this accuracy.)
 constexpr double located = 1e-4;
+// Where the tolerances leave nothing open about a condition: a distance that rounding errors of t end, not this.
+constexpr double farthest = 1e30;
 // Both points are so far apart that rounding errors of x do not undo the switch. (As about switching times of t.)
 constexpr double roundings_of_gap = 32.0;
 // Changes of branches in a row between which E x moves by less, in tolerances, lead nowhere, if one condition switches
@@ -265,13 +267,24 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
   return Verdict::again;
 }
 
+// Returns the distance of x, or of the conditions that switch, between both points, in tolerances: x may stay where it
+// is until a branch changes, and g says how late that is.
 double ConditionSteps::distance(const Integrator& integrator) {
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = after_.x[i] - before_.x[i];
-  return integrator.weights.norm(change_.data());
+  double result = integrator.weights.norm(change_.data());
+  find_tolerances(integrator, after_.x.data());
+  const std::vector<double> open =
+      conditions_->functions().resolution(after_.t, after_.x.data(), slopes_.data(), tolerances_.data());
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    if (is_met(after_.g[k]) == is_met(branches_[k])) continue;
+    const double moved = std::fabs(after_.g[k] - before_.g[k]);
+    result = std::max(result, moved < farthest * open[k] ? moved / open[k] : farthest);
+  }
+  return result;
 }
 
 // Where the first of the conditions is zero if they are linear, but so far from an end that this end gets near enough
-// if it is not; the middle where that gains little. distance: of x at both ends.
+// if it is not; the middle where that gains little. distance: of both ends, as distance() says.
 double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   const double a = before_.t, b = after_.t, middle = 0.5 * (a + b);
   if (next_.slow >= 2 || !std::isfinite(distance)) return middle;

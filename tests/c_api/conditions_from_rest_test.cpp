@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Tests of unknowns that rest exactly until a condition on t and x switches, as a capacitor behind a rectifier does:
+// nothing but the condition says when. SFDAE_TEST_SCALE scales the number of random problems.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "family_run.h"
+#include "random_family.h"
+#include "solver_options.h"
+
+namespace conditions_from_rest {
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using sfdae_test::RandomNumbers;
+using Vector = std::vector<double>;
+
+double where_positive(double g, double value, double other) { return g > 0.0 ? value : other; }
+Expression where_positive(const Expression& g, const Expression& value, double other) {
+  return choose(g > 0.0, value, other);
+}
+double larger(double a, double b) { return std::max(a, b); }
+Expression larger(const Expression& a, double b) { return max(a, b); }
+
+// y' = gain f(sin(w t + phase) - threshold - y) - leak y: f is 0 for negative arguments.
+struct Rectifier {
+  int law;
+  double gain, leak, frequency, phase, threshold;
+
+  template <class Number>
+  Number slope(const Number& t, const Number& y) const {
+    using std::sin, std::abs;
+    const Number drop = sin(frequency * t + phase) - threshold - y;
+    switch (law) {
+      case 0: return gain * larger(drop, 0.0) - leak * y;
+      case 1: return 0.5 * gain * (abs(drop) + drop) - leak * y;
+      case 2: return gain * where_positive(drop, drop, 0.0) - leak * y;
+      case 3: return gain * where_positive(drop * (y + 2.0), drop * drop, 0.0) - leak * y;
+      default: return gain * (larger(drop, 0.0) - larger(drop - 0.3, 0.0)) - leak * y;
+    }
+  }
+};
+constexpr int laws = 5;
+
+struct Problem {
+  std::vector<Rectifier> rectifiers;
+  double unit;        // x = unit y
+  bool has_currents;  // x' = z, and z is an unknown
+  int count() const { return static_cast<int>(rectifiers.size()); }
+};
+
+Problem random_problem(RandomNumbers& random) {
+  constexpr int numbers_of_copies[] = {1, 1, 2, 5};
+  Problem problem{{}, std::pow(10.0, random.uniform(-4.0, 4.0)), random.integer(0, 1) == 1};
+  const int law = random.integer(0, laws - 1), count = numbers_of_copies[random.integer(0, 3)];
+  for (int k = 0; k < count; ++k)
+    problem.rectifiers.push_back({law, std::pow(10.0, random.uniform(-1.0, 3.0)), random.integer(0, 1) * 0.2,
+                                  random.uniform(0.5, 3.0), random.uniform(0.0, 6.28), random.uniform(0.1, 0.8)});
+  return problem;
+}
+
+// y of each output, by steps so short that errors at switches do not matter.
+std::vector<Vector> reference(const Problem& problem, const Vector& times) {
+  constexpr int steps = 20000;  // from one output to the next, in all
+  std::vector<Vector> result(times.size(), Vector(problem.rectifiers.size()));
+  for (std::size_t k = 0; k < problem.rectifiers.size(); ++k) {
+    const Rectifier& of = problem.rectifiers[k];
+    double t = 0.0, y = 0.0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const double h = (times[i] - t) / (steps / static_cast<double>(times.size()));
+      while (t < times[i] - 0.5 * h) {
+        const double a = of.slope(t, y), b = of.slope(t + 0.5 * h, y + 0.5 * h * a);
+        const double c = of.slope(t + 0.5 * h, y + 0.5 * h * b), d = of.slope(t + h, y + h * c);
+        y += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        t += h;
+      }
+      t = times[i];
+      result[i][k] = y;
+    }
+  }
+  return result;
+}
+
+sfdae::NonlinearProblem equations_of(const Problem& of) {
+  const int size = of.has_currents ? 2 * of.count() : of.count();
+  sfdae::NonlinearProblem problem(size, size);
+  problem.equations = [&of](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    for (int k = 0; k < of.count(); ++k) {
+      const Expression slope = of.unit * of.rectifiers[static_cast<std::size_t>(k)].slope(t, x[k] / of.unit);
+      F[k] = xdot[k] - (of.has_currents ? x[of.count() + k] : slope);
+      if (of.has_currents) F[of.count() + k] = x[of.count() + k] - slope;
+    }
+  };
+  return problem;
+}
+
+// Outputs between steps are as good as those at their ends.
+TEST(ConditionsFromRest, SwitchWhenTheirFunctionsSay) {
+  constexpr double enough = 100.0, accuracy_of_reference = 1e-6;
+  Vector times;
+  for (int i = 1; i <= 40; ++i) times.push_back(0.15 * i);
+  RandomNumbers random(36090);
+  for (int trial = 0; trial < sfdae_test::scaled_count(400, 40); ++trial) {
+    const Problem problem = random_problem(random);
+    const int method = random.integer(0, 1);
+    const double tolerance = std::pow(10.0, -random.integer(3, 6));
+    SCOPED_TRACE("trial " + std::to_string(trial) + ", law " + std::to_string(problem.rectifiers[0].law) +
+                 ", copies " + std::to_string(problem.count()) + ", method " + std::to_string(method) +
+                 ", tolerance " + std::to_string(tolerance));
+    const std::vector<Vector> exact = reference(problem, times);
+    sfdae::Options options = sfdae_test::solver_options(tolerance, method);
+    options.atol = tolerance * problem.unit;
+    sfdae::Solver solver(equations_of(problem), options);
+    sfdae::Point point{0.0, Vector(static_cast<std::size_t>(problem.count() * (problem.has_currents ? 2 : 1))), {}};
+    solver.start(point, times.back());
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      ASSERT_EQ(solver.advance(times[i], point), SFDAE_OK) << solver.message();
+      for (std::size_t k = 0; k < problem.rectifiers.size(); ++k)
+        ASSERT_NEAR(point.x[k] / problem.unit, exact[i][k], enough * tolerance + accuracy_of_reference) << times[i];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace conditions_from_rest
