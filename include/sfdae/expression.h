@@ -204,10 +204,11 @@ typedef struct sfdae_nonlinear_problem {
   const int* F_xdot_row_index;
   /** SFDAE_MATRICES_DENSE (default); _COMPRESSED: F_x and F_xdot of the callback have so many entries, its total
    * derivatives too; or _DIFFERENCES: the callback gets NULL for both, and patterns are not needed. Central differences
-   * have relative errors of 1e-9, with which ranks are decided. They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 and
-   * above where no equation has to be differentiated (strangeness index 0): x' at outputs then has errors of
-   * differences. A Jacobian takes 4 evaluations of F for each unknown, or for each group of columns of the patterns
-   * that have no row in common. */
+   * have relative errors of 1e-9, with which ranks are decided (with respect to x', where F is linear in it, those of
+   * rounding alone). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 and above where no equation has to be
+   * differentiated (strangeness index 0): x' at outputs then has errors of differences. A Jacobian takes 6
+   * evaluations of F for each unknown (more where F is not smooth), or for each group of columns of the patterns that
+   * have no row in common. */
   int matrices;
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */

@@ -299,7 +299,7 @@ void NonlinearIteration::measure_inconsistency(const IterationTask& task, ArrayL
   // measured.
   constexpr double sums = 1e3;
   const NullSpaceForm& form = linearization.form();
-  const double noise = sums * linearization.data().noise(problem_.mu()) / linearization.quality().smallest_pivot;
+  const double noise = sums * linearization.data().noise_A(problem_.mu()) / linearization.quality().smallest_pivot;
   const bool is_noise = form.inconsistency() <= noise;
   inconsistency_ = is_noise ? 0.0 : form.inconsistency();
   if (is_noise || task.inverse_weights == nullptr) return;

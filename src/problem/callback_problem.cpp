@@ -194,7 +194,11 @@ CallbackError CallbackProblem::differentiate(double t, int order, const double* 
   error = ColoredDifferences(evaluate, of_x, own.of_x, F).find(own.F_x, terms, to.F_x);
   if (error.status != SFDAE_OK) return error;
   ColoredDifferences by_xdot(evaluate, of_xdot, own.of_xdot, F);
-  if (order == 0) return by_xdot.find(own.F_xdot, terms, to.F_xdot);
+  if (order == 0) {
+    error = by_xdot.find(own.F_xdot, terms, to.F_xdot);
+    own.is_linear_in_xdot = by_xdot.is_linear();
+    return error;
+  }
   std::vector<double> both(index(own.united.pattern.entries()));
   error = by_xdot.find(own.united, terms, both.data());
   if (error.status != SFDAE_OK) return error;
@@ -238,7 +242,6 @@ CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int 
 
 CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const int highest = std::max({orders.E, orders.A, orders.f});
-  data.entry_noise = form_ == JacobianForm::differences ? noise_of_differences : 0.0;
   to_derivatives(jet, highest + 1);
   unused_.resize(index(m()));
   for (int k = 0; k <= highest; ++k) {
@@ -253,6 +256,9 @@ CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, O
     if (A != nullptr) multiply_all(scale, A, area);
     if (E != nullptr) multiply_all(scale, E, area);
   }
+  data.difference_noise = {};
+  if (differences_)
+    data.difference_noise = {differences_->is_linear_in_xdot ? 0.0 : noise_of_differences, noise_of_differences};
   return {};
 }
 

@@ -49,6 +49,7 @@ class CallbackProblem final : public NonlinearProblem {
     GroupedPattern F_x, F_xdot;
     GroupedPattern united;  // F_x' and what F^(k) depends on with it
     ChangeSizes of_x, of_xdot;
+    bool is_linear_in_xdot = false;  // F, as far as seen at the latest point
   };
 
   void to_derivatives(const double* jet, int order);

@@ -12,11 +12,12 @@ namespace sfdae::core {
 
 namespace {
 
-// An increment is too small if rounding errors of the terms of a row exceed this part of the difference in all rows; it
-// becomes larger by that factor, so often for x' and, as F may overflow sooner, for x. (Chosen: central differences
-// have errors of 1e-10 as a rule.)
-constexpr double rounding_part = 1e-7, larger = 1e3;
-constexpr int most_larger_of_xdot = 4, most_larger_of_x = 1;
+// An increment is too small if rounding errors of the terms of a row exceed this part of the difference in all rows. It
+// becomes larger by this factor at least, so often at most, until it is that of an unknown of this size. Nothing else
+// is known of x', and F may overflow sooner for x. (Chosen: central differences have errors of 1e-10 as a rule.)
+constexpr double rounding_part = 1e-7, larger = 1e3, longest_of_xdot = 1e12, longest_of_zeros = 1e3,
+                 longest_of_x = 1.0;
+constexpr int most_larger = 8;
 // An increment is too large if F bends by this part of the difference; a smaller one is tried, by that factor, so
 // often, until both differences agree to that accuracy. (The error of a central difference is about the square of the
 // part.)
@@ -68,14 +69,22 @@ void ColoredDifferences::visit(const GroupedPattern& grouped, const Group& group
   }
 }
 
-CallbackError ColoredDifferences::move(const std::vector<int>& columns, double distance, std::vector<double>& to) {
-  for (const int j : columns) jet_.unknown(j) += distance * sizes_.size(j);
+bool ColoredDifferences::Group::is_zero() const {
+  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
+}
+
+double ColoredDifferences::Group::largest_bend() const {
+  return bends.empty() ? 0.0 : *std::max_element(bends.begin(), bends.end());
+}
+
+CallbackError ColoredDifferences::move(const Group& group, double side, std::vector<double>& to) {
+  // The sum of the errors of truncation and of rounding is least near eps^(1/3).
+  const double part = side * std::cbrt(unit_roundoff);
+  for (const int j : *group.columns) jet_.unknown(j) += part * std::max(group.factor * sizes_.size(j), group.least);
   return evaluate_(jet_.derivatives.data(), to.data());
 }
 
 CallbackError ColoredDifferences::difference(const GroupedPattern& grouped, Group& group) {
-  // The sum of the errors of truncation and of rounding is least near eps^(1/3).
-  const double part = group.factor * std::cbrt(unit_roundoff);
   const std::vector<int>& columns = *group.columns;
   group.increments.assign(columns.size(), 0.0);
   // Returns how far unknowns have moved, after all.
@@ -86,11 +95,11 @@ CallbackError ColoredDifferences::difference(const GroupedPattern& grouped, Grou
       jet_.unknown(columns[c]) = x;
     }
   };
-  CallbackError error = move(columns, part, above_);
+  CallbackError error = move(group, 1.0, above_);
   const bool has_above = error.status == SFDAE_OK;
   move_back(has_above, 1.0);
   if (!has_above && !error.is_recoverable()) return error;
-  error = move(columns, -part, below_);
+  error = move(group, -1.0, below_);
   const bool has_below = error.status == SFDAE_OK;
   move_back(has_below, -1.0);
   if (!has_below && (!has_above || !error.is_recoverable())) return error;
@@ -129,6 +138,16 @@ bool ColoredDifferences::bends(const GroupedPattern& grouped, const std::vector<
   return result && group.is_central;
 }
 
+bool ColoredDifferences::is_straight(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                     const Group& group) const {
+  bool result = true;
+  visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t c) {
+    const double size = terms[index(grouped.pattern.row[e])] + std::fabs(group.values[k] * group.increments[c]);
+    result = result && group.bends[k] <= roundings_of_F * unit_roundoff * size;
+  });
+  return result && group.is_central;
+}
+
 // b has the smaller increments.
 bool ColoredDifferences::agree(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a,
                                const Group& b) const {
@@ -142,49 +161,64 @@ bool ColoredDifferences::agree(const GroupedPattern& grouped, const std::vector<
   return result;
 }
 
-// Increments of unknowns that are not zero have their sizes.
-int ColoredDifferences::most_increases(const Group& group) const {
-  const std::vector<int>& columns = *group.columns;
-  const bool are_absent =
-      std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_absent(j); }) &&
-      std::all_of(group.values.begin(), group.values.end(), [](double value) { return value == 0.0; });
-  if (are_absent) return 0;
-  if (jet_.level > 0) return most_larger_of_xdot;
+double ColoredDifferences::longest_increment(const std::vector<int>& columns) const {
+  if (jet_.level > 0) return longest_of_xdot;
   const bool are_zero = std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_zero(j); });
-  return are_zero ? most_larger_of_x : 0;
+  return are_zero ? longest_of_zeros : longest_of_x;
 }
 
 CallbackError ColoredDifferences::increase(const GroupedPattern& grouped, const std::vector<double>& terms,
                                            Group& group) {
-  for (int left = most_increases(group); left > 0 && is_below_rounding(grouped, terms, group); --left) {
-    Group other(*group.columns, larger * group.factor);
+  if (group.least > 0.0) return {};  // with the largest increments already
+  const std::vector<int>& columns = *group.columns;
+  const double limit = longest_increment(columns);
+  double least = limit;
+  for (const int j : columns) least = std::min(least, sizes_.size(j));
+  const double by = std::max(larger, std::pow(limit, 1.0 / most_larger) / std::pow(least, 1.0 / most_larger));
+  while (least < limit && is_below_rounding(grouped, terms, group)) {
+    least = std::min(limit, by * least);
+    Group other(columns, group.factor, least);
     const CallbackError error = difference(grouped, other);
     if (error.status != SFDAE_OK && !error.is_recoverable()) return error;
     if (error.status != SFDAE_OK || bends(grouped, terms, other)) return {};
     group = std::move(other);
-    if (left > 1) continue;
-    const auto is_zero = [](double value) { return value == 0.0; };
-    if (std::all_of(group.values.begin(), group.values.end(), is_zero))
-      for (const int j : *group.columns) sizes_.note_absent(j);
   }
+  for (const int j : columns) sizes_.note_absence(j, group.is_zero());
   return {};
 }
 
-// F bends as much between smaller increments, as where it jumps.
-bool ColoredDifferences::jumps(const Group& group, const Group& with_smaller_increments) {
-  const auto largest = [](const std::vector<double>& bends) { return *std::max_element(bends.begin(), bends.end()); };
-  return largest(with_smaller_increments.bends) > 0.5 * largest(group.bends);
+// Where F is linear in x', differences over increments as large as x' itself have no errors but those of rounding.
+CallbackError ColoredDifferences::lengthen(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                           Group& group, bool& is_linear) {
+  double by = 1.0 / std::cbrt(unit_roundoff);
+  visit(grouped, group, [&](std::size_t k, std::size_t e, std::size_t c) {
+    const double change = std::fabs(group.values[k] * group.increments[c]);
+    if (change > 0.0) by = std::max(by, terms[index(grouped.pattern.row[e])] / change);
+  });
+  Group longer = group.scaled(std::min(by, longest_of_xdot));
+  const CallbackError error = difference(grouped, longer);
+  if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
+  is_linear = is_straight(grouped, terms, longer) && agree(grouped, terms, longer, group);
+  if (is_linear) group = std::move(longer);
+  return {};
 }
 
 CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const std::vector<double>& terms,
                                           Group& group) {
   if (CallbackError error = increase(grouped, terms, group); error.status != SFDAE_OK) return error;
+  if (jet_.level == 1 && !group.is_zero()) {
+    bool is_linear = false;
+    const CallbackError error = lengthen(grouped, terms, group, is_linear);
+    if (error.status != SFDAE_OK || is_linear) return error;
+    is_linear_ = false;
+  }
   for (int tries = 0; tries < most_smaller && bends(grouped, terms, group); ++tries) {
-    Group other(*group.columns, smaller * group.factor);
+    Group other = group.scaled(smaller);
     const CallbackError error = difference(grouped, other);
     if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
     if (agree(grouped, terms, group, other)) break;
-    if (jumps(group, other)) {
+    // F bends as much between smaller increments, as where it jumps.
+    if (other.largest_bend() > 0.5 * group.largest_bend()) {
       group.values = group.sided;
       break;
     }
@@ -193,15 +227,32 @@ CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const s
   return {};
 }
 
+// Columns that F did not depend on before are looked at with the largest increments at once.
+CallbackError ColoredDifferences::first_difference(const GroupedPattern& grouped, Group& group) {
+  const std::vector<int>& columns = *group.columns;
+  if (std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_absent(j); })) {
+    Group largest(columns, 1.0, longest_increment(columns));
+    const CallbackError error = difference(grouped, largest);
+    if (error.status != SFDAE_OK && !error.is_recoverable()) return error;
+    if (error.status == SFDAE_OK && largest.is_zero()) {
+      group = std::move(largest);
+      return {};
+    }
+  }
+  CallbackError error = difference(grouped, group);
+  for (int tries = 0; tries < most_smaller && error.status != SFDAE_OK && error.is_recoverable(); ++tries) {
+    group.factor *= smaller;
+    error = difference(grouped, group);
+  }
+  return error;
+}
+
 CallbackError ColoredDifferences::find(const GroupedPattern& grouped, std::vector<double>& terms, double* values) {
   std::vector<Group> groups;
+  is_linear_ = true;
   for (const std::vector<int>& columns : grouped.groups) {
-    groups.emplace_back(columns, 1.0);
-    CallbackError error = difference(grouped, groups.back());
-    for (int tries = 0; tries < most_smaller && error.status != SFDAE_OK && error.is_recoverable(); ++tries) {
-      groups.back().factor *= smaller;
-      error = difference(grouped, groups.back());
-    }
+    groups.emplace_back(columns, 1.0, 0.0);
+    const CallbackError error = first_difference(grouped, groups.back());
     if (error.status != SFDAE_OK) return error;
   }
   for (const Group& group : groups)

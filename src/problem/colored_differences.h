@@ -26,15 +26,15 @@ struct ChangingJet {
   double& unknown(int j) const { return derivatives[index(j + level * n)]; }
 };
 
-// By how much unknowns change: of the largest that was seen of each, or of the others where all of these were zero.
+// Sizes of unknowns, which increments are parts of: the largest value that was seen of each.
 class ChangeSizes {
  public:
   // values: n of them.
   void note(const double* values, int n);
-  double size(int j) const { return seen_[index(j)] > 0.0 ? seen_[index(j)] : size_of_zeros_; }
+  double size(int j) const { return is_zero(j) ? size_of_zeros_ : seen_[index(j)]; }
   bool is_zero(int j) const { return seen_[index(j)] == 0.0; }
-  // F does not depend on it, however large its increment is.
-  void note_absent(int j) { is_absent_[index(j)] = 1; }
+  // F did not depend on this unknown, however large its increment was.
+  void note_absence(int j, bool is_absent) { is_absent_[index(j)] = is_absent; }
   bool is_absent(int j) const { return is_absent_[index(j)] != 0; }
 
  private:
@@ -50,8 +50,8 @@ struct GroupedPattern {
 // Every entry, each column a group of its own.
 GroupedPattern full_pattern(int rows, int columns);
 
-// Central differences; from one side where F cannot be evaluated at the other. Increments that rounding errors drown
-// become larger, and increments between which F bends become smaller [CR74].
+// Central differences; from one side where F cannot be evaluated at the other. Increments become larger where rounding
+// errors of F exceed the differences, and smaller where F bends between them [CR74].
 // If F jumps at the point, differences are those of the side on which it does not.
 class ColoredDifferences {
  public:
@@ -59,36 +59,46 @@ class ColoredDifferences {
   ColoredDifferences(const FunctionOfJet& evaluate, const ChangingJet& jet, ChangeSizes& sizes,
                      const std::vector<double>& F);
   // values: one for each entry of the pattern. terms: sizes of the terms in each row, as far as known; those of this
-  // level are added. Two evaluations for each group, as a rule.
+  // level are added. Two evaluations for each group as a rule, two more for x'.
   CallbackError find(const GroupedPattern& grouped, std::vector<double>& terms, double* values);
+  // F was linear in x' over increments as large as x' itself: entries have rounding errors only.
+  bool is_linear() const { return is_linear_; }
 
  private:
   // Differences of one group of columns.
   struct Group {
-    Group(const std::vector<int>& its_columns, double its_factor) : columns(&its_columns), factor(its_factor) {}
+    Group(const std::vector<int>& its_columns, double its_factor, double its_least)
+        : columns(&its_columns), factor(its_factor), least(its_least) {}
+    Group scaled(double by) const { return {*columns, by * factor, by * least}; }
+    bool is_zero() const;
+    double largest_bend() const;
     const std::vector<int>* columns;
-    double factor;  // of increments
+    double factor, least;  // increments are parts of max(factor size, least)
     bool is_central = false;
     std::vector<double> values, bends;  // of its entries, columns one after the other; |F+ - 2 F + F-|
     std::vector<double> sided;          // the smaller one of both one-sided differences
     std::vector<double> increments;     // of its columns
   };
   CallbackError difference(const GroupedPattern& grouped, Group& group);
-  CallbackError move(const std::vector<int>& columns, double distance, std::vector<double>& to);
+  CallbackError first_difference(const GroupedPattern& grouped, Group& group);
+  CallbackError move(const Group& group, double side, std::vector<double>& to);
   CallbackError improve(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group);
   template <class Visit>
   static void visit(const GroupedPattern& grouped, const Group& group, Visit entry);
-  int most_increases(const Group& group) const;
+  double longest_increment(const std::vector<int>& columns) const;
   CallbackError increase(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group);
+  CallbackError lengthen(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group,
+                         bool& is_linear);
   bool is_below_rounding(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
   bool bends(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
-  static bool jumps(const Group& group, const Group& with_smaller_increments);
+  bool is_straight(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
   bool agree(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a, const Group& b) const;
 
   const FunctionOfJet& evaluate_;
   const ChangingJet& jet_;
   ChangeSizes& sizes_;
   const std::vector<double>& F_;
+  bool is_linear_ = true;
   std::vector<double> before_, above_, below_;
 };
 

@@ -113,7 +113,7 @@ CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet
   constexpr int samples = 2;
   data.E0_was_rounding = false;
   // Finite differences have increments of their own against rounding errors.
-  if (orders.E < 0 || orders.A < 0 || data.entry_noise > 0.0) return {};
+  if (orders.E < 0 || orders.A < 0 || data.difference_noise.A > 0.0) return {};
   const std::size_t area = index(m_) * index(n_);
   const double size = max_abs(data.E(0).data, static_cast<int>(area));
   if (size == 0.0 || size > suspicious * max_abs(data.A(0).data, static_cast<int>(area))) return {};

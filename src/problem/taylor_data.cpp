@@ -252,25 +252,9 @@ double TaylorData::norm_f(int level) const {
   return largest;
 }
 
-double TaylorData::noise_of_entries() const {
-  if (entry_noise == 0.0 || orders.E < 0) return 0.0;
-  const ConstView E0 = E(0);
-  std::vector<double> rows(index(m), 0.0), columns(index(n), 0.0);
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < m; ++i) {
-      rows[index(i)] = std::max(rows[index(i)], std::fabs(E0(i, j)));
-      columns[index(j)] = std::max(columns[index(j)], std::fabs(E0(i, j)));
-    }
-  double smallest = norm(0);
-  for (const std::vector<double>* const sizes : {&rows, &columns})
-    for (const double size : *sizes)
-      if (size > 0.0) smallest = std::min(smallest, size);
-  return norm(0) > 0.0 ? entry_noise * smallest / norm(0) : entry_noise;
-}
-
 double TaylorData::noise(int level) const {
   const double size = norm(level);
-  double relative = std::max({unit_roundoff, residual_noise, noise_of_entries()});
+  double relative = std::max({unit_roundoff, residual_noise, difference_noise.E});
   for (int k = 1; k <= level && size > 0.0; ++k)
     relative = std::max({relative, largest_scaled_error('E', k) / size, largest_scaled_error('A', k) / size});
   return relative;

@@ -91,6 +91,8 @@ class TaylorData {
   double norm_E0() const { return norms_.E[0]; }
   // Rounding errors of the data of level 0 and errors of derivatives, rows scaled, relative to norm().
   double noise(int level) const;
+  // The same with the errors of A, which may be larger.
+  double noise_A(int level) const { return std::max(noise(level), difference_noise.A); }
   // Rounding errors of f of level 0 and errors of its derivatives, relative to norm_f().
   double noise_f(int level) const;
 
@@ -128,13 +130,14 @@ class TaylorData {
   }
   // Zeros in the coefficients that no row of the array uses; before scale().
   void clear_unused_rows();
-  // Of a nonlinear problem along a jet that does not fulfil F = 0 exactly: what that may change, relative to norm().
+  // A jet of a nonlinear problem may not fulfil F = 0 exactly, which changes the data by this, relative to norm().
   double residual_noise = 0.0;
-  // Of a nonlinear problem whose Jacobians are differences: errors of entries that are not zero, relative to these.
-  double entry_noise = 0.0;
-  // The same relative to norm(): as of the smallest row or column of E_0 that is not zero. If an equation is stiff it
-  // is small, and so are its errors.
-  double noise_of_entries() const;
+  // The Jacobians of a nonlinear problem may be differences. Entries that are not zero have these relative errors.
+  struct DifferenceNoise {
+    double E = 0.0, A = 0.0;
+    double of(char which) const { return which == 'E' ? E : A; }
+  };
+  DifferenceNoise difference_noise;
   // F_x' of a nonlinear problem was nothing but rounding errors; E(0) is zero.
   bool E0_was_rounding = false;
   // Contradictions of redundant equations are measured by this if it is larger than f.

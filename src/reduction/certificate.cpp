@@ -46,13 +46,13 @@ class PerturbedData {
   LockstepMatrix perturbed(const TaylorData& data, const Coefficient& of, const double* random) const {
     const ConstView block = of.which == 'E' ? data.E(of.order) : data.A(of.order);
     const double residual_error = data.residual_noise * data.norm(of.order);
+    const double relative_error = std::max(trial_perturbation, data.difference_noise.of(of.which));
     LockstepMatrix result(data.m, data.n);
     for (int entry = 0; entry < data.m * data.n; ++entry, random += copies) {
       const bool is_omitted = of.suspects != nullptr && of.suspects[entry] >= least_;
       const double value = is_omitted ? 0.0 : block.data[entry];
-      const double error =
-          data.scaled_error(of.which, of.order, entry) +
-          (value != 0.0 ? std::max(trial_perturbation, data.entry_noise) * std::fabs(value) + residual_error : 0.0);
+      const double error = data.scaled_error(of.which, of.order, entry) +
+                           (value != 0.0 ? relative_error * std::fabs(value) + residual_error : 0.0);
       if (value == 0.0 && error == 0.0) continue;
       double* to = &result.at(entry % m_, entry / m_);
       to[0] = value;

@@ -306,15 +306,16 @@ void IndexSearch::doubt_cancellations(int level, LevelResult& found, std::vector
 }
 
 void IndexSearch::perturb(int level, std::minstd_rand& generator) {
-  const double amplitude = perturbation_roundings * data_.noise(level);
-  const auto add_noise = [&](View block, double norm) {
+  const auto add_noise = [&](View block, double noise) {
+    const double amplitude = perturbation_roundings * noise;
     for (int j = 0; j < block.cols; ++j)
-      for (int i = 0; i < block.rows; ++i) block(i, j) += amplitude * norm * symmetric_random(generator);
+      for (int i = 0; i < block.rows; ++i) block(i, j) += amplitude * symmetric_random(generator);
   };
-  const double norm_E = data_.norm_E(level), norm_A = data_.norm_A(level);
+  const double noise_E = data_.noise(level) * data_.norm_E(level),
+               noise_A = data_.noise_A(level) * data_.norm_A(level);
   for (int k = 0; k <= level; ++k) {
-    add_noise(data_.E(k), norm_E);
-    add_noise(data_.A(k), norm_A);
+    add_noise(data_.E(k), noise_E);
+    add_noise(data_.A(k), noise_A);
   }
   data_.measure();
 }

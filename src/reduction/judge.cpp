@@ -10,16 +10,21 @@
 
 namespace sfdae::core {
 
+// The array of level 0 has A in no decision but that on constraints.
 Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log)
     : settings_(settings),
       log_(log),
       t_(data.t),
       level_(level),
-      sizes_{std::max(data.m, data.n), data.norm(level),
-             data.norm_A(level),       data.norm_E0(),
-             data.noise(level),        std::max(data.residual_noise, data.noise_of_entries()) * data.norm(level)},
+      sizes_{std::max(data.m, data.n),
+             data.norm(level),
+             data.norm_A(level),
+             data.norm_E0(),
+             level > 0 ? data.noise_A(level) : data.noise(level),
+             data.noise_A(level),
+             std::max(data.residual_noise, data.difference_noise.E) * data.norm(level)},
       errors_(sizes_.eps * sizes_.norm),
-      constraint_errors_(sizes_.eps * sizes_.norm_A) {}
+      constraint_errors_(sizes_.eps_A * sizes_.norm_A) {}
 
 int Judge::take_known_rank(const Question& question, ConstView r) {
   const int count = std::min(r.rows, r.cols);
@@ -75,7 +80,7 @@ void Judge::log(RankDecision decision, const Question& question) {
 
 int Judge::decide(Question question, ConstView r, ConstView original) {
   if (settings_.known_ranks != nullptr) return take_known_rank(question, r);
-  const double least_noise = sizes_.eps * question.norm;
+  const double least_noise = (question.subject == Subject::constraints ? sizes_.eps_A : sizes_.eps) * question.norm;
   if (settings_.noise == NoiseModel::data) question.noise = least_noise;
   const int count = std::min(r.rows, r.cols);
   const RankScale scale{question.noise, question.norm, std::max({r.rows, r.cols, sizes_.dimension}),
@@ -120,7 +125,7 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
     const int count = static_cast<int>(s.size());
     const ConstView diagonal{s.data(), count, count, 0};  // of which only the diagonal is read
     const int rank = take_known_rank({Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_}, diagonal);
-    constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
+    constraint_errors_ = sizes_.eps_A * sizes_.norm_A / pivot_;
     return rank;
   }
   RankDecision decision =
@@ -129,13 +134,13 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
   decision.rows = rows;
   decision.cols = cols;
   const int rank = record(decision, {Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_});
-  constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
+  constraint_errors_ = sizes_.eps_A * sizes_.norm_A / pivot_;
   return rank;
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
-  const double noise = std::max(constraint_errors_, sizes_.eps * sizes_.norm_A);
+  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = sizes_.eps_A * sizes_.norm_A / pivot_;
+  const double noise = std::max(constraint_errors_, sizes_.eps_A * sizes_.norm_A);
   const int rank = decide({Subject::constraints, 0, noise, sizes_.norm_A, kept_constraints_}, r, original);
   has_constraints_ = rank > 0;
   return rank;

@@ -1,8 +1,8 @@
 // Rank decisions of one reduction: noise propagated from stage to stage, decisions recorded.
 //
-// eps is the unit roundoff, or the relative error of the derivatives if that is larger; p is the smallest pivot kept
-// so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is known to eps / p
-// only. Rounding errors then amount to
+// eps is the unit roundoff, or the relative error of the derivatives if that is larger (for A^, of those of A); p is
+// the smallest pivot kept so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is
+// known to eps / p only. Rounding errors then amount to
 //   E_0            eps |E_0|
 //   later stages   e, at least eps |stage|
 //   A^             e, at least eps |A|
@@ -73,7 +73,7 @@ class Judge {
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
   double entering_error() const { return sizes_.eps * sizes_.norm; }
-  double entering_constraint_error() const { return sizes_.eps * sizes_.norm_A; }
+  double entering_constraint_error() const { return sizes_.eps_A * sizes_.norm_A; }
   // Errors that E_0 leaves in the first stage.
   double diagonal_error() const { return unit_roundoff * sizes_.norm_E0; }
   // What is left of a pivoted factorization that begins with entries of this size may be taken for zero once its
@@ -111,7 +111,7 @@ class Judge {
   struct Sizes {
     int dimension;
     double norm, norm_A, norm_E0;
-    double eps;
+    double eps, eps_A;       // of constraints, which are rows of A
     double residual_errors;  // of E_0 along a jet with residuals, however small E_0 is
   };
 

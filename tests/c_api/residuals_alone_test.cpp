@@ -114,6 +114,77 @@ TEST(ResidualsAlone, MayBeStiff) {
   }
 }
 
+// a' + a = b, b' + b = cos t in rows that both have a' and b', and c' + k (c - a) = 0, for each copy.
+struct MixedAndStiff {
+  int copies;
+  double k, row_factor;
+
+  void residual(double t, const double* x, const double* xdot, double* F) const {
+    for (int i = 0; i < 3 * copies; i += 3) {
+      const double* const of = x + i;
+      const double* const slopes = xdot + i;
+      const double first = slopes[0] + of[0] - of[1], second = slopes[1] + of[1] - std::cos(t);
+      F[i] = row_factor * (first + second);
+      F[i + 1] = first - second;
+      F[i + 2] = slopes[2] + k * (of[2] - of[0]);
+    }
+  }
+  Vector exact(double t) const {
+    const double b = 0.5 * (std::cos(t) + std::sin(t)), a = 0.5 * std::sin(t), q = 0.5 * k / (k + 1.0 / k);
+    Vector x;
+    for (int i = 0; i < copies; ++i) x.insert(x.end(), {a, b, q * std::sin(t) - q / k * std::cos(t)});
+    return x;
+  }
+};
+
+TEST(ResidualsAlone, MayMixDerivativesBesideStiffEquations) {
+  for (const double k : {1e3, 1e6, 1e9, 1e12})
+    for (const double factor : {1e-6, 1.0, 1e6})
+      for (const int copies : {1, 5})
+        for (const int method : both_methods) {
+          const MixedAndStiff of{copies, k, factor};
+          SCOPED_TRACE("k " + std::to_string(k) + ", factor " + std::to_string(factor) + ", copies " +
+                       std::to_string(copies) + ", method " + std::to_string(method));
+          const Residual residual = [&of](double t, const double* x, const double* xdot, double* F) {
+            of.residual(t, x, xdot, F);
+          };
+          const Vector exact = of.exact(1.0), start = of.exact(0.0);
+          const Vector x =
+              end_of(problem_of(3 * copies, residual), start, 1.0, sfdae_test::solver_options(1e-6, method));
+          for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], exact[i], 5e-5) << i;
+        }
+}
+
+// Derivatives at the start may be as small as numbers can be, and nothing else tells how large they become.
+TEST(ResidualsAlone, MayStartWithTinyDerivatives) {
+  for (const double tiny : {1e-30, 1e-100, 1e-300})
+    for (const double rate : {1.0, 1e6}) {
+      const Residual equations = [rate](double t, const double* x, const double* xdot, double* F) {
+        F[0] = xdot[0] + x[0] - std::sin(t);
+        F[1] = xdot[1] + rate * (x[1] - x[0]);
+      };
+      for (const int method : both_methods) {
+        const Vector x =
+            end_of(problem_of(2, equations), {tiny, -tiny}, 2.0, sfdae_test::solver_options(1e-6, method));
+        EXPECT_NEAR(x[0], 0.5 * (std::exp(-2.0) + std::sin(2.0) - std::cos(2.0)), 2e-5) << tiny;
+      }
+    }
+}
+
+// Increments as large as x' would give derivatives that are 30 percent off.
+TEST(ResidualsAlone, AreNotTakenForLinearWhereTheyAreCubic) {
+  const Residual cubic = [](double, const double* x, const double* xdot, double* F) {
+    F[0] = xdot[0] + xdot[0] * xdot[0] * xdot[0] + x[0];
+  };
+  for (const int method : both_methods) {
+    const Vector x = end_of(problem_of(1, cubic), {2.0}, 1.0, sfdae_test::solver_options(1e-7, method));
+    // x' = -p with p + p^3 = x, and t = int (1 + 3 p^2) / p dp = log(p0 / p) + 1.5 (p0^2 - p^2).
+    double p = 0.9;
+    for (int k = 0; k < 50; ++k) p -= (std::log(1.0 / p) + 1.5 * (1.0 - p * p) - 1.0) / (-1.0 / p - 3.0 * p);
+    EXPECT_NEAR(x[0], p + p * p * p, 1e-5);
+  }
+}
+
 // Node equations with 1 pF between both nodes: E is singular, and its entries are far below currents.
 TEST(ResidualsAlone, SeeSmallCapacitorsFromRest) {
   const Residual nodes = [](double t, const double* v, const double* vdot, double* F) {
