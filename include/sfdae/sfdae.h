@@ -132,7 +132,7 @@ typedef int (*sfdae_matrix_function)(double t, int order, double* matrix, void* 
  * type write prescribed values, too: order is 0. */
 typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* user);
 
-/* What callbacks write as matrices: all entries, or those of sparsity patterns that are given. A pattern has compressed
+/* Callbacks write matrices with all entries, or the entries of sparsity patterns. A pattern has compressed
  * columns: rows of the entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] -
  * 1], in any order and none twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are
  * copied. */

@@ -46,11 +46,7 @@ TimeInputs::TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators) {
     for (std::size_t k = 0; k < inputs.size(); ++k) is_enclosed_.push_back(enclosures.is_enclosed(k) ? 1 : 0);
     parts_.push_back({ValuesOfTime(*evaluator), std::move(enclosures), std::move(inputs)});
   }
-}
-
-void TimeInputs::count_slopes(bool with_slopes) {
-  with_slopes_ = with_slopes;
-  enclosed_.resize(with_slopes ? index(count_) : 0);
+  enclosed_.resize(index(count_));
 }
 
 void TimeInputs::evaluate(double t, double* values) {
@@ -70,6 +66,7 @@ bool TimeInputs::are_enclosed() const {
 
 void TimeInputs::enclose(Interval t, TimeSeries* all) {
   enclose_inputs(t, all);
+  if (!with_slopes_) return;
   for (std::size_t k = 0; k < enclosed_.size(); ++k)
     all[enclosed_.size() + k] = {all[k].slope, all[k].bend + all[k].bend, Interval::entire()};
 }

@@ -19,7 +19,7 @@ class TimeInputs {
   // t itself is none.
   int count() const { return with_slopes_ ? 2 * count_ : count_; }
   // Derivatives of inputs are inputs, too, after these: of equations that are differentiated.
-  void count_slopes(bool with_slopes);
+  void count_slopes(bool with_slopes) { with_slopes_ = with_slopes; }
   // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is
   // at its largest, as the current of a diode.
   bool are_with_steep_functions() const { return are_with_steep_functions_; }

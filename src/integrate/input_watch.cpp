@@ -13,33 +13,35 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the change that the ends of a step show, what may be hidden between them if the error test is sure to see what is
-// shown: so many tolerances. (Chosen.)
+// A change that is hidden between the ends of a step may be this part of the change that the ends show, if that is so
+// many tolerances: the error test is sure to see it. (Chosen.)
 constexpr double shown_part = 0.5, surely_seen = 20.0;
-// Of the range of an input in a step: nearer to their polynomials, inputs are resolved, and so are their derivatives.
-// (Chosen.)
+// An input is resolved if it is nearer to its polynomial than this part of its range in a step, and so is its
+// derivative. (Chosen.)
 constexpr double resolved = 0.01;
-// What is hidden is known where it is largest: so much is charged, its mean over a step. (Chosen.)
+// The largest hidden change in a step is known. The account is charged with this part of it, about the mean. (Chosen.)
 constexpr double mean_part = 0.3;
-// Of all that is unimportant, in tolerances: what may be spent at first.
+// The account has so many tolerances at the start.
 constexpr double at_first = 2.0;
-// Of the interval of interest: so long after inputs have kept a step short, local errors are charged. (Chosen.)
+// After inputs have kept a step short, local errors are charged for this part of the interval of interest. (Chosen.)
 constexpr double lately = 0.01;
-// Steps that are short, of the interval of interest, and by how much longer ones would not notice inputs that drive the
-// steps. (Chosen: with 10 to 30 steps for a period of a sine.)
+// Inputs drive the steps where these are shorter than this part of the interval of interest, and steps that are longer
+// by this factor would not notice them. (Chosen: with 10 to 30 steps for a period of a sine.)
 constexpr double short_step = 1e-3, much_longer = 8.0;
-// Of estimates of local errors, what is charged, so that their sum over the interval of interest stays below 50
-// tolerances, and the least part of the tolerances that they are kept below. (Chosen.)
+// The account is charged with this part of each estimated local error: their sum over the interval of interest stays
+// below 50 tolerances, as long as less than the second part of a tolerance is not asked for, with some 50,000 such
+// steps. (Chosen.)
 constexpr double charged = 0.2, least_allowed = 1e-3;
 // After as many the step is tried as it is, a billionth of the one that was wanted.
 constexpr int most_input_halvings = 30;
 
 }  // namespace
 
-void InputWatch::resize(const DaeSystem& system, int inputs) {
+void InputWatch::resize(const DaeSystem& system, TimeInputs& inputs) {
   differentiates_ = system.differentiates();
-  of_values_.resize(inputs);
-  with_slopes_.resize(differentiates_ ? 2 * inputs : 0);
+  inputs.count_slopes(false);
+  of_values_.resize(inputs.count());
+  with_slopes_.resize(differentiates_ ? 2 * inputs.count() : 0);
   slopes_.resize(system);
   const std::size_t size_w = index(system.leading_size());
   for (std::vector<double>* v : {&at_start_, &change_, &here_}) v->assign(size_w, 0.0);

@@ -1,6 +1,6 @@
 // Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test,
 // which knows the points of a step alone, does not ask for shorter ones (docs/decisions/87-inputs-between-points.md).
-// What steps do not notice and x bears is added up in an account over the whole run.
+// Changes that steps do not notice, since x bears them, are added up in an account over the whole run.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,7 +21,7 @@ class InputWatch {
   // The importance of what inputs do between the points of a step.
   enum class Importance { none, matters, unknown };
 
-  void resize(const DaeSystem& system, int inputs);
+  void resize(const DaeSystem& system, TimeInputs& inputs);
   // span: the interval of interest.
   void open_account(double span);
   void take_account(const InputWatch& other) { account_ = other.account_; }

@@ -283,10 +283,7 @@ void Integration::try_with_branches(StepOutcome outcome, double h) {
 // For the points of the system at present.
 void Integration::resize_workspace() {
   output_.resize(integrator_.system);
-  if (options_.inputs != nullptr) {
-    options_.inputs->count_slopes(false);
-    inputs_.resize(integrator_.system, options_.inputs->count());
-  }
+  if (options_.inputs != nullptr) inputs_.resize(integrator_.system, *options_.inputs);
   conditions_.resize(options_.conditions, index(integrator_.system.unknowns()));
   const std::size_t n = index(integrator_.system.unknowns());
   if (options_.conditions != nullptr)
@@ -364,21 +361,21 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   counts.rounding = std::max(counts.rounding, integrator_.weights.floor_ratio());
   counts.smallest_kept =
       std::min({counts.smallest_kept, quality.smallest_pivot, quality.kept_constraints, quality.kept_differential});
-  const auto [from, error] = std::pair(integrator_.stepper->state().t, integrator_.stepper->state().tried_error);
+  const StepState before = integrator_.stepper->state();
   integrator_.stepper->commit();
   system.accept();
   conditions_.commit();
   hidden_.end.reset();
-  inputs_.commit(from, h, integrator_.weights.part() * error);
+  inputs_.commit(before.t, h, integrator_.weights.part() * before.tried_error);
   if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
   if (approach_ && approach_->is_reached) approach_.reset();
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
-  if (is_across_kink) record_gap(from, integrator_.stepper->state().t, integrator_.stepper->x());
-  else record_step(from);
-  extend_trail(from);
+  if (is_across_kink) record_gap(before.t, integrator_.stepper->state().t, integrator_.stepper->x());
+  else record_step(before.t);
+  extend_trail(before.t);
   return call_monitor(h);
 }
 

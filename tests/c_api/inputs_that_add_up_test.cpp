@@ -28,7 +28,7 @@ constexpr double pi = 3.14159265358979323846;
 
 enum class Law { pulses, saw, square_of_sine, exponential, corners, clipped, peaks, count };
 
-// Of phase = periods t + shift.
+// A function of phase = periods t + shift.
 struct Input {
   Law law;
   double periods, shift, shape, height;
