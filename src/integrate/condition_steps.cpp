@@ -236,7 +236,9 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
   const bool is_final = has_after_ && tried_.t == before_.t;
   const bool is_beyond = has_after_ && std::fabs(tried_.t - start) >= std::fabs(after_.t - start);
   const bool is_after = !is_final && (is_beyond || has_switched(tried_.g));
-  if (!is_after && !has_after_) return Verdict::accepted;
+  // Nothing has switched in an attempt that had to be shorter, as one that shows what inputs do.
+  const bool is_shorter = next_.end && tried_.t != *next_.end;
+  if (!is_after && (!has_after_ || is_shorter)) return Verdict::accepted;
   const double width = has_after_ ? std::fabs(after_.t - before_.t) : 0.0;
   if (!has_after_) {
     before_.t = start;

@@ -72,18 +72,17 @@ Problem random_problem(RandomNumbers& random) {
 
 // y of each output, by steps so short that errors at switches do not matter.
 std::vector<Vector> reference(const Problem& problem, const Vector& times) {
-  constexpr int steps = 20000;  // from one output to the next, in all
+  constexpr int steps = 700;  // from one output to the next
   std::vector<Vector> result(times.size(), Vector(problem.rectifiers.size()));
   for (std::size_t k = 0; k < problem.rectifiers.size(); ++k) {
     const Rectifier& of = problem.rectifiers[k];
     double t = 0.0, y = 0.0;
     for (std::size_t i = 0; i < times.size(); ++i) {
-      const double h = (times[i] - t) / (steps / static_cast<double>(times.size()));
-      while (t < times[i] - 0.5 * h) {
+      const double start = t, h = (times[i] - start) / steps;
+      for (int step = 0; step < steps; ++step, t = start + step * h) {
         const double a = of.slope(t, y), b = of.slope(t + 0.5 * h, y + 0.5 * h * a);
         const double c = of.slope(t + 0.5 * h, y + 0.5 * h * b), d = of.slope(t + h, y + h * c);
         y += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
-        t += h;
       }
       t = times[i];
       result[i][k] = y;
@@ -129,6 +128,26 @@ TEST(ConditionsFromRest, SwitchWhenTheirFunctionsSay) {
       for (std::size_t k = 0; k < problem.rectifiers.size(); ++k)
         ASSERT_NEAR(point.x[k] / problem.unit, exact[i][k], enough * tolerance + accuracy_of_reference) << times[i];
     }
+  }
+}
+
+// Steps that show what inputs do may be shorter than those that a switch is located with.
+TEST(ConditionsFromRest, AreLocatedWhereInputsShortenSteps) {
+  Vector times;
+  for (int i = 1; i <= 30; ++i) times.push_back(0.2 * i);
+  for (int k = 0; k < sfdae_test::scaled_count(60, 6); ++k) {
+    const double shift = 0.1 * k;
+    const Problem problem{
+        {{0, 246.32254952068948, 1.0, 1.912771069749065, 4.76216081338398 + shift, -0.3082012832764336}}, 1.0, false};
+    const std::vector<Vector> exact = reference(problem, times);
+    sfdae::Solver solver(equations_of(problem), sfdae_test::solver_options(1e-7, SFDAE_METHOD_RADAU));
+    sfdae::Point point{0.0, {0.0}, {}};
+    solver.start(point, times.back());
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      ASSERT_EQ(solver.advance(times[i], point), SFDAE_OK) << solver.message();
+      ASSERT_NEAR(point.x[0], exact[i][0], 1e-5) << times[i] << ", shift " << shift;
+    }
+    EXPECT_LT(solver.statistics().steps, 1000) << shift;
   }
 }
 
