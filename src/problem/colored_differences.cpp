@@ -18,11 +18,11 @@ namespace {
 constexpr double rounding_part = 1e-7, larger = 1e3, longest_of_xdot = 1e12, longest_of_zeros = 1e3,
                  longest_of_x = 1.0;
 constexpr int most_larger = 8;
-// An increment is too large if F bends by this part of the difference; a smaller one is tried, by that factor, so
-// often, until both differences agree to that accuracy. (The error of a central difference is about the square of the
-// part.)
+// An increment is too large if F bends by this part of the difference, or if nothing is known of the size of the
+// unknown and the difference is another one with a smaller increment. A smaller one is tried, by that factor, so often,
+// until both differences agree to that accuracy. (The error of a central difference is about the square of the part.)
 constexpr double bent = 3e-5, smaller = 1.0 / 16.0, agreement = noise_of_differences;
-constexpr int most_smaller = 8;
+constexpr int most_smaller = 8, most_smaller_of_zeros = 24;
 // Roundings in a value of F.
 constexpr double roundings_of_F = 64.0;
 
@@ -161,10 +161,13 @@ bool ColoredDifferences::agree(const GroupedPattern& grouped, const std::vector<
   return result;
 }
 
+bool ColoredDifferences::are_zero(const std::vector<int>& columns) const {
+  return std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_zero(j); });
+}
+
 double ColoredDifferences::longest_increment(const std::vector<int>& columns) const {
   if (jet_.level > 0) return longest_of_xdot;
-  const bool are_zero = std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_zero(j); });
-  return are_zero ? longest_of_zeros : longest_of_x;
+  return are_zero(columns) ? longest_of_zeros : longest_of_x;
 }
 
 CallbackError ColoredDifferences::increase(const GroupedPattern& grouped, const std::vector<double>& terms,
@@ -212,13 +215,15 @@ CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const s
     if (error.status != SFDAE_OK || is_linear) return error;
     is_linear_ = false;
   }
-  for (int tries = 0; tries < most_smaller && bends(grouped, terms, group); ++tries) {
+  const bool has_no_size = are_zero(*group.columns) && !group.is_zero();
+  const int most = has_no_size ? most_smaller_of_zeros : most_smaller;
+  for (int tries = 0; tries < most && (has_no_size || bends(grouped, terms, group)); ++tries) {
     Group other = group.scaled(smaller);
     const CallbackError error = difference(grouped, other);
     if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
     if (agree(grouped, terms, group, other)) break;
     // F bends as much between smaller increments, as where it jumps.
-    if (other.largest_bend() > 0.5 * group.largest_bend()) {
+    if (bends(grouped, terms, group) && other.largest_bend() > 0.5 * group.largest_bend()) {
       group.values = group.sided;
       break;
     }
@@ -240,7 +245,8 @@ CallbackError ColoredDifferences::first_difference(const GroupedPattern& grouped
     }
   }
   CallbackError error = difference(grouped, group);
-  for (int tries = 0; tries < most_smaller && error.status != SFDAE_OK && error.is_recoverable(); ++tries) {
+  const int most = are_zero(columns) ? most_smaller_of_zeros : most_smaller;
+  for (int tries = 0; tries < most && error.status != SFDAE_OK && error.is_recoverable(); ++tries) {
     group.factor *= smaller;
     error = difference(grouped, group);
   }

@@ -85,6 +85,7 @@ class ColoredDifferences {
   CallbackError improve(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group);
   template <class Visit>
   static void visit(const GroupedPattern& grouped, const Group& group, Visit entry);
+  bool are_zero(const std::vector<int>& columns) const;
   double longest_increment(const std::vector<int>& columns) const;
   CallbackError increase(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group);
   CallbackError lengthen(const GroupedPattern& grouped, const std::vector<double>& terms, Group& group,

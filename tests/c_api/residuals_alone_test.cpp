@@ -171,6 +171,30 @@ TEST(ResidualsAlone, MayStartWithTinyDerivatives) {
     }
 }
 
+// x' is guessed as zero, and far smaller than any increment that one might think of: odd functions do not bend there.
+TEST(ResidualsAlone, FindSizesOfDerivativesThatAreGuessedAsZero) {
+  for (const double size : {1e-4, 1e-7, 1e-8, 1e-10, 1e-14})
+    for (const int method : both_methods) {
+      const Residual creep = [size](double, const double* x, const double* xdot, double* F) {
+        F[0] = std::sinh(xdot[0] / size) + 1.5 * x[0];
+      };
+      SCOPED_TRACE("size " + std::to_string(std::log10(size)) + ", method " + std::to_string(method));
+      sfdae::Options options = sfdae_test::solver_options(1e-6, method);
+      options.atol = 1e-8;
+      EXPECT_NEAR(end_of(problem_of(1, creep), {0.8}, 1.0 / size, options)[0], 0.19644734, 1e-5);
+    }
+  const double size = 1e-8;
+  const Residual algebraic = [size](double t, const double* x, const double* xdot, double* F) {
+    F[0] = xdot[0] - (0.6 * std::sin(3.0 * t) - 0.3 * std::tanh(x[0]) + 0.1 * x[1] / size);
+    F[1] = std::sinh(x[1] / size) - 0.6 * std::sin(2.0 * t) * (1.0 - 0.3 * std::tanh(x[0]));
+  };
+  for (const int method : both_methods) {
+    sfdae::Options options = sfdae_test::solver_options(1e-6, method);
+    options.atol_vector = {1e-9, 1e-9 * size};
+    EXPECT_NEAR(end_of(problem_of(2, algebraic), {0.0, 0.0}, 1.0, options)[0], 0.381034, 1e-5);
+  }
+}
+
 // Increments as large as x' would give derivatives that are 30 percent off.
 TEST(ResidualsAlone, AreNotTakenForLinearWhereTheyAreCubic) {
   const Residual cubic = [](double, const double* x, const double* xdot, double* F) {
