@@ -82,7 +82,7 @@ module sfdae
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report, &
     sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report, &
     sfdae_structure, sfdae_spectrum, sfdae_mode, sfdae_passage, sfdae_transition, &
-    sfdae_singular_point
+    sfdae_singular_point, sfdae_switch
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results

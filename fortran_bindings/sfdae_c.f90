@@ -11,7 +11,7 @@ module sfdae_c
     sfdae_mode, sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
     sfdae_nonlinear_problem, sfdae_options, sfdae_passage, sfdae_progress, &
     sfdae_sensitivity_options, sfdae_sensitivity_statistics, sfdae_singular_point, sfdae_spectrum, &
-    sfdae_statistics, sfdae_structure, sfdae_transition
+    sfdae_statistics, sfdae_structure, sfdae_switch, sfdae_transition
   implicit none
   private
 
@@ -31,29 +31,29 @@ module sfdae_c
     c_get_hybrid_checkpoint_length, c_get_hybrid_gradient, c_get_hybrid_message, &
     c_get_hybrid_sensitivities, c_get_hybrid_statistics, c_get_initial_report, c_get_jet, &
     c_get_jump, c_get_mode, c_get_multibody_report, c_get_num_decisions, c_get_num_passages, &
-    c_get_parameter, c_get_passage, c_get_passage_sensitivities, c_get_passage_values, &
-    c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_num_switches, c_get_parameter, c_get_passage, c_get_passage_sensitivities, &
+    c_get_passage_values, c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
     c_get_sensitivity_statistics, c_get_singular_point, c_get_solution_accuracy, &
     c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_get_structure, c_get_transfer, c_get_zeros, c_greater, &
-    c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, &
-    c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, &
-    c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, c_multibody_problem_init, &
-    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
-    c_options_init, c_or, c_parameter, c_pass_singular_points, c_passage_init, c_power, &
-    c_record_hybrid, c_record_solution, c_report, c_report_hybrid, c_request_stop, &
-    c_request_stop_hybrid, c_restore_checkpoint, c_restore_hybrid_checkpoint, c_save_checkpoint, &
-    c_save_hybrid_checkpoint, c_save_solution, c_sensitivity_options_init, &
-    c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, c_set_hybrid_sensitivities, &
-    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_singular_point_init, &
-    c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, &
-    c_status_name, c_step, c_structure_init, c_subtract, c_table, c_tan, c_tanh, &
-    c_time_derivative, c_transition_init, c_version, address_of_ensemble_monitor_function, &
-    address_of_equations_function, address_of_event_function, address_of_external_function, &
-    address_of_jump_function, address_of_linear_equations_function, address_of_matrix_function, &
-    address_of_monitor_function, address_of_multibody_equations_function, &
-    address_of_position_function, address_of_total_derivative_function, &
-    address_of_vector_function, address_of_velocity_function
+    c_get_strangeness_free_at, c_get_structure, c_get_switch, c_get_transfer, c_get_zeros, &
+    c_greater, c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, &
+    c_less_equal, c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, &
+    c_log, c_log10, c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, &
+    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
+    c_pass_singular_points, c_passage_init, c_power, c_record_hybrid, c_record_solution, c_report, &
+    c_report_hybrid, c_request_stop, c_request_stop_hybrid, c_restore_checkpoint, &
+    c_restore_hybrid_checkpoint, c_save_checkpoint, c_save_hybrid_checkpoint, c_save_solution, &
+    c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, &
+    c_set_hybrid_sensitivities, c_set_options, c_set_parameter, c_set_sensitivities, c_sign, &
+    c_sin, c_singular_point_init, c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, &
+    c_start_hybrid, c_statistics_init, c_status_name, c_step, c_structure_init, c_subtract, &
+    c_switch_init, c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, c_version, &
+    address_of_ensemble_monitor_function, address_of_equations_function, &
+    address_of_event_function, address_of_external_function, address_of_jump_function, &
+    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
+    address_of_multibody_equations_function, address_of_position_function, &
+    address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
 
   abstract interface
 
@@ -822,6 +822,13 @@ module sfdae_c
       integer(c_int) :: c_get_num_passages
     end function c_get_num_passages
 
+    function c_get_num_switches(solver, count) bind(c, name="sfdae_get_num_switches")
+      import :: c_int, c_long, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_long), intent(inout) :: count
+      integer(c_int) :: c_get_num_switches
+    end function c_get_num_switches
+
     function c_get_parameter(solver, name, value) bind(c, name="sfdae_get_parameter")
       import :: c_char, c_double, c_int, c_ptr
       type(c_ptr), value :: solver
@@ -989,6 +996,18 @@ module sfdae_c
       integer(c_int), intent(inout) :: block(*)
       integer(c_int) :: c_get_structure
     end function c_get_structure
+
+    function c_get_switch(solver, index, result, condition, length, needed) &
+      bind(c, name="sfdae_get_switch")
+      import :: c_char, c_int, c_long, c_ptr, c_size_t, sfdae_switch
+      type(c_ptr), value :: solver
+      integer(c_long), value :: index
+      type(sfdae_switch), intent(inout) :: result
+      character(kind=c_char), intent(inout) :: condition(*)
+      integer(c_size_t), value :: length
+      integer(c_size_t), intent(inout) :: needed
+      integer(c_int) :: c_get_switch
+    end function c_get_switch
 
     function c_get_transfer(descriptor, count, real, imaginary, h_real, h_imaginary) &
       bind(c, name="sfdae_get_transfer")
@@ -1517,6 +1536,13 @@ module sfdae_c
       type(expression), value :: b
       type(expression) :: c_subtract
     end function c_subtract
+
+    function c_switch_init(result, size) bind(c, name="sfdae_switch_init")
+      import :: c_int, c_size_t, sfdae_switch
+      type(sfdae_switch), intent(inout) :: result
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_switch_init
+    end function c_switch_init
 
     function c_table(a, degree, count, x, y) bind(c, name="sfdae_table")
       import :: c_double, c_int, expression

@@ -13,13 +13,14 @@ module sfdae_solver
     c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
     c_get_gradient, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
     c_get_sensitivity_statistics, c_get_singular_point, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_get_structure, c_impact, c_initial_report_init, c_interpolate, &
+    c_get_num_switches, c_get_strangeness_free_at, c_get_structure, c_get_switch, c_impact, &
+    c_initial_report_init, c_interpolate, &
     c_jump, c_make_consistent, c_message, c_multibody_report_init, c_pass_singular_points, &
     c_record_solution, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_sensitivity_statistics_init, &
     c_set_breakpoints, c_set_events, c_set_options, c_set_parameter, c_singular_point_init, &
     c_start, &
-    c_statistics_init, &
+    c_statistics_init, c_switch_init, &
     c_status_name, c_step, c_structure_init, c_version
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
     event_callback, fill_options
@@ -35,7 +36,7 @@ module sfdae_solver
     sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
     sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, &
     sfdae_sensitivity_statistics, sfdae_singular_point, sfdae_statistics, &
-    sfdae_structure
+    sfdae_structure, sfdae_switch
   implicit none
   private
 
@@ -87,6 +88,8 @@ module sfdae_solver
     procedure :: restore_checkpoint => solver_restore_checkpoint
     procedure :: set_events => solver_set_events
     procedure :: get_events => solver_get_events
+    procedure :: get_num_switches => solver_get_num_switches
+    procedure :: get_switch => solver_get_switch
     procedure :: set_breakpoints => solver_set_breakpoints
     procedure :: get_jump => solver_get_jump
     procedure :: jump => solver_jump
@@ -739,6 +742,43 @@ contains
     self%complaint = ""
     status = c_get_events(self%handle, which)
   end subroutine solver_get_events
+
+  !> How many switches of conditions the integration has passed. events.h has the rules.
+  subroutine solver_get_num_switches(self, count, status)
+    class(dae_solver), intent(inout) :: self
+    integer(c_long), intent(inout) :: count
+    !> sfdae_not_started if there is no integration.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_num_switches(self%handle, count)
+  end subroutine solver_get_num_switches
+
+  !> Switch number `index`, 1 ... count, in the order of time.
+  subroutine solver_get_switch(self, index, result, status, condition)
+    class(dae_solver), intent(inout) :: self
+    integer(c_long), intent(in) :: index
+    type(sfdae_switch), intent(inout) :: result
+    integer(c_int), intent(out) :: status
+    !> As text of C, in which unknowns count from 0: "sin(t) - x[0] > 0".
+    character(len=:), allocatable, intent(inout), optional :: condition
+    character(kind=c_char) :: nothing(1)
+    character(kind=c_char), allocatable :: buffer(:)
+    integer(c_size_t) :: needed
+    type(sfdae_switch) :: found
+
+    call check_call(self, status)
+    needed = 1
+    if (status == sfdae_ok) status = c_switch_init(found, c_sizeof(found))
+    if (status == sfdae_ok) &
+      status = c_get_switch(self%handle, index - 1, found, nothing, 1_c_size_t, needed)
+    if (status < 0) return
+    result = found
+    if (.not. present(condition)) return
+    allocate (buffer(needed))
+    status = c_get_switch(self%handle, index - 1, found, buffer, needed, needed)
+    if (status >= 0) condition = text_in(buffer)
+  end subroutine solver_get_switch
 
   !> Sets the times at which data have kinks or jumps: steps end there. modes.h has the rules.
   subroutine solver_set_breakpoints(self, t, status, kinds)

@@ -464,6 +464,8 @@ module sfdae_types
     integer(c_long) :: linearizations = 0
     real(c_double) :: rounding = 0
     integer(c_long) :: check_calls = 0
+    integer(c_long) :: switches = 0
+    integer(c_long) :: jumps = 0
   end type sfdae_statistics
 
   type, bind(c), public :: sfdae_structure
@@ -479,6 +481,14 @@ module sfdae_types
     real(c_double) :: smallest_pivot = 0
     integer(c_int) :: num_replaced = 0
   end type sfdae_structure
+
+  type, bind(c), public :: sfdae_switch
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    real(c_double) :: before = 0
+    real(c_double) :: after = 0
+    integer(c_int) :: jumps = 0
+  end type sfdae_switch
 
   type, bind(c), public :: sfdae_transition
     integer(c_size_t) :: size = 0

@@ -67,6 +67,8 @@ SINGLE = {
     ("sfdae_get_strangeness_free", "residual"),
     ("sfdae_get_strangeness_free_at", "residual"),
     ("sfdae_report", "needed"),
+    ("sfdae_get_num_switches", "count"),
+    ("sfdae_get_switch", "needed"),
     ("sfdae_export_source", "needed"),
 }
 # or an array for which the modules may pass NULL.

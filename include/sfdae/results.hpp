@@ -20,6 +20,13 @@ using Characteristics = sfdae_characteristics;
 using Decision = sfdae_decision;
 using Change = sfdae_change;
 using SingularPoint = sfdae_singular_point;
+
+/// A switch of recorded equations, as sfdae_switch has it.
+struct Switch {
+  double t, before, after;
+  bool jumps;
+  std::string condition;
+};
 using InitialReport = sfdae_initial_report;
 using Statistics = sfdae_statistics;
 using DerivativeCheck = sfdae_derivative_check;

@@ -557,6 +557,8 @@ typedef struct sfdae_statistics {
                            over the tolerance used for it; above 1 it was tested against that error instead */
   long check_calls; /**< by the option check_derivatives, in no other count, since creation: callback calls of linear
                          and nonlinear problems, points of multibody systems */
+  long switches; /**< of conditions, see sfdae_get_switch; since the start or the checkpoint; 0 of hybrid systems */
+  long jumps;    /**< times of switches at which x jumps by impulses */
 } sfdae_statistics;
 /** Prepares a result of sfdae_get_statistics. size: sizeof(sfdae_statistics). */
 SFDAE_API int sfdae_statistics_init(sfdae_statistics* statistics, size_t size);

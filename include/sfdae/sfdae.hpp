@@ -150,6 +150,24 @@ class Solver {
   /// Where the characteristic values changed, after SFDAE_CHARACTERISTICS_CHANGED.
   Change change() const { return filled(sfdae_change_init, sfdae_get_change); }
 
+  /// Switches of conditions that the integration has passed. See sfdae_get_switch.
+  std::vector<Switch> switches() const {
+    long count = 0;
+    checked(sfdae_get_num_switches(get(), &count));
+    std::vector<Switch> all;
+    for (long k = 0; k < count; ++k) {
+      sfdae_switch found;
+      sfdae_switch_init(&found, sizeof found);
+      std::size_t needed = 0;
+      checked(sfdae_get_switch(get(), k, &found, nullptr, 0, &needed));
+      std::string condition(needed, ' ');
+      checked(sfdae_get_switch(get(), k, &found, condition.data(), needed, nullptr));
+      condition.pop_back();
+      all.push_back({found.t, found.before, found.after, found.jumps != 0, std::move(condition)});
+    }
+    return all;
+  }
+
   /// The singular point met last, whether it ended a call or was passed.
   SingularPoint singular_point() const { return filled(sfdae_singular_point_init, sfdae_get_singular_point); }
 

@@ -41,6 +41,7 @@ from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
 from ._functions import choose, derivative, external, time_derivative
 from ._inspection import (
+    ConditionSwitch,
     DerivativeArray,
     ExtendedSystem,
     Projectors,
@@ -101,7 +102,7 @@ globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arra
 
 __version__ = version()
 __all__ = [
-    "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
+    "CannotEvaluate", "Condition", "ConditionSwitch", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExpressionArray", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning",

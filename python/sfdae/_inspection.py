@@ -63,6 +63,29 @@ class Structure(NamedTuple):
     words: str
 
 
+class ConditionSwitch(NamedTuple):
+    """A switch of recorded equations; see sfdae_get_switch.
+
+    Attributes
+    ----------
+    t : float
+        The zero of the condition: located, or where a line within the step leads through it.
+    condition : str
+        ``"sin(t) - x[0] > 0"``, as text of C.
+    before, after : float
+        Branches: 1 if the condition is met, else 0; the integer of a floor or remainder of t; the
+        number of knots of a table of t up to there.
+    jumps : bool
+        Differential unknowns jump there, by impulses.
+    """
+
+    t: float
+    condition: str
+    before: float
+    after: float
+    jumps: bool
+
+
 def _matrix(rows: int, columns: int) -> np.ndarray:
     return np.zeros((rows, columns), order="F")
 
@@ -118,6 +141,24 @@ class Inspection:
     def statistics(self) -> Struct:
         """Counts and step sizes of the integration under way."""
         return self._filled("statistics", lib.sfdae_get_statistics)
+
+    @property
+    def switches(self) -> list[ConditionSwitch]:
+        """Switches of conditions that the integration has passed since start() or
+        restore_checkpoint(), in the order of time.
+        """
+        count = ffi.new("long*")
+        self._call(lib.sfdae_get_num_switches, count)
+        struct, needed = prepared("switch"), ffi.new("size_t*")
+        result = []
+        for i in range(count[0]):
+            self._call(lib.sfdae_get_switch, i, struct, ffi.NULL, 0, needed)
+            text = ffi.new("char[]", needed[0])
+            self._call(lib.sfdae_get_switch, i, struct, text, needed[0], needed)
+            condition = ffi.string(text).decode()
+            branches = (struct.before, struct.after)
+            result.append(ConditionSwitch(struct.t, condition, *branches, bool(struct.jumps)))
+        return result
 
     @property
     def multibody_report(self) -> Struct:

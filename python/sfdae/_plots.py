@@ -56,6 +56,9 @@ def plot_solution(solution: Any, names: Sequence[str], ax: Any) -> Any:
     for event in solution.events:
         for axis in axes:
             axis.axvline(event.t, color="0.6", linewidth=0.8, linestyle=":")
+    for switch in solution.switches:
+        for axis in axes:
+            axis.axvline(switch.t, ymax=0.03, color="0.3", linewidth=0.8)
     return axes[0].figure
 
 

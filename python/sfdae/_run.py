@@ -13,6 +13,7 @@ from ._binding import ffi, lib
 from ._events import Event, EventRecord, joined
 from ._report import Report
 from ._solution import Solution, Steps
+from ._inspection import ConditionSwitch
 from ._points import Point
 from ._recorded_solution import RecordedSolution
 from ._solver import Solver
@@ -51,6 +52,7 @@ class Run:
         self.status = Status.OK
         self.message = ""
         self.notes: list[str] = []
+        self._switches: list[ConditionSwitch] = []  # before the last start
         self._warnings: list[tuple[str, type[Warning]]] = []
         self.last: Point | None = None
         self._counts = [0] * len(events)
@@ -239,6 +241,7 @@ class Run:
         if ends or not is_restarted or point.t == self.t1:
             return not ends
         self._limit.attempts -= self._attempts()
+        self._switches += self.solver.switches
         restart = self.solver.start(point.t, x, self.t1)
         if restart.status > 0:
             self._note(
@@ -301,6 +304,7 @@ class Run:
                 np.array([e.x for e in events]).reshape(-1, problem.num_unknowns)
                 for events in by_function
             ],
+            switches=self._switches + solver.switches,
             report=Report(solver),
             steps=Steps(steps[:, 0], steps[:, 1], steps[:, 2].astype(int)),
             dense=self.dense,

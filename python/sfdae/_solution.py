@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._events import EventRecord
+from ._inspection import ConditionSwitch
 from ._report import Report
 from ._points import Point
 from ._recorded_solution import RecordedSolution
@@ -48,6 +49,8 @@ class Solution:
         All events in their order: t, x, xdot, index, name, direction.
     t_events, x_events : list of numpy.ndarray
         Times of the events of each function, and values there, (number of events) x n.
+    switches : list of ConditionSwitch
+        Switches of conditions in the equations: t, condition, before, after, jumps.
     report : Report
         Index analysis, initial values, statistics.
     steps : Steps
@@ -71,6 +74,7 @@ class Solution:
     events: list[EventRecord]
     t_events: list[np.ndarray]
     x_events: list[np.ndarray]
+    switches: list[ConditionSwitch]
     report: Report
     steps: Steps
     dense: RecordedSolution | None
@@ -173,6 +177,7 @@ class Solution:
             f"       t: {self.t.size} times {times}",
             f"       x: {len(self.names)} unknowns ({known})",
             f"  events: {len(self.events)}",
+            f"switches: {len(self.switches)}",
             f"   steps: {self.steps.t.size}",
             f"  report: {self.report!r}",
         ]

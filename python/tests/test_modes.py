@@ -97,3 +97,30 @@ def test_breakpoints_of_solve(method):
     assert sol.x == pytest.approx(np.array([[0, 0.25], [0, 1]]), abs=1e-6)
     with pytest.raises(ValueError, match="'bend'"):
         sfdae.solve(driven(), (0, 1), [0, 0], breakpoints={0.5: "bend"})
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+def test_switches_of_conditions(method):
+    def divider(t, x, xdot):
+        i, vs, vm = x
+        current = xdot[1] - xdot[2]
+        return [i - current, current - xdot[2] - vm, vs - np.where(t > 1, 1, 0)]
+
+    sol = sfdae.solve(divider, (0, 2), [0, 0, 0], method=method)
+    (switch,) = sol.switches
+    assert switch.t == pytest.approx(1, abs=1e-12) and switch.jumps
+    assert (switch.condition, switch.before, switch.after) == ("t - 1.0 > 0", 0, 1)
+    # Times of the exact solution, over the restart of an event, too.
+    restart = sfdae.Event(lambda t, x: t - 5, action=lambda t, x: x)
+    sol = sfdae.solve(
+        lambda t, x, xdot: [xdot[0] - np.cos(t), xdot[1] - abs(x[0])],
+        (0.5, 10),
+        [np.sin(0.5), 0],
+        method=method,
+        events=[restart],
+        rtol=1e-8,
+        atol=1e-8,
+    )
+    times = [switch.t for switch in sol.switches if switch.t > 0.5]
+    assert times == pytest.approx([np.pi, 2 * np.pi, 3 * np.pi], abs=1e-5)
+    assert "switches: " in repr(sol)

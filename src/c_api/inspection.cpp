@@ -59,6 +59,8 @@ sfdae_statistics statistics_of(const Solver& solver) {
   s.consistency = counts.inconsistency;
   s.first_step = counts.first_step;
   s.rounding = counts.rounding;
+  s.switches = static_cast<long>(solver.integration->switches().all().size());
+  s.jumps = solver.integration->switches().jumps();
   return s;
 }
 
@@ -134,6 +136,11 @@ CallResult report_mismatch(const DerivativeMismatch& worst, const EquationNames&
 template <class Struct>
 bool is_usable(const Struct* result) {
   return result != nullptr && is_plausible_size(result->size);
+}
+
+const SwitchLog& switches_of(const sfdae_solver& solver) {
+  if (!solver.integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  return solver.integration->switches();
 }
 
 // Read-only calls are allowed from callbacks, too.
@@ -215,6 +222,32 @@ int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
   return query(solver, [&] {
     if (!is_usable(result)) refuse_struct();
     fill_struct(result, statistics_of(*solver));
+  });
+}
+
+int sfdae_switch_init(sfdae_switch* result, size_t size) { return initialize(result, size, sfdae_switch{}); }
+
+int sfdae_get_num_switches(const sfdae_solver* solver, long* count) {
+  return query(solver, [&] {
+    if (count == nullptr) refuse_argument("count is NULL.");
+    *count = static_cast<long>(switches_of(*solver).all().size());
+  });
+}
+
+int sfdae_get_switch(const sfdae_solver* solver, long number, sfdae_switch* result, char* condition, size_t length,
+                     size_t* needed) {
+  return query(solver, [&] {
+    if (!is_usable(result)) refuse_argument("result is NULL, or sfdae_switch_init was not called.");
+    if (condition == nullptr && length > 0) refuse_argument("condition is NULL.");
+    const std::vector<PassedSwitch>& all = switches_of(*solver).all();
+    if (number < 0 || number >= static_cast<long>(all.size()))
+      refuse_argument(format("index = %ld; there are %zu switches.", number, all.size()));
+    const PassedSwitch& passed = all[static_cast<std::size_t>(number)];
+    const std::string text = text_of(passed);
+    const sfdae_switch found{sizeof(sfdae_switch), passed.t, passed.before, passed.after, passed.jumps ? 1 : 0};
+    fill_struct(result, found);
+    if (length > 0) std::snprintf(condition, length, "%s", text.c_str());
+    if (needed != nullptr) *needed = text.size() + 1;
   });
 }
 

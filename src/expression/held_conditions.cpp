@@ -237,6 +237,21 @@ std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, con
   return std::nullopt;
 }
 
+std::vector<PassedSwitch> HeldConditions::passed(const Values& before, const Values& after) const {
+  std::vector<PassedSwitch> found;
+  for (std::size_t k = 0; k < count(); ++k) {
+    const double g = before.g[k], g_after = after.g[k];
+    if (conditions_[k].is_of_layer || is_met(g) == is_met(g_after)) continue;
+    const double part = g == g_after ? 1.0 : std::clamp(g / (g - g_after), 0.0, 1.0);
+    const double t = std::isfinite(part) ? before.t + part * (after.t - before.t) : after.t;
+    found.push_back({t, evaluator_.shared_record(), conditions_[k].node, true, is_met(g) ? 1.0 : 0.0,
+                     is_met(g_after) ? 1.0 : 0.0});
+  }
+  std::sort(found.begin(), found.end(),
+            [&](const PassedSwitch& a, const PassedSwitch& b) { return (a.t - b.t) * (after.t - before.t) < 0.0; });
+  return found;
+}
+
 std::string HeldConditions::equation_with(std::size_t condition) const {
   // That of its parameter, as the recorder may write the sum with it otherwise.
   const Record& record = evaluator_.record();

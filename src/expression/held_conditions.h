@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "expression/condition_functions.h"
+#include "expression/passed_switch.h"
 #include "expression/record.h"
 #include "expression/sliding_layers.h"
 #include "expression/switch_search.h"
@@ -52,6 +53,13 @@ class HeldConditions {
   // Returns the equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
+  // Returns the conditions that have other branches with the second values of g than with the first. The times are
+  // those at which g is zero, if it is linear from one time to the other. Edges of layers are left out.
+  struct Values {
+    double t;
+    const std::vector<double>& g;
+  };
+  std::vector<PassedSwitch> passed(const Values& before, const Values& after) const;
   using Point = ConditionFunctions::Point;
   // What residuals do where condition k is zero, the others as these values of g have it, on the line from one point to
   // another, where it has another sign: they jump, they are continuous, or they do not depend on it.

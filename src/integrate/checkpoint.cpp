@@ -17,7 +17,7 @@ namespace sfdae::core {
 namespace {
 
 // First of all: the layout, the length in doubles and a checksum of all that follows.
-constexpr int layout = 12;
+constexpr int layout = 13;
 constexpr std::size_t header_size = 2;
 
 struct Header {

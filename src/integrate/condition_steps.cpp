@@ -353,7 +353,7 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   const QuietArithmetic quiet;
   const bool switches = switches_ahead(integrator, outcome);
   const bool has_end = outcome == StepOutcome::error_too_large;
-  if (passed_.are_kinks && is_idle(integrator, passed_.x)) return false;
+  if (passed_.are_kinks && stays_at_passed(integrator)) return false;
   passed_.are_kinks = false;
   // The error test has failed because of something else.
   if (has_end && !integrator.system.differentiates() && !switches) return false;
@@ -363,16 +363,21 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   return false;
 }
 
-void ConditionSteps::commit() {
-  if (conditions_ == nullptr) return;
+std::vector<PassedSwitch> ConditionSteps::commit(const Integrator& integrator) {
+  if (conditions_ == nullptr) return {};
+  const bool is_visited =
+      std::any_of(passed_.visits.begin(), passed_.visits.end(), [](int visits) { return visits > 0; });
+  if (is_visited || passed_.are_kinks) passed_.has_moved = !stays_at_passed(integrator);
   next_.end.reset();
   has_after_ = false;
   is_due_ = is_last_;
   if (is_held_ && !is_due_) release();
-  known_ = std::numeric_limits<double>::quiet_NaN();
-  if (!has_tried_ || is_due_) return;
+  const double known = std::exchange(known_, std::numeric_limits<double>::quiet_NaN());
+  if (!has_tried_ || is_due_) return {};
+  std::vector<PassedSwitch> passed = conditions_->passed({known, branches_}, {tried_.t, tried_.g});
   branches_ = tried_.g;
   known_ = tried_.t;
+  return passed;
 }
 
 void ConditionSteps::find_tolerances(const Integrator& integrator, const double* x) {
@@ -386,6 +391,11 @@ bool ConditionSteps::is_idle(const Integrator& integrator, const std::vector<dou
   for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - before[i];
   find_tolerances(integrator, x.data());
   return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= no_progress;
+}
+
+// x may come back to where it was, but has been elsewhere.
+bool ConditionSteps::stays_at_passed(const Integrator& integrator) {
+  return is_idle(integrator, passed_.x) && !passed_.has_moved;
 }
 
 // The first condition whose value clearly says otherwise than its branch; none: their number.
@@ -451,7 +461,7 @@ void ConditionSteps::demand_distinct(const Integrator& integrator) {
 
 void ConditionSteps::demand_progress(const Integrator& integrator) {
   const std::vector<double>& x = integrator.stepper->x();
-  const bool stays = is_idle(integrator, passed_.x);
+  const bool stays = stays_at_passed(integrator);
   bool is_visited = false;
   passed_.sliding.clear();
   for (std::size_t k = 0; k < branches_.size(); ++k) {
@@ -527,12 +537,17 @@ ConsistentPoint ConditionSteps::change_branches(const Integrator& integrator,
                        after_.t, conditions_->equation_with(k).c_str()));
 }
 
+std::vector<PassedSwitch> ConditionSteps::changed() const {
+  return conditions_->passed({before_.t, branches_}, {after_.t, passed_.branches});
+}
+
 void ConditionSteps::start_after_change(const std::vector<double>& x) {
   branches_ = passed_.branches;
   is_due_ = false;
   passed_.from = before_.t;
   passed_.to = after_.t;
   passed_.x = x;
+  passed_.has_moved = false;
   start();
 }
 
@@ -543,7 +558,7 @@ void ConditionSteps::restore_branches() {
 }
 
 void ConditionSteps::archive(Archive& archive) {
-  archive.small(is_due_, passed_.are_kinks);
+  archive.small(is_due_, passed_.has_moved, passed_.are_kinks);
   archive.reals(branches_, branches_.size());
   for (double* const time : {&before_.t, &after_.t, &passed_.from, &passed_.to}) archive.real(*time);
   archive.reals(after_.x, after_.x.size());

@@ -34,6 +34,8 @@ class ConditionSteps {
   void start() { known_ = std::numeric_limits<double>::quiet_NaN(); }
   // Branches have changed, and the steps go on with these values of x.
   void start_after_change(const std::vector<double>& x);
+  // Before that: returns the conditions whose branches have changed.
+  std::vector<PassedSwitch> changed() const;
 
   // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end(). With
   // sensitivities these jump where x' does: any condition is located where residuals jump.
@@ -51,8 +53,8 @@ class ConditionSteps {
   // Branches should have been held there, and these equations cannot hold them.
   bool lacks_branches() const { return obstacle_.lacks_branches && !obstacle_.is_accepted; }
   void go_on_without_branches() { obstacle_.is_accepted = true; }
-  // The step judged last has become the last one.
-  void commit();
+  // The step judged last has become the last one. Returns the conditions that have switched in it.
+  std::vector<PassedSwitch> commit(const Integrator& integrator);
   // Throws Failure where x moves along a surface, and another condition stays so near to its zero that it cannot be
   // known on which side it is.
   void demand_distinct(const Integrator& integrator);
@@ -91,6 +93,7 @@ class ConditionSteps {
   bool switches_ahead(const Integrator& integrator, StepOutcome outcome);
   void note_obstacle(const Integrator& integrator);
   bool is_idle(const Integrator& integrator, const std::vector<double>& before);
+  bool stays_at_passed(const Integrator& integrator);
   void take_attempt(const Integrator& integrator);
   void find_slopes(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& slopes);
   void evaluate(const Integrator& integrator, double t, const std::vector<double>& x, std::vector<double>& g);
@@ -122,6 +125,7 @@ class ConditionSteps {
     std::vector<double> branches;  // that it leads to, as change_branches() has found them
     std::vector<int> visits;       // of each condition: how often it switched while E x did not move
     std::vector<RegularizedCondition> sliding;
+    bool has_moved = false;  // E x has, since
     bool are_kinks = false;  // conditions have switched again and again where residuals are continuous
   };
   Passed passed_;  // the zero passed last

@@ -364,7 +364,10 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   const StepState before = integrator_.stepper->state();
   integrator_.stepper->commit();
   system.accept();
-  conditions_.commit();
+  switches_.note(conditions_.commit(integrator_), false);
+  if (layers() != nullptr && layers()->are_entered()) switches_.note_motion_along_surfaces(std::fabs(h));
+  if (is_across_kink && options_.timed_switches != nullptr)
+    switches_.note(options_.timed_switches->passed(before.t, before.t + h), false);
   hidden_.end.reset();
   inputs_.commit(before.t, h, integrator_.weights.part() * before.tried_error);
   if (companion_) companion_->commit(integrator_);
@@ -455,7 +458,7 @@ bool Integration::is_tried_again(double h) {
 // The values are those that interpolate() returns if outputs may be interpolated. If that fails the polynomial is
 // recorded as it is, and its accuracy counts as unknown.
 void Integration::record_step(double from) {
-  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
+  const std::shared_ptr<SolutionPieces> solution = recording_.solution.lock();
   if (!solution) return;
   Stepper& stepper = *integrator_.stepper;
   const double t = stepper.state().t;
@@ -469,13 +472,13 @@ void Integration::record_step(double from) {
       return false;
     }
   };
-  const bool continues = std::exchange(is_recorded_, false);
+  const bool continues = std::exchange(recording_.is_on, false);
   add_piece(*solution, {from, t, continues, sample, {}});
 }
 
 // Samples are those of all unknowns; nothing is recorded any more if that fails.
 void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step) {
-  is_recorded_ = false;
+  recording_.is_on = false;
   const int count = options_.recorded > 0 ? options_.recorded : integrator_.system.unknowns();
   std::vector<double> all(index(integrator_.system.unknowns()));
   const auto sample = [&](double t, double* x) {
@@ -485,7 +488,7 @@ void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step)
   };
   const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
   solution.add(count, {step.a, step.b, step.continues, sample, tolerance});
-  is_recorded_ = true;
+  recording_.is_on = true;
 }
 
 // Then the step, of size h, is tried again up to the change.

@@ -23,6 +23,7 @@
 #include "integrate/sensitivities.h"
 #include "integrate/solution_pieces.h"
 #include "integrate/step_output.h"
+#include "integrate/switch_log.h"
 #include "integrate/work_counts.h"
 #include "system/change_watch.h"
 #include "system/dae_system.h"
@@ -113,12 +114,10 @@ class Integration {
     options_.breakpoints = options.breakpoints;
     options_.jumps = options.jumps;
     options_.inputs = options.inputs;
+    options_.timed_switches = options.timed_switches;
   }
   // Where steps go from now on; none: nullptr.
-  void record(std::weak_ptr<SolutionPieces> solution) {
-    solution_ = std::move(solution);
-    is_recorded_ = false;
-  }
+  void record(std::weak_ptr<SolutionPieces> solution) { recording_ = {std::move(solution), false}; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
   Method method() const { return integrator_.method; }     // at present: bdf or radau
@@ -131,6 +130,7 @@ class Integration {
   // The singular point met last, and how many have been passed.
   const std::optional<SingularPoint>& singular_point() const { return branches_.point; }
   long passed_points() const { return branches_.passed; }
+  const SwitchLog& switches() const { return switches_; }
   // So many singular points may be passed, from the next step on.
   void set_continuation(const IntegrationOptions& options) {
     options_.continuation = options.continuation;
@@ -162,6 +162,7 @@ class Integration {
   std::vector<double> shifts_of_time(double to, const ConsistentPoint& before);
   std::vector<double> sensitivities_after(const MovingSwitch& moving, const ConsistentPoint& after);
   void record_gap(double from, double to, const std::vector<double>& after);
+  bool is_jump(const std::vector<double>& before, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout);
   std::optional<CallResult> attempt_step(double tout);
@@ -246,8 +247,12 @@ class Integration {
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
   Slopes slopes_ = Slopes::wanted;
-  std::weak_ptr<SolutionPieces> solution_;
-  bool is_recorded_ = false;  // the last step is
+  struct Recording {
+    std::weak_ptr<SolutionPieces> solution;
+    bool is_on = false;  // the last step is recorded
+  };
+  Recording recording_;
+  SwitchLog switches_;
 };
 
 }  // namespace sfdae::core

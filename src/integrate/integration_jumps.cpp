@@ -133,7 +133,17 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   } else {
     go_on_after_jump(t, after, nullptr);
   }
+  if (options_.timed_switches != nullptr)
+    switches_.note(options_.timed_switches->passed(start, t), is_jump(before, after.x));
   record_gap(start, t, after.x);
+}
+
+// Returns whether E x is another one.
+bool Integration::is_jump(const std::vector<double>& before, const std::vector<double>& after) {
+  constexpr double clear = 1.0;  // tolerances. (Chosen.)
+  std::vector<double> change(before.size());
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = after[i] - before[i];
+  return !(integrator_.system.change_of_differentiated(change.data(), layer_point().tolerances) <= clear);
 }
 
 // The last point stays what it was where sensitivities after the jump cannot be found, or steps not be started there.
@@ -168,9 +178,12 @@ void Integration::change_branches(double tout) {
   try {
     const ConsistentPoint after =
         conditions_.change_branches(integrator_, [&] { return values_with_branches(place); });
+    std::vector<PassedSwitch> changed = conditions_.changed();
+    const bool jumps = is_jump(conditions_.x_after(), after.x);
     std::optional<MovingSwitch> moving;
     if (before) moving.emplace(MovingSwitch{*before, toward, std::move(shifts)});
     go_on_after_jump(t, after, moving ? &*moving : nullptr);
+    switches_.note(std::move(changed), jumps);
     record_gap(start, t, after.x);
   } catch (...) {
     conditions_.restore_branches();
@@ -179,12 +192,7 @@ void Integration::change_branches(double tout) {
 }
 
 void Integration::continue_from(Integration& before, double longest) {
-  constexpr double same = 1.0;  // tolerances: E x stays. (Chosen.)
-  const std::vector<double>& x = integrator_.stepper->x();
-  const std::vector<double>& x_before = before.integrator_.stepper->x();
-  std::vector<double> change(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) change[i] = x[i] - x_before[i];
-  if (!(integrator_.system.change_of_differentiated(change.data(), layer_point().tolerances) <= same))
+  if (is_jump(before.integrator_.stepper->x(), integrator_.stepper->x()))
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "consistent values of these equations have another E x.");
   const double step = integrator_.stepper->state().next_step;
   if (std::fabs(step) > longest) integrator_.stepper->set_next_step(std::copysign(longest, step));
@@ -196,18 +204,19 @@ void Integration::continue_from(Integration& before, double longest) {
   inputs_.take_account(before.inputs_);
   slopes_ = before.slopes_;
   branches_.passed = before.branches_.passed;
-  solution_ = std::move(before.solution_);
+  switches_ = std::move(before.switches_);
+  recording_.solution = std::move(before.recording_.solution);
 }
 
 // Within the gap, which begins there, the values are those after it.
 void Integration::record_gap(double from, double to, const std::vector<double>& after) {
-  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
+  const std::shared_ptr<SolutionPieces> solution = recording_.solution.lock();
   if (!solution) return;
   const auto sample = [&](double, double* x) {
     std::copy(after.begin(), after.end(), x);
     return true;
   };
-  const bool continues = std::exchange(is_recorded_, false);
+  const bool continues = std::exchange(recording_.is_on, false);
   add_piece(*solution, {from, to, continues, sample, {}});
 }
 

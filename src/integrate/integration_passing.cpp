@@ -237,8 +237,8 @@ void Integration::go_on_from(const ConsistentPoint& after, const SmoothCourse& c
 }
 
 void Integration::record_passage(double t_after) {
-  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
-  if (!solution || !is_recorded_) return;
+  const std::shared_ptr<SolutionPieces> solution = recording_.solution.lock();
+  if (!solution || !recording_.is_on) return;
   const auto sample = [&](double t, double* x) {
     branches_.passage->evaluate(t, x, nullptr);
     return true;

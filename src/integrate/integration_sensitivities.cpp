@@ -98,7 +98,7 @@ void Integration::keep_steps_alone() {
   watch_.reset();
   branches_ = {};
   options_.events = nullptr;
-  solution_ = {};
+  recording_.solution = {};
 }
 
 CallResult Integration::end_at(double t, TangentSpace& space) {

@@ -131,6 +131,15 @@ std::string regularization_report(const Solver& solver) {
   return text;
 }
 
+std::string switches_report(const SwitchLog& switches, double span) {
+  if (switches.all().empty()) return "";
+  std::string text = format("  switches of conditions: %zu", switches.all().size());
+  if (switches.jumps() > 0) text += format(", with jumps of x by impulses: %ld", switches.jumps());
+  if (switches.time_along_surfaces() > 0.0 && span > 0.0)
+    text += format(", motion along surfaces: %.3g of the time", switches.time_along_surfaces() / span);
+  return text + "\n";
+}
+
 std::string integration_report(const Solver& solver) {
   const IntegrationCounts counts = solver.integration->counts();
   const EvaluationCounts calls = solver.model.evaluations();
@@ -146,6 +155,7 @@ std::string integration_report(const Solver& solver) {
               : format("%ld evaluations of F along jets, %ld linearizations\n", calls.F, calls.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", state.last.h,
                  state.last.order, state.next_step, counts.smallest_kept);
+  text += switches_report(solver.integration->switches(), solver.integration->span());
   text += regularization_report(solver);
   if (counts.rounding > 1.0)
     text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n",

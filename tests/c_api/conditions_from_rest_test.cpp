@@ -131,6 +131,56 @@ TEST(ConditionsFromRest, SwitchWhenTheirFunctionsSay) {
   }
 }
 
+// The times that are listed are those at which the condition of the exact solution changes.
+TEST(ConditionsFromRest, AreListedWithTheirTimes) {
+  RandomNumbers random(36091);
+  for (int trial = 0; trial < sfdae_test::scaled_count(60, 6); ++trial) {
+    const double threshold = random.uniform(-0.9, 0.9), omega = random.uniform(0.5, 3.0),
+                 rate = random.uniform(0.1, 5.0);
+    const int method = random.integer(0, 1);
+    SCOPED_TRACE("trial " + std::to_string(trial) + ", method " + std::to_string(method));
+    sfdae::NonlinearProblem problem(2, 2);
+    problem.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      F[0] = xdot[0] - omega * cos(omega * t);
+      F[1] = xdot[1] - choose(x[0] > threshold, Expression(rate), Expression(0.0));
+    };
+    sfdae::Solver solver(problem, sfdae_test::solver_options(1e-8, method));
+    sfdae::Point point{0.0, {0.0, 0.0}, {}};
+    solver.start(point, 10.0);
+    ASSERT_EQ(solver.advance(10.0, point), SFDAE_OK);
+    // sin is above the threshold between these two angles of each period.
+    const double first = std::asin(threshold), second = std::acos(-1.0) - first, period = 2.0 * std::acos(-1.0);
+    Vector exact;
+    for (int k = 0; k < 10; ++k)
+      for (const double angle : {first, second})
+        if (const double t = (angle + k * period) / omega; t > 0.0 && t < 10.0) exact.push_back(t);
+    const std::vector<sfdae::Switch> switches = solver.switches();
+    ASSERT_EQ(switches.size(), exact.size());
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      EXPECT_NEAR(switches[k].t, exact[k], 1e-5);
+      EXPECT_NE(switches[k].before, switches[k].after);
+      EXPECT_NE(switches[k].condition.find("x[0]"), std::string::npos) << switches[k].condition;
+      EXPECT_FALSE(switches[k].jumps);
+    }
+  }
+}
+
+// x passes the same zero again and again, and is elsewhere in between: nothing leads back to it.
+TEST(ConditionsFromRest, MayBePassedAgainAndAgain) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const double tolerance : {1e-4, 1e-6}) {
+      sfdae::NonlinearProblem problem(1, 1);
+      problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - sin(t) + choose(x[0] > 0.0, sqrt(abs(x[0])), Expression(0.0));
+      };
+      sfdae::Solver solver(problem, sfdae_test::solver_options(tolerance, method));
+      sfdae::Point point{0.0, {-0.5}, {}};
+      solver.start(point, 60.0);
+      ASSERT_EQ(solver.advance(60.0, point), SFDAE_OK) << solver.message();
+      EXPECT_NEAR(point.x[0], -0.0475876, 50.0 * tolerance);
+    }
+}
+
 // Steps that show what inputs do may be shorter than those that a switch is located with.
 TEST(ConditionsFromRest, AreLocatedWhereInputsShortenSteps) {
   Vector times;

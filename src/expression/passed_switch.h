@@ -1,0 +1,50 @@
+// Switches of recorded equations that an integration has passed.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "expression/condition_functions.h"
+#include "expression/record.h"
+#include "expression/taylor_evaluator.h"
+
+namespace sfdae::core {
+
+// Equations have come to another branch.
+struct PassedSwitch {
+  double t;
+  std::shared_ptr<const Record> record;
+  int node;  // of this record: a condition, which is met where it is above 0, or a floor, remainder, table
+  bool is_condition;
+  double before, after;  // branches: 0 or 1 (met), integers, numbers of knots of a table up to there
+  bool jumps = false;    // x does there, by impulses
+};
+// Returns the condition as text of C: "t - 1.0 > 0". Tables and user-supplied functions have no text.
+std::string text_of(const PassedSwitch& passed);
+
+// Conditions, floors, remainders and tables of t alone, in recorded equations.
+class TimedSwitches {
+ public:
+  // Parameters are those that the evaluators have when this is asked; they live as long as this.
+  explicit TimedSwitches(const std::vector<const TaylorEvaluator*>& evaluators);
+
+  // Returns those that have other branches at the second time than at the first.
+  std::vector<PassedSwitch> passed(double from, double to);
+
+ private:
+  struct Switch {
+    int node;
+    Operation operation;
+    const PointFunction* table;
+  };
+  struct Part {
+    std::shared_ptr<const Record> record;
+    std::vector<Switch> switches;
+    ConditionFunctions arguments;  // two for each switch: those of a remainder; else one twice
+  };
+  std::vector<Part> parts_;
+};
+
+}  // namespace sfdae::core
