@@ -20,8 +20,9 @@ constexpr double rounding_part = 1e-7, larger = 1e3, longest_of_xdot = 1e12, lon
 constexpr int most_larger = 8;
 // An increment is too large if F bends by this part of the difference, or if nothing is known of the size of the
 // unknown and the difference is another one with a smaller increment. A smaller one is tried, by that factor, so often,
-// until both differences agree to that accuracy. (The error of a central difference is about the square of the part.)
-constexpr double bent = 3e-5, smaller = 1.0 / 16.0, agreement = noise_of_differences;
+// until both differences agree to that accuracy, or differ by more than those before, and by less than this part, as
+// rounding errors do. (The error of a central difference is about the square of the part.)
+constexpr double bent = 3e-5, smaller = 1.0 / 16.0, agreement = noise_of_differences, resolved = 0.1;
 constexpr int most_smaller = 8, most_smaller_of_zeros = 24;
 // Roundings in a value of F.
 constexpr double roundings_of_F = 64.0;
@@ -148,15 +149,17 @@ bool ColoredDifferences::is_straight(const GroupedPattern& grouped, const std::v
   return result && group.is_central;
 }
 
-// b has the smaller increments.
-bool ColoredDifferences::agree(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a,
-                               const Group& b) const {
-  bool result = true;
+// Returns the largest relative difference between entries of a and b beyond rounding errors. b has the smaller
+// increments.
+double ColoredDifferences::disagreement(const GroupedPattern& grouped, const std::vector<double>& terms,
+                                        const Group& a, const Group& b) const {
+  double result = 0.0;
   visit(grouped, a, [&](std::size_t k, std::size_t e, std::size_t c) {
     const double rounding =
         roundings_of_F * unit_roundoff * terms[index(grouped.pattern.row[e])] / std::fabs(b.increments[c]);
     const double size = std::max(std::fabs(a.values[k]), std::fabs(b.values[k]));
-    result = result && std::fabs(a.values[k] - b.values[k]) <= agreement * size + rounding;
+    const double beyond = std::fabs(a.values[k] - b.values[k]) - rounding;
+    if (beyond > 0.0) result = std::max(result, beyond / size);
   });
   return result;
 }
@@ -201,7 +204,7 @@ CallbackError ColoredDifferences::lengthen(const GroupedPattern& grouped, const 
   Group longer = group.scaled(std::min(by, longest_of_xdot));
   const CallbackError error = difference(grouped, longer);
   if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
-  is_linear = is_straight(grouped, terms, longer) && agree(grouped, terms, longer, group);
+  is_linear = is_straight(grouped, terms, longer) && disagreement(grouped, terms, longer, group) <= agreement;
   if (is_linear) group = std::move(longer);
   return {};
 }
@@ -217,17 +220,26 @@ CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const s
   }
   const bool has_no_size = are_zero(*group.columns) && !group.is_zero();
   const int most = has_no_size ? most_smaller_of_zeros : most_smaller;
+  double before = 1.0;
+  Group larger_one = group;
   for (int tries = 0; tries < most && (has_no_size || bends(grouped, terms, group)); ++tries) {
     Group other = group.scaled(smaller);
     const CallbackError error = difference(grouped, other);
     if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
-    if (agree(grouped, terms, group, other)) break;
+    const double apart = disagreement(grouped, terms, group, other);
+    if (apart <= agreement) break;
+    // Terms that cancel within F have larger rounding errors than those that are seen.
+    if (apart >= before && before < resolved) {
+      group = std::move(larger_one);
+      break;
+    }
+    before = apart;
     // F bends as much between smaller increments, as where it jumps.
     if (bends(grouped, terms, group) && other.largest_bend() > 0.5 * group.largest_bend()) {
       group.values = group.sided;
       break;
     }
-    group = std::move(other);
+    larger_one = std::exchange(group, std::move(other));
   }
   return {};
 }

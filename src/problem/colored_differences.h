@@ -93,7 +93,8 @@ class ColoredDifferences {
   bool is_below_rounding(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
   bool bends(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
   bool is_straight(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& group) const;
-  bool agree(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a, const Group& b) const;
+  double disagreement(const GroupedPattern& grouped, const std::vector<double>& terms, const Group& a,
+                      const Group& b) const;
 
   const FunctionOfJet& evaluate_;
   const ChangingJet& jet_;

@@ -44,10 +44,11 @@ double relative_distance(const Significance& significance) {
   return std::min(1.0, trial_perturbation * significance.weakest);
 }
 
-// What could become clearer in other units, or by a certificate.
+// Ranks could become clearer in other units, or by a certificate, and derivatives that are missing need not be asked
+// for then.
 bool is_about_ranks(const Failure& failure) {
   return failure.status() == SFDAE_RANK_UNCLEAR || failure.status() == SFDAE_INDEX_TOO_HIGH ||
-         failure.status() == SFDAE_CHARACTERISTICS_CHANGED;
+         failure.status() == SFDAE_CHARACTERISTICS_CHANGED || failure.status() == SFDAE_ORDER_MISSING;
 }
 
 // The analysis of one problem in several ways.

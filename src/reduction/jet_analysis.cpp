@@ -96,6 +96,7 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
   anew.precedent = {};
   const SearchTask task{source, anew, arena, &decisions};
   std::string what;
+  std::optional<Failure> lacks_derivatives;  // which other units may not need
   try {
     const IndexAnalysis found = analyze_at_two_points(task, place).analysis;
     const bool is_decided =
@@ -107,7 +108,9 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
     what = format("at t = %.15g the decisions in the units given say that equations are redundant, ", place.t) +
            describe(found.values) + ", which all rows of the array together refute.";
   } catch (const Failure& failure) {
-    if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
+    const bool is_of_units = failure.status() == SFDAE_RANK_UNCLEAR || failure.status() == SFDAE_ORDER_MISSING;
+    if (!is_of_units || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
+    if (failure.status() == SFDAE_ORDER_MISSING) lacks_derivatives = failure;
     what = failure.what();
   }
   if (std::optional<UnitsResult> found = analyze_in_other_units(source, place, settings, arena)) {
@@ -116,6 +119,7 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
     return found->analysis;
   }
   source.set_units(usual);
+  if (lacks_derivatives) throw *lacks_derivatives;
   throw Failure(SFDAE_RANK_UNCLEAR, what + neighbouring_ranks(task));
 }
 

@@ -171,6 +171,46 @@ TEST(ResidualsAlone, MayStartWithTinyDerivatives) {
     }
 }
 
+// a x' = slope(y), y = b x: unknowns in units that differ by many powers of ten. Ranks must not depend on them.
+TEST(ResidualsAlone, MayHaveUnknownsInAnyUnits) {
+  struct Element {
+    const char* name;
+    double a, b;  // x' = (1 - y / full) / a, y = b x
+    double full;
+  };
+  const Element elements[] = {{"1 nF at 1 kOhm", 1e3, 1e9, 1.0},
+                              {"1 pF at 1 Ohm", 1.0, 1e12, 1.0},
+                              {"10 nF at 1 MOhm", 1e6, 1e8, 1.0},
+                              {"steel", 2e11 / 1e8, 2e11, 1e8},
+                              {"gas", 287.0 * 300.0 / 0.3, 287.0 * 300.0 / 1e-6, 3e5},
+                              {"nM", 1e9, 1e9, 1.0}};
+  for (const Element& of : elements)
+    for (const int method : both_methods) {
+      SCOPED_TRACE(of.name + std::string(", method ") + std::to_string(method));
+      const Residual residual = [of](double, const double* x, const double* xdot, double* F) {
+        F[0] = xdot[0] - (1.0 - x[1] / of.full) / of.a;
+        F[1] = x[0] - x[1] / of.b;
+      };
+      const double time = of.a * of.full / of.b;
+      sfdae::Options options = sfdae_test::solver_options(1e-6, method);
+      options.atol_vector = {1e-6 * of.full / of.b, 1e-6 * of.full};
+      const Vector x = end_of(problem_of(2, residual), {0.0, 0.0}, 2.0 * time, options);
+      EXPECT_NEAR(x[1] / of.full, 1.0 - std::exp(-2.0), 2e-5);
+    }
+}
+
+// Rounding errors of terms that cancel are larger than those of F.
+TEST(ResidualsAlone, MayRoundMoreThanTheirValuesSay) {
+  const double big = 1e6;
+  const Residual residual = [big](double t, const double* x, const double* xdot, double* F) {
+    F[0] = (big + xdot[0]) - big - (std::sin(2.0 * t) - x[0]);
+  };
+  for (const int method : both_methods) {
+    const Vector x = end_of(problem_of(1, residual), {0.0}, 3.0, sfdae_test::solver_options(1e-5, method));
+    EXPECT_NEAR(x[0], -0.4200294, 1e-4);
+  }
+}
+
 // x' is guessed as zero, and far smaller than any increment that one might think of: odd functions do not bend there.
 TEST(ResidualsAlone, FindSizesOfDerivativesThatAreGuessedAsZero) {
   for (const double size : {1e-4, 1e-7, 1e-8, 1e-10, 1e-14})
