@@ -13,6 +13,7 @@
 #include "expression/node_copies.h"
 #include "expression/recorder.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -238,6 +239,7 @@ std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, con
 }
 
 std::vector<PassedSwitch> HeldConditions::passed(const Values& before, const Values& after) const {
+  const QuietArithmetic quiet;
   std::vector<PassedSwitch> found;
   for (std::size_t k = 0; k < count(); ++k) {
     const double g = before.g[k], g_after = after.g[k];

@@ -50,7 +50,8 @@ struct TimeBreakpoints::Search {
   }
 };
 
-TimeBreakpoints::TimeBreakpoints(const std::vector<const TaylorEvaluator*>& evaluators) : inputs_(evaluators) {}
+TimeBreakpoints::TimeBreakpoints(const std::vector<const TaylorEvaluator*>& evaluators)
+    : inputs_(evaluators), switches_(evaluators) {}
 
 TimeBreakpoints::Search TimeBreakpoints::search(double t, double toward) {
   Search found{.t = t, .direction = toward < t ? -1.0 : 1.0};

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "expression/passed_switch.h"
 #include "expression/switching_times.h"
 
 namespace sfdae::core {
@@ -53,6 +54,8 @@ class TimeBreakpoints {
   };
   // That holds t; its ends belong to it.
   std::optional<Gap> gap_at(double t);
+  // Conditions and the like of t alone that have switched from one time to another.
+  std::vector<PassedSwitch> passed(double from, double to) { return switches_.passed(from, to); }
   // Two times that are in the gap of one switch that is no kink count as one.
   bool are_one(double t, double other);
 
@@ -66,6 +69,7 @@ class TimeBreakpoints {
   void search_times(Search& search) const;
 
   SwitchingTimes inputs_;
+  TimedSwitches switches_;
   std::vector<double> times_;
   std::vector<char> jumps_;
   double size() const;  // the largest of these

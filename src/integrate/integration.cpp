@@ -366,8 +366,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   system.accept();
   switches_.note(conditions_.commit(integrator_), false);
   if (layers() != nullptr && layers()->are_entered()) switches_.note_motion_along_surfaces(std::fabs(h));
-  if (is_across_kink && options_.timed_switches != nullptr)
-    switches_.note(options_.timed_switches->passed(before.t, before.t + h), false);
+  if (is_across_kink) switches_.note(options_.breakpoints->passed(before.t, before.t + h), false);
   hidden_.end.reset();
   inputs_.commit(before.t, h, integrator_.weights.part() * before.tried_error);
   if (companion_) companion_->commit(integrator_);

@@ -114,7 +114,6 @@ class Integration {
     options_.breakpoints = options.breakpoints;
     options_.jumps = options.jumps;
     options_.inputs = options.inputs;
-    options_.timed_switches = options.timed_switches;
   }
   // Where steps go from now on; none: nullptr.
   void record(std::weak_ptr<SolutionPieces> solution) { recording_ = {std::move(solution), false}; }

@@ -133,8 +133,8 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   } else {
     go_on_after_jump(t, after, nullptr);
   }
-  if (options_.timed_switches != nullptr)
-    switches_.note(options_.timed_switches->passed(start, t), is_jump(before, after.x));
+  if (options_.breakpoints != nullptr)
+    switches_.note(options_.breakpoints->passed(start, t), is_jump(before, after.x));
   record_gap(start, t, after.x);
 }
 

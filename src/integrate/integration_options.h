@@ -16,7 +16,6 @@ class ContinuationRule;
 class HeldConditions;
 class JumpRule;
 class TimeBreakpoints;
-class TimedSwitches;
 class TimeInputs;
 
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
@@ -38,7 +37,6 @@ struct IntegrationOptions : Acceptance {
   TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
   bool hides_switches = false;               // equations are callbacks, which may switch at any time
   HeldConditions* conditions = nullptr;      // not owned; none: on x, at which E x may jump
-  TimedSwitches* timed_switches = nullptr;   // not owned; none: of t alone, which are noted as they are passed
   TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
   JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
   ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed

@@ -138,7 +138,6 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   const Evaluators evaluators = model.evaluator() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
-  timed_switches.emplace(evaluators);
   find_conditions();
   use_breakpoints(options.integration);
   use_tolerances(model, options.integration.tolerances);
@@ -253,7 +252,6 @@ void Solver::set_breakpoints(std::vector<double> times, std::vector<char> jump_f
 void Solver::use_breakpoints(IntegrationOptions& integration_options) {
   const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
   integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
-  integration_options.timed_switches = &*timed_switches;
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
   integration_options.jumps = &jumps;
   integration_options.conditions = conditions ? &*conditions : nullptr;

@@ -106,7 +106,6 @@ struct Solver {
   std::unique_ptr<Events> events;  // options.integration points to them
   std::optional<TimeBreakpoints> breakpoints;
   std::optional<TimeInputs> inputs;
-  std::optional<TimedSwitches> timed_switches;
   // The first-order equations of a recorded mechanical system whose formulas contain conditions: to look at these.
   std::optional<TaylorEvaluator> first_order;
   std::optional<HeldConditions> conditions;  // on x, in recorded equations
