@@ -59,10 +59,11 @@ SFDAE_API int sfdae_get_events(const sfdae_solver* solver, int* which);
  * Floors, remainders and tables of x are not listed. */
 typedef struct sfdae_switch {
   size_t size;
-  double t;             /**< the zero of the condition: located, or where a line within the step leads through it */
-  double before, after; /**< branches: 1 if a condition is met, else 0; the integer of a floor or remainder; the number
+  double t; /**< the zero of the condition: located, or where a line within the step leads through it */
+  double before,
+      after; /**< branches: 1 if a condition is met, else 0; the integer of a floor or remainder; the number
                              of knots of a table up to there */
-  int jumps;            /**< 1: E x jumps there, by impulses (modes.h) */
+  int jumps; /**< 1: E x jumps there, by impulses (modes.h) */
 } sfdae_switch;
 /** Prepares a result of sfdae_get_switch. size: sizeof(sfdae_switch). */
 SFDAE_API int sfdae_switch_init(sfdae_switch* result, size_t size);
