@@ -100,11 +100,17 @@ class Recording {
       case Operation::time:
         return add(parameter(places_.start), multiply(recorder_.time(), parameter(places_.length)));
       case Operation::unknown: return curve(leaf.a);
-      // The parameters of conditions do not count.
       case Operation::parameter:
-        return leaf.a < record_.num_user_parameters() ? parameter(leaf.a) : recorder_.constant(0.0);
+        return leaf.a < record_.num_user_parameters() ? parameter(leaf.a) : beyond_margin(leaf.a);
       default: return recorder_.constant(0.0);
     }
+  }
+  // The parameter of a condition shifts its zero, within other conditions, too.
+  int beyond_margin(int parameter_of_condition) {
+    for (std::size_t k = 0; k < conditions_.size(); ++k)
+      if (conditions_[k].parameter == parameter_of_condition)
+        return subtract(recorder_.constant(0.0), parameter(places_.margins + static_cast<int>(k)));
+    return recorder_.constant(0.0);
   }
   // The polynomial in Newton's form.
   int curve(int unknown) {

@@ -181,6 +181,34 @@ TEST(ConditionsFromRest, MayBePassedAgainAndAgain) {
     }
 }
 
+// |y| - 0.2 does not care on which side of zero y is while y is nothing but rounding errors.
+TEST(ConditionsFromRest, WithinOthersMayBeRoundingErrors) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const double factor : {0.5, 1.5, 3.0}) {
+      const auto rate = [factor](const auto& t, const auto& x) {
+        using std::abs, std::sin;
+        const auto drive = sin(t) - 0.5;
+        const auto y = x + 0.5 * factor * (drive + abs(drive));
+        return sin(t) - larger(abs(y) - 0.2, 0.0);
+      };
+      sfdae::NonlinearProblem problem(1, 1);
+      problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+        F[0] = xdot[0] - rate(t, x[0]);
+      };
+      double y = 0.0;
+      constexpr int steps = 30000;  // of the midpoint rule, up to t = 3
+      for (int k = 0; k < steps; ++k) {
+        const double h = 3.0 / steps, t = k * h;
+        y += h * rate(t + 0.5 * h, y + 0.5 * h * rate(t, y));
+      }
+      sfdae::Solver solver(problem, sfdae_test::solver_options(1e-5, method));
+      sfdae::Point point{0.0, {0.0}, {}};
+      solver.start(point, 3.0);
+      ASSERT_EQ(solver.advance(3.0, point), SFDAE_OK) << solver.message();
+      EXPECT_NEAR(point.x[0], y, 1e-4) << method << " " << factor;
+    }
+}
+
 // Steps that show what inputs do may be shorter than those that a switch is located with.
 TEST(ConditionsFromRest, AreLocatedWhereInputsShortenSteps) {
   Vector times;

@@ -75,8 +75,8 @@ size_t fill_initial_report(sfdae_initial_report* s) {
 }
 
 size_t fill_statistics(sfdae_statistics* s) {
-  const sfdae_statistics value = {1,    2,    3,    4,    5,    6,    7,  8,  9,    10, 11,
-                                  12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0, 21};
+  const sfdae_statistics value = {1,    2,    3,    4,    5,    6,  7,  8,    9,  10, 11, 12.0,
+                                  13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0, 21, 22, 23};
   *s = value;
   return sizeof value;
 }

@@ -195,7 +195,7 @@ contains
       s%reductions, s%factorizations, s%evaluations_e, s%evaluations_a, s%evaluations_f, &
       s%last_order, s%next_order, s%last_step, s%next_step, s%t_internal, s%smallest_kept, &
       s%consistency, s%first_step, s%evaluations_residual, s%linearizations, s%rounding, &
-      s%check_calls]), &
+      s%check_calls, s%switches, s%jumps]), &
       "members of sfdae_statistics")
 
     call check(fill_derivative_check(v) == c_sizeof(v), "size of sfdae_derivative_check")
