@@ -754,7 +754,7 @@ contains
     if (status == sfdae_ok) status = c_get_num_switches(self%handle, count)
   end subroutine solver_get_num_switches
 
-  !> Switch number `index`, 1 ... count, in the order of time.
+  !> Switch number `index`, 1 ... count, in the order of time. result%condition counts from 1, too.
   subroutine solver_get_switch(self, index, result, status, condition)
     class(dae_solver), intent(inout) :: self
     integer(c_long), intent(in) :: index
@@ -774,6 +774,7 @@ contains
       status = c_get_switch(self%handle, index - 1, found, nothing, 1_c_size_t, needed)
     if (status < 0) return
     result = found
+    result%condition = result%condition + 1
     if (.not. present(condition)) return
     allocate (buffer(needed))
     status = c_get_switch(self%handle, index - 1, found, buffer, needed, needed)

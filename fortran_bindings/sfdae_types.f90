@@ -488,6 +488,7 @@ module sfdae_types
     real(c_double) :: before = 0
     real(c_double) :: after = 0
     integer(c_int) :: jumps = 0
+    integer(c_int) :: condition = 0
   end type sfdae_switch
 
   type, bind(c), public :: sfdae_transition

@@ -61,22 +61,23 @@ typedef struct sfdae_switch {
   size_t size;
   double t; /**< the zero of the condition: located, or where a line within the step leads through it */
   double before,
-      after; /**< branches: 1 if a condition is met, else 0; the integer of a floor or remainder; the number
-                             of knots of a table up to there */
-  int jumps; /**< 1: E x jumps there, by impulses (modes.h) */
+      after;     /**< branches: 1 if a condition is met, else 0; the integer of a floor or remainder; the number
+                           of knots of a table up to there */
+  int jumps;     /**< 1: E x jumps there, by impulses (modes.h) */
+  int condition; /**< a number of the condition, 0, 1, ... in the order in which they switch first */
 } sfdae_switch;
 /** Prepares a result of sfdae_get_switch. size: sizeof(sfdae_switch). */
 SFDAE_API int sfdae_switch_init(sfdae_switch* result, size_t size);
 
-/** How many switches the integration has passed since sfdae_start, or since a checkpoint was restored. What both sides
- * of which lead toward its zero switches a few times; then x moves along the surface, which sfdae_report says.
- * SFDAE_NOT_STARTED if there is no integration. */
+/** How many switches the integration has passed since sfdae_start, or since a checkpoint was restored. A
+ * condition both sides of which lead toward its zero switches a few times; then x moves along the surface, which
+ * sfdae_report says. SFDAE_NOT_STARTED if there is no integration. */
 SFDAE_API int sfdae_get_num_switches(const sfdae_solver* solver, long* count);
 
 /** Switch number `index`, 0 ... count - 1, in the order of time, and its condition as text of C in the names t, x, xdot
  * and p (parameters), "sin(t) - x[0] > 0", of at most length characters, final zero included (condition NULL with
- * length 0 is allowed). *needed (may be NULL): length of the whole text + 1. SFDAE_ILLEGAL_ARGUMENT if there is no such
- * switch. */
+ * length 0 is allowed). *needed (may be NULL): length of the whole text + 1. The text takes time in proportion
+ * to the formulas: ask for it once for each result->condition. SFDAE_ILLEGAL_ARGUMENT if there is no such switch. */
 SFDAE_API int sfdae_get_switch(const sfdae_solver* solver, long index, sfdae_switch* result, char* condition,
                                size_t length, size_t* needed);
 

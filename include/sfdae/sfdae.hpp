@@ -39,6 +39,7 @@
 #include <sfdae/solution.hpp>
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -155,15 +156,20 @@ class Solver {
     long count = 0;
     checked(sfdae_get_num_switches(get(), &count));
     std::vector<Switch> all;
+    std::map<int, std::string> conditions;
     for (long k = 0; k < count; ++k) {
       sfdae_switch found;
       sfdae_switch_init(&found, sizeof found);
-      std::size_t needed = 0;
-      checked(sfdae_get_switch(get(), k, &found, nullptr, 0, &needed));
-      std::string condition(needed, ' ');
-      checked(sfdae_get_switch(get(), k, &found, condition.data(), needed, nullptr));
-      condition.pop_back();
-      all.push_back({found.t, found.before, found.after, found.jumps != 0, std::move(condition)});
+      checked(sfdae_get_switch(get(), k, &found, nullptr, 0, nullptr));
+      const auto [condition, is_new] = conditions.try_emplace(found.condition);
+      if (is_new) {
+        std::size_t needed = 0;
+        checked(sfdae_get_switch(get(), k, &found, nullptr, 0, &needed));
+        condition->second.resize(needed);
+        checked(sfdae_get_switch(get(), k, &found, condition->second.data(), needed, nullptr));
+        condition->second.pop_back();
+      }
+      all.push_back({found.t, found.before, found.after, found.jumps != 0, condition->second});
     }
     return all;
   }

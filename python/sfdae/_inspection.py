@@ -150,12 +150,16 @@ class Inspection:
         count = ffi.new("long*")
         self._call(lib.sfdae_get_num_switches, count)
         struct, needed = prepared("switch"), ffi.new("size_t*")
+        conditions: dict[int, str] = {}
         result = []
         for i in range(count[0]):
-            self._call(lib.sfdae_get_switch, i, struct, ffi.NULL, 0, needed)
-            text = ffi.new("char[]", needed[0])
-            self._call(lib.sfdae_get_switch, i, struct, text, needed[0], needed)
-            condition = ffi.string(text).decode()
+            self._call(lib.sfdae_get_switch, i, struct, ffi.NULL, 0, ffi.NULL)
+            condition = conditions.get(struct.condition)
+            if condition is None:
+                self._call(lib.sfdae_get_switch, i, struct, ffi.NULL, 0, needed)
+                text = ffi.new("char[]", needed[0])
+                self._call(lib.sfdae_get_switch, i, struct, text, needed[0], needed)
+                condition = conditions[struct.condition] = ffi.string(text).decode()
             branches = (struct.before, struct.after)
             result.append(ConditionSwitch(struct.t, condition, *branches, bool(struct.jumps)))
         return result

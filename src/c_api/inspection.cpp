@@ -243,8 +243,9 @@ int sfdae_get_switch(const sfdae_solver* solver, long number, sfdae_switch* resu
     if (number < 0 || number >= static_cast<long>(all.size()))
       refuse_argument(format("index = %ld; there are %zu switches.", number, all.size()));
     const PassedSwitch& passed = all[static_cast<std::size_t>(number)];
-    const std::string text = text_of(passed);
-    const sfdae_switch found{sizeof(sfdae_switch), passed.t, passed.before, passed.after, passed.jumps ? 1 : 0};
+    const std::string text = length > 0 || needed != nullptr ? text_of(passed) : std::string();
+    const sfdae_switch found{sizeof(sfdae_switch), passed.t,        passed.before, passed.after,
+                             passed.jumps ? 1 : 0, passed.condition};
     fill_struct(result, found);
     if (length > 0) std::snprintf(condition, length, "%s", text.c_str());
     if (needed != nullptr) *needed = text.size() + 1;

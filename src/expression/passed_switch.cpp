@@ -29,10 +29,14 @@ std::string with_names(std::string formula) {
 }
 
 bool contains_functions(const Record& record, int node) {
-  if (record.node(node).operation == Operation::function) return true;
-  const Operands operands = record.operands(node);
-  for (int k = 0; k < operands.size(); ++k)
-    if (contains_functions(record, operands[k])) return true;
+  std::vector<char> is_part(index(node + 1), 0);
+  is_part[index(node)] = 1;
+  for (int i = node; i >= 0; --i) {
+    if (is_part[index(i)] == 0) continue;
+    if (record.node(i).operation == Operation::function) return true;
+    const Operands operands = record.operands(i);
+    for (int k = 0; k < operands.size(); ++k) is_part[index(operands[k])] = 1;
+  }
   return false;
 }
 

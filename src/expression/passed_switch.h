@@ -20,6 +20,7 @@ struct PassedSwitch {
   bool is_condition;
   double before, after;  // branches: 0 or 1 (met), integers, numbers of knots of a table up to there
   bool jumps = false;    // x does there, by impulses
+  int condition = 0;     // a number of this condition
 };
 // Returns the condition as text of C: "t - 1.0 > 0". Tables and user-supplied functions have no text.
 std::string text_of(const PassedSwitch& passed);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@ class SwitchLog {
   void note(std::vector<PassedSwitch> passed, bool jumps) {
     for (PassedSwitch& each : passed) {
       each.jumps = jumps;
+      each.condition = number_of(each);
       all_.push_back(std::move(each));
     }
     if (jumps) ++jumps_;
@@ -27,7 +29,14 @@ class SwitchLog {
   double time_along_surfaces() const { return sliding_; }
 
  private:
+  // Conditions are numbered in the order in which they switch first.
+  int number_of(const PassedSwitch& passed) {
+    const std::pair condition(passed.record.get(), passed.node);
+    return numbers_.try_emplace(condition, static_cast<int>(numbers_.size())).first->second;
+  }
+
   std::vector<PassedSwitch> all_;
+  std::map<std::pair<const Record*, int>, int> numbers_;
   long jumps_ = 0;
   double sliding_ = 0.0;
 };

@@ -46,6 +46,7 @@ static void expect_switch(const sfdae_solver* solver, long number, double t, int
   CHECK_STATUS(sfdae_get_switch(solver, number, &found, text, sizeof text, &needed), SFDAE_OK);
   NEAR(found.t, t, 1e-6);
   CHECK(found.before == before && found.after == after && found.jumps == jumps);
+  CHECK(found.condition == number);
   CHECK(strcmp(text, condition) == 0);
   CHECK(needed == strlen(condition) + 1);
 }

@@ -60,6 +60,7 @@ program switches_test
   call solver%get_switch(1_c_long, passed, status, condition)
   call check_status(status, sfdae_ok, "the first switch")
   call check(abs(passed%t - 0.5_dp) < 1.0e-4_dp .and. passed%jumps == 0, "its time")
+  call check(passed%condition == 1, "its number")
   call check(condition == "0.5 - x[0] > 0", "its condition")
   call solver%get_switch(2_c_long, passed, status)
   call check_status(status, sfdae_ok, "the second switch")
