@@ -204,8 +204,10 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0 && !ends_as_located()) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
+  // Within layers polynomials are less accurate than the ends of steps, and points between these may not be found.
+  const bool is_in_layer = layers() != nullptr && layers()->are_entered();
   const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout, size),
-                          options_.never_pass_output || adjoint() != nullptr};
+                          options_.never_pass_output || adjoint() != nullptr || is_in_layer};
   StepTarget target = choose_target(state, size, bounds);
   if (const double seen = noticing_step(target.t); seen < std::fabs(target.t - state.t))
     target = choose_target(state, std::max(seen, smallest), bounds);

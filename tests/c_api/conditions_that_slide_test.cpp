@@ -394,6 +394,43 @@ std::string motion_error(const Problem& problem, int size, const Chain& chain, c
   return "";
 }
 
+// A pendulum with friction in its joint comes to rest; outputs at 25 times, many of them while it sticks.
+std::vector<Vector> pendulum_outputs(double x0, const sfdae::Options& options) {
+  sfdae::NonlinearProblem problem(5, 5);
+  problem.equations = [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    const Expression friction = sign(x[0] * x[3] - x[1] * x[2]);
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] - 2.0 * x[0] * x[4] - friction * x[1];
+    F[3] = xdot[3] - 2.0 * x[1] * x[4] + 9.81 + friction * x[0];
+    F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
+  };
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, {x0, -std::sqrt(1.0 - x0 * x0), 0.0, 0.0, 0.0}, {}};
+  solver.start(point, 5.0);
+  std::vector<Vector> outputs;
+  for (int k = 1; k <= 25; ++k) {
+    if (solver.advance(0.2 * k, point) != SFDAE_OK) ADD_FAILURE() << solver.message();
+    outputs.push_back(point.x);
+  }
+  return outputs;
+}
+
+TEST(ConditionsThatSlide, HaveOutputsWithinSteps) {
+  RandomNumbers random(7790);
+  for (int trial = 0; trial < sfdae_test::scaled_count(12, 3); ++trial) {
+    const double x0 = trial > 0 ? random.uniform(-0.5, 0.5) : 0.05;
+    const std::vector<Vector> exact = pendulum_outputs(x0, with(SFDAE_METHOD_BDF, 1e-7));
+    for (const double tolerance : {1e-3, 1e-4, 1e-5}) {
+      SCOPED_TRACE("x0 " + std::to_string(x0) + ", tolerance " + std::to_string(tolerance));
+      const std::vector<Vector> outputs = pendulum_outputs(x0, with(SFDAE_METHOD_RADAU, tolerance));
+      for (std::size_t k = 0; k < exact.size(); ++k)
+        for (std::size_t i = 0; i < 4; ++i)
+          EXPECT_NEAR(outputs[k][i], exact[k][i], 100.0 * tolerance) << k << " " << i;
+    }
+  }
+}
+
 // None is wrong, and at most 1 % end by name.
 TEST(ConditionsThatSlide, OfRandomChainsOfBlocks) {
   const int count = sfdae_test::scaled_count(200, 12);
