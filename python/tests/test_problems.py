@@ -516,3 +516,23 @@ def test_names_of_equations_are_as_many_as_equations():
         sfdae.solve(problem, (0, 1), [0, 0])
     with pytest.raises(TypeError, match="not the string 'ab'"):
         sfdae.NonlinearProblem(two, 2, equation_names="ab")
+
+
+@pytest.mark.parametrize("capacity", [1e-6, 1e-12, 1e-17])
+def test_units_do_not_ask_for_derivatives(capacity):
+    """q' = (1 - v) / R and q = C v: no derivative of E, A or f is needed, however small C is."""
+    resistance = 1e3
+
+    def of_order_zero(values):
+        return lambda t, order: np.array(values) if order == 0 else None
+
+    problem = sfdae.LinearProblem(
+        of_order_zero([[1.0, 0.0], [0.0, 0.0]]),
+        of_order_zero([[0.0, -1 / resistance], [-1.0, capacity]]),
+        of_order_zero([1 / resistance, 0.0]),
+        num_unknowns=2,
+        num_equations=2,
+    )
+    end = 2 * resistance * capacity
+    sol = sfdae.solve(problem, (0, end), [0, 0], rtol=1e-6, atol=[1e-6 * capacity, 1e-6])
+    assert sol.x[1, -1] == pytest.approx(1 - np.exp(-2), abs=1e-5)
