@@ -159,7 +159,8 @@ double ColoredDifferences::disagreement(const GroupedPattern& grouped, const std
         roundings_of_F * unit_roundoff * terms[index(grouped.pattern.row[e])] / std::fabs(b.increments[c]);
     const double size = std::max(std::fabs(a.values[k]), std::fabs(b.values[k]));
     const double beyond = std::fabs(a.values[k] - b.values[k]) - rounding;
-    if (beyond > 0.0) result = std::max(result, beyond / size);
+    // Differences that overflow do not agree.
+    if (!(beyond <= 0.0)) result = std::max(result, std::isfinite(beyond) ? beyond / size : HUGE_VAL);
   });
   return result;
 }
@@ -193,7 +194,7 @@ CallbackError ColoredDifferences::increase(const GroupedPattern& grouped, const 
   return {};
 }
 
-// Where F is linear in x', differences over increments as large as x' itself have no errors but those of rounding.
+// Differences over increments as large as x' itself have rounding errors only, if F is linear in x'.
 CallbackError ColoredDifferences::lengthen(const GroupedPattern& grouped, const std::vector<double>& terms,
                                            Group& group, bool& is_linear) {
   double by = 1.0 / std::cbrt(unit_roundoff);
