@@ -59,10 +59,9 @@ SFDAE_API int sfdae_get_events(const sfdae_solver* solver, int* which);
  * Floors, remainders and tables of x are not listed. */
 typedef struct sfdae_switch {
   size_t size;
-  double t; /**< the zero of the condition: located, or where a line within the step leads through it */
-  double before,
-      after;     /**< branches: 1 if a condition is met, else 0; the integer of a floor or remainder; the number
-                           of knots of a table up to there */
+  double t;      /**< the zero of the condition: located, or where a line within the step leads through it */
+  double before; /**< branch: 1: condition met, 0: not met; integer of a floor or remainder; number of knots passed */
+  double after;  /**< the branch after the switch */
   int jumps;     /**< 1: E x jumps there, by impulses (modes.h) */
   int condition; /**< a number of the condition, 0, 1, ... in the order in which they switch first */
 } sfdae_switch;

@@ -154,14 +154,6 @@ std::vector<int> nodes_of(const std::vector<SwitchingNode>& switches) {
   return nodes;
 }
 
-// The number of the branch that a value leads to.
-double branch_at(const SwitchingNode& at, double value) {
-  if (at.operation == Operation::choose) return is_met(value) ? 1.0 : 0.0;
-  if (at.operation != Operation::function) return std::floor(value);
-  const std::vector<double>& knots = at.table->breakpoints();
-  return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), value) - knots.begin());
-}
-
 }  // namespace
 
 bool contains_switches(const Record& record) {

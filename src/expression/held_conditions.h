@@ -60,6 +60,7 @@ class HeldConditions {
     const std::vector<double>& g;
   };
   std::vector<PassedSwitch> passed(const Values& before, const Values& after) const;
+
   using Point = ConditionFunctions::Point;
   // What residuals do where condition k is zero, the others as these values of g have it, on the line from one point to
   // another, where it has another sign: they jump, they are continuous, or they do not depend on it.

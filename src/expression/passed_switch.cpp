@@ -40,19 +40,14 @@ bool contains_functions(const Record& record, int node) {
   return false;
 }
 
-// NaN: none.
-double branch_at(Operation operation, const PointFunction* table, double first, double second) {
-  switch (operation) {
-    case Operation::choose: return is_met(first) ? 1.0 : 0.0;
-    case Operation::modulo: return std::floor(first / second);
-    case Operation::floor: return std::floor(first);
-    default: break;
-  }
-  const std::vector<double>& knots = table->breakpoints();
-  return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), first) - knots.begin());
-}
-
 }  // namespace
+
+double branch_at(const SwitchingNode& at, double value) {
+  if (at.operation == Operation::choose) return is_met(value) ? 1.0 : 0.0;
+  if (at.operation != Operation::function) return std::floor(value);
+  const std::vector<double>& knots = at.table->breakpoints();
+  return static_cast<double>(std::upper_bound(knots.begin(), knots.end(), value) - knots.begin());
+}
 
 std::string text_of(const PassedSwitch& passed) {
   if (contains_functions(*passed.record, passed.node)) return "a table or function";
@@ -70,7 +65,7 @@ TimedSwitches::TimedSwitches(const std::vector<const TaylorEvaluator*>& evaluato
   for (const TaylorEvaluator* const evaluator : evaluators) {
     const Record& record = evaluator->record();
     const std::vector<bool> is_live = live_nodes(record);
-    std::vector<Switch> switches;
+    std::vector<SwitchingNode> switches;
     std::vector<int> arguments;
     for (int i = 0; i < record.num_nodes(); ++i) {
       const Node node = record.node(i);
@@ -84,7 +79,8 @@ TimedSwitches::TimedSwitches(const std::vector<const TaylorEvaluator*>& evaluato
       const Dependence dependence = record.dependence(first) | record.dependence(second);
       if ((dependence & on_time) == 0 || (dependence & on_state) != 0) continue;
       const PointFunction* const table = is_call ? record.call(i).function.get() : nullptr;
-      switches.push_back({node.operation == Operation::choose ? first : i, node.operation, table});
+      const int at = node.operation == Operation::choose ? first : i;
+      switches.push_back({node.operation, at, table});
       arguments.insert(arguments.end(), {first, second});
     }
     if (switches.empty()) continue;
@@ -101,12 +97,15 @@ std::vector<PassedSwitch> TimedSwitches::passed(double from, double to) {
     part.arguments.evaluate(from, nothing.data(), nothing.data(), before.data());
     part.arguments.evaluate(to, nothing.data(), nothing.data(), after.data());
     for (std::size_t k = 0; k < part.switches.size(); ++k) {
-      const auto [node, operation, table] = part.switches[k];
-      const double branch_before = branch_at(operation, table, before[2 * k], before[2 * k + 1]);
-      const double branch_after = branch_at(operation, table, after[2 * k], after[2 * k + 1]);
+      const SwitchingNode& at = part.switches[k];
+      const auto branch = [&](const std::vector<double>& values) {
+        const double first = values[2 * k];
+        return branch_at(at, at.operation == Operation::modulo ? first / values[2 * k + 1] : first);
+      };
+      const double branch_before = branch(before), branch_after = branch(after);
       if (std::isnan(branch_before) || std::isnan(branch_after) || branch_before == branch_after) continue;
-      const bool is_condition = operation == Operation::choose;
-      found.push_back({0.5 * (from + to), part.record, node, is_condition, branch_before, branch_after});
+      const bool is_condition = at.operation == Operation::choose;
+      found.push_back({0.5 * (from + to), part.record, at.node, is_condition, branch_before, branch_after});
     }
   }
   return found;

@@ -25,6 +25,9 @@ struct PassedSwitch {
 // Returns the condition as text of C: "t - 1.0 > 0". Tables and user-supplied functions have no text.
 std::string text_of(const PassedSwitch& passed);
 
+// Returns the number of the branch that a value leads to; NaN: none.
+double branch_at(const SwitchingNode& at, double value);
+
 // Conditions, floors, remainders and tables of t alone, in recorded equations.
 class TimedSwitches {
  public:
@@ -35,15 +38,10 @@ class TimedSwitches {
   std::vector<PassedSwitch> passed(double from, double to);
 
  private:
-  struct Switch {
-    int node;
-    Operation operation;
-    const PointFunction* table;
-  };
   struct Part {
     std::shared_ptr<const Record> record;
-    std::vector<Switch> switches;
-    ConditionFunctions arguments;  // two for each switch: those of a remainder; else one twice
+    std::vector<SwitchingNode> switches;  // choose: conditions; else the nodes themselves
+    ConditionFunctions arguments;         // two for each switch: those of a remainder; else one twice
   };
   std::vector<Part> parts_;
 };

@@ -107,10 +107,12 @@ class Recording {
   }
   // The parameter of a condition shifts its zero, within other conditions, too.
   int beyond_margin(int parameter_of_condition) {
-    for (std::size_t k = 0; k < conditions_.size(); ++k)
-      if (conditions_[k].parameter == parameter_of_condition)
-        return subtract(recorder_.constant(0.0), parameter(places_.margins + static_cast<int>(k)));
-    return recorder_.constant(0.0);
+    // In the order of their parameters.
+    const auto found = std::lower_bound(conditions_.begin(), conditions_.end(), parameter_of_condition,
+                                        [](const Condition& each, int number) { return each.parameter < number; });
+    if (found == conditions_.end() || found->parameter != parameter_of_condition) return recorder_.constant(0.0);
+    const int number = static_cast<int>(found - conditions_.begin());
+    return subtract(recorder_.constant(0.0), parameter(places_.margins + number));
   }
   // The polynomial in Newton's form.
   int curve(int unknown) {

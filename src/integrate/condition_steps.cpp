@@ -19,7 +19,8 @@ constexpr double clear_move = 0.5;
 // A zero is located when x and the condition move by less than this part of the tolerances while the condition passes
 // it. (Chosen: positions that go on continuously do so to this accuracy.)
 constexpr double located = 1e-4;
-// Where the tolerances leave nothing open about a condition: a distance that rounding errors of t end, not this.
+// The distance of a condition about which the tolerances leave nothing open. Its zero is located when rounding errors
+// of t say so.
 constexpr double farthest = 1e30;
 // Both points are so far apart that rounding errors of x do not undo the switch. (As about switching times of t.)
 constexpr double roundings_of_gap = 32.0;
@@ -363,21 +364,25 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   return false;
 }
 
-std::vector<PassedSwitch> ConditionSteps::commit(const Integrator& integrator) {
-  if (conditions_ == nullptr) return {};
+// Conditions at a zero that is due are among those changed() returns.
+std::vector<PassedSwitch> ConditionSteps::passed() const {
+  if (conditions_ == nullptr || !has_tried_ || is_last_) return {};
+  return conditions_->passed({known_, branches_}, {tried_.t, tried_.g});
+}
+
+void ConditionSteps::commit(const Integrator& integrator) {
+  if (conditions_ == nullptr) return;
   const bool is_visited =
       std::any_of(passed_.visits.begin(), passed_.visits.end(), [](int visits) { return visits > 0; });
-  if (is_visited || passed_.are_kinks) passed_.has_moved = !stays_at_passed(integrator);
+  if (!passed_.has_moved && (is_visited || passed_.are_kinks)) passed_.has_moved = !is_idle(integrator, passed_.x);
   next_.end.reset();
   has_after_ = false;
   is_due_ = is_last_;
   if (is_held_ && !is_due_) release();
-  const double known = std::exchange(known_, std::numeric_limits<double>::quiet_NaN());
-  if (!has_tried_ || is_due_) return {};
-  std::vector<PassedSwitch> passed = conditions_->passed({known, branches_}, {tried_.t, tried_.g});
+  known_ = std::numeric_limits<double>::quiet_NaN();
+  if (!has_tried_ || is_due_) return;
   branches_ = tried_.g;
   known_ = tried_.t;
-  return passed;
 }
 
 void ConditionSteps::find_tolerances(const Integrator& integrator, const double* x) {

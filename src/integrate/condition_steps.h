@@ -53,8 +53,10 @@ class ConditionSteps {
   // Branches should have been held there, and these equations cannot hold them.
   bool lacks_branches() const { return obstacle_.lacks_branches && !obstacle_.is_accepted; }
   void go_on_without_branches() { obstacle_.is_accepted = true; }
-  // The step judged last has become the last one. Returns the conditions that have switched in it.
-  std::vector<PassedSwitch> commit(const Integrator& integrator);
+  // Returns the conditions that have switched in the step judged last, if it is accepted.
+  std::vector<PassedSwitch> passed() const;
+  // The step judged last has become the last one.
+  void commit(const Integrator& integrator);
   // Throws Failure where x moves along a surface, and another condition stays so near to its zero that it cannot be
   // known on which side it is.
   void demand_distinct(const Integrator& integrator);

@@ -331,6 +331,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
   const bool is_across_kink = jumps.has_value();
   bool is_searched = true, is_jump = false;
+  std::vector<PassedSwitch> passed;
   try {
     is_jump = jumps && (jumps->has_jump(integrator_) || moves_with_parameters(h));
     if (!is_across_kink && is_tried_again(h)) return std::nullopt;
@@ -339,6 +340,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
       if (has_found_change(search, h)) return std::nullopt;
       is_searched = search.is_complete;
     }
+    if (!is_across_kink) passed = conditions_.passed();
     if (is_searched && !is_jump)
       integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
@@ -363,12 +365,18 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   counts.rounding = std::max(counts.rounding, integrator_.weights.floor_ratio());
   counts.smallest_kept =
       std::min({counts.smallest_kept, quality.smallest_pivot, quality.kept_constraints, quality.kept_differential});
+  return take_step(h, std::move(passed), is_across_kink);
+}
+
+// The step tried becomes the last one. passed: conditions on x that have switched in it. Nothing is allocated before
+// all that belongs to the step is in place.
+std::optional<CallResult> Integration::take_step(double h, std::vector<PassedSwitch> passed, bool is_across_kink) {
+  IntegrationCounts& counts = counts_.own;
   const StepState before = integrator_.stepper->state();
   integrator_.stepper->commit();
-  system.accept();
-  switches_.note(conditions_.commit(integrator_), false);
+  integrator_.system.accept();
+  conditions_.commit(integrator_);
   if (layers() != nullptr && layers()->are_entered()) switches_.note_motion_along_surfaces(std::fabs(h));
-  if (is_across_kink) switches_.note(options_.breakpoints->passed(before.t, before.t + h), false);
   hidden_.end.reset();
   inputs_.commit(before.t, h, integrator_.weights.part() * before.tried_error);
   if (companion_) companion_->commit(integrator_);
@@ -376,6 +384,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   choice_.note_step();
   if (approach_ && approach_->is_reached) approach_.reset();
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
+  if (is_across_kink) passed = options_.breakpoints->passed(before.t, before.t + h);
+  switches_.note(std::move(passed), false);
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
   if (is_across_kink) record_gap(before.t, integrator_.stepper->state().t, integrator_.stepper->x());
   else record_step(before.t);

@@ -177,6 +177,7 @@ class Integration {
   void try_with_branches(StepOutcome outcome, double h);
   void resize_workspace();
   std::optional<CallResult> accept_step(double h, double wanted, double tout, std::optional<JumpTest>& jumps);
+  std::optional<CallResult> take_step(double h, std::vector<PassedSwitch> passed, bool is_across_kink);
   bool is_tried_again(double h);
   bool may_hide_jump(double h);
   bool has_found_change(const StepSearch& search, double h);
