@@ -134,6 +134,8 @@ module sfdae
   public :: sfdae_output_consistent, sfdae_output_interpolated
   !> Whether the derivative array follows the structure (dae_options%structure).
   public :: sfdae_structure_off, sfdae_structure_automatic, sfdae_structure_required
+  !> Whether zeros of conditions end steps (dae_options%conditions).
+  public :: sfdae_conditions_smooth, sfdae_conditions_events
   !> What bindings write as matrices of which patterns are given.
   public :: sfdae_matrices_dense, sfdae_matrices_compressed, sfdae_matrices_differences
   !> What numbers say of the structure (sfdae_structure%verdict).

@@ -49,13 +49,24 @@ module sfdae_c
     c_sin, c_singular_point_init, c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, &
     c_start_hybrid, c_statistics_init, c_status_name, c_step, c_structure_init, c_subtract, &
     c_switch_init, c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, c_version, &
-    address_of_ensemble_monitor_function, address_of_equations_function, &
-    address_of_event_function, address_of_external_function, address_of_jump_function, &
-    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
-    address_of_multibody_equations_function, address_of_position_function, &
-    address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
+    address_of_conditions_function, address_of_ensemble_monitor_function, &
+    address_of_equations_function, address_of_event_function, address_of_external_function, &
+    address_of_jump_function, address_of_linear_equations_function, address_of_matrix_function, &
+    address_of_monitor_function, address_of_multibody_equations_function, &
+    address_of_position_function, address_of_total_derivative_function, &
+    address_of_vector_function, address_of_velocity_function
 
   abstract interface
+
+    function sfdae_conditions_function(t, x, xdot, g, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      type(c_ptr), value :: x
+      type(c_ptr), value :: xdot
+      type(c_ptr), value :: g
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_conditions_function
+    end function sfdae_conditions_function
 
     function sfdae_ensemble_monitor_function(progress, user) bind(c)
       import :: c_int, c_ptr, sfdae_ensemble_progress
@@ -1587,6 +1598,14 @@ module sfdae_c
   end interface
 
 contains
+
+  !> Of a sfdae_conditions_function; the compiler compares its arguments.
+  function address_of_conditions_function(callback) result(address)
+    procedure(sfdae_conditions_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_conditions_function
 
   !> Of a sfdae_ensemble_monitor_function; the compiler compares its arguments.
   function address_of_ensemble_monitor_function(callback) result(address)

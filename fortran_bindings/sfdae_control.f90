@@ -6,7 +6,7 @@ module sfdae_control
     c_ptr, c_sizeof
   use sfdae_c, only: address_of_event_function, address_of_monitor_function, c_options_init
   use sfdae_conversions, only: flag, vector_at
-  use sfdae_types, only: sfdae_initial_nearest, sfdae_leading_automatic, sfdae_method_bdf, &
+  use sfdae_types, only: sfdae_conditions_events, sfdae_initial_nearest, sfdae_leading_automatic, sfdae_method_bdf, &
     sfdae_ok, sfdae_options, sfdae_output_consistent, sfdae_progress, sfdae_reduction_staged, &
     sfdae_structure_automatic
   implicit none
@@ -111,6 +111,10 @@ module sfdae_control
     !> left out, and large ones are sparse; sfdae_structure_required, the same or a failure; or
     !> sfdae_structure_off.
     integer(c_int) :: structure = sfdae_structure_automatic
+    !> sfdae_conditions_events: steps end at zeros of conditions (choose, abs, min, ...) on t alone,
+    !> and at those of others where E x has to jump. sfdae_conditions_smooth: the error test alone
+    !> chooses the steps; results are wrong without a warning where equations are not smooth enough.
+    integer(c_int) :: conditions = sfdae_conditions_events
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
@@ -250,6 +254,7 @@ contains
     c_options%output = options%output
     c_options%check_derivatives = flag(options%check_derivatives)
     c_options%structure = options%structure
+    c_options%conditions = options%conditions
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = address_of_monitor_function(call_monitor)

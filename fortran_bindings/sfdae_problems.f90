@@ -3,12 +3,12 @@
 ! Linear and nonlinear problems: types to extend, the callbacks by which C reaches their bindings,
 ! and the C structs that describe them.
 module sfdae_problems
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
-    c_loc, c_ptr, c_size_t, c_sizeof
-  use sfdae_c, only: address_of_equations_function, address_of_linear_equations_function, &
-    address_of_matrix_function, address_of_total_derivative_function, &
-    address_of_vector_function, c_check_linear, c_check_nonlinear, c_create_linear, &
-    c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funptr, &
+    c_int, c_loc, c_ptr, c_size_t, c_sizeof
+  use sfdae_c, only: address_of_conditions_function, address_of_equations_function, &
+    address_of_linear_equations_function, address_of_matrix_function, &
+    address_of_total_derivative_function, address_of_vector_function, c_check_linear, &
+    c_check_nonlinear, c_create_linear, c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
   use sfdae_conversions, only: flag, matrix_at, names_in_c, vector_at
   use sfdae_types, only: expression, sfdae_internal, sfdae_linear_problem, &
     sfdae_matrices_dense, sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
@@ -65,7 +65,14 @@ module sfdae_problems
     !> sfdae_matrices_compressed: e and a of the bindings have one column, the entries in the
     !> order of the pattern.
     integer(c_int) :: matrices = sfdae_matrices_dense
+    !> Conditions on which E, A and f depend: written by eval_conditions, read from branches.
+    integer(c_int) :: num_conditions = 0
+    !> num_conditions entries: 1 where a condition holds, else 0. The library allocates it when a
+    !> solver is created, and writes it before each call.
+    integer(c_int), allocatable :: branches(:)
   contains
+    !> Writes g_k(t, x, x') of each condition, which holds where g_k > 0; called if num_conditions > 0.
+    procedure :: eval_conditions => missing_linear_conditions
     !> Writes E or its derivatives.
     procedure(e_function), deferred :: eval_e
     !> Writes A or its derivatives.
@@ -96,7 +103,14 @@ module sfdae_problems
     !> sfdae_matrices_compressed: f_x and f_xdot of the binding have one column, the entries in the
     !> order of the pattern. sfdae_matrices_differences: they are absent, always.
     integer(c_int) :: matrices = sfdae_matrices_dense
+    !> Conditions on which F depends: written by eval_conditions, read from branches.
+    integer(c_int) :: num_conditions = 0
+    !> num_conditions entries: 1 where a condition holds, else 0. The library allocates it when a
+    !> solver is created, and writes it before each call.
+    integer(c_int), allocatable :: branches(:)
   contains
+    !> Writes g_k(t, x, x') of each condition, which holds where g_k > 0; called if num_conditions > 0.
+    procedure :: eval_conditions => missing_conditions
     !> Writes F and its Jacobians, or total derivatives of them; called at every point.
     procedure(total_derivative_procedure), deferred :: total_derivative
   end type derivative_dae
@@ -304,6 +318,42 @@ contains
     status = -1
   end subroutine missing_prescribed
 
+  !> There are conditions, but nobody says when they hold.
+  subroutine missing_linear_conditions(self, t, x, xdot, g, status)
+    class(linear_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n unknowns.
+    real(c_double), intent(in) :: x(:)
+    !> Their derivatives.
+    real(c_double), intent(in) :: xdot(:)
+    !> One entry for each condition, zero on entry.
+    real(c_double), intent(inout) :: g(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => x, u4 => xdot, u5 => g) ! unused
+    end associate
+    status = -1
+  end subroutine missing_linear_conditions
+
+  !> There are conditions, but nobody says when they hold.
+  subroutine missing_conditions(self, t, x, xdot, g, status)
+    class(derivative_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n unknowns.
+    real(c_double), intent(in) :: x(:)
+    !> Their derivatives.
+    real(c_double), intent(in) :: xdot(:)
+    !> One entry for each condition, zero on entry.
+    real(c_double), intent(inout) :: g(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => x, u4 => xdot, u5 => g) ! unused
+    end associate
+    status = -1
+  end subroutine missing_conditions
+
   ! ---- Callbacks: from C to the bindings ----------------------------------------------------
 
   !> sfdae_matrix_function of E.
@@ -358,6 +408,24 @@ contains
     if (order == 0) call to%problem%eval_prescribed(t, &
       vector_at(vector, size(to%prescribed, kind=c_int)), status)
   end function call_eval_prescribed
+
+  !> sfdae_conditions_function.
+  recursive function call_conditions(t, x, xdot, g, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: x, xdot, g, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+
+    call c_f_pointer(user, to)
+    status = sfdae_ok
+    if (associated(to%linear)) then
+      call to%linear%eval_conditions(t, vector_at(x, to%num_unknowns), &
+        vector_at(xdot, to%num_unknowns), vector_at(g, to%linear%num_conditions), status)
+    else
+      call to%derivative%eval_conditions(t, vector_at(x, to%num_unknowns), &
+        vector_at(xdot, to%num_unknowns), vector_at(g, to%derivative%num_conditions), status)
+    end if
+  end function call_conditions
 
   !> sfdae_equations_function.
   recursive function call_equations(record, t, x, xdot, residual, user) bind(c, name="") &
@@ -453,6 +521,8 @@ contains
         c%e = address_of_matrix_function(call_eval_e)
         c%a = address_of_matrix_function(call_eval_a)
         if (problem%has_f) c%f = address_of_vector_function(call_eval_f)
+        call fill_conditions(problem%num_conditions, problem%branches, c%num_conditions, &
+          c%conditions, c%branches)
         c%constant_e = flag(problem%constant_e)
         c%constant_a = flag(problem%constant_a)
         c%matrices = problem%matrices
@@ -495,6 +565,8 @@ contains
       class is (derivative_dae)
         self%callbacks%derivative => problem
         c%total_derivative = address_of_total_derivative_function(call_total_derivative)
+        call fill_conditions(problem%num_conditions, problem%branches, c%num_conditions, &
+          c%conditions, c%branches)
         c%matrices = problem%matrices
         self%callbacks%matrices = problem%matrices
         call copy_pattern(problem%pattern_f_x, self%callbacks%patterns(1), c%f_x_entries, &
@@ -510,6 +582,22 @@ contains
       c%prescribed_values = address_of_vector_function(call_eval_prescribed)
     end associate
   end subroutine fill_nonlinear
+
+  !> Where branches of so many conditions are written to.
+  subroutine fill_conditions(wanted, branches, count, function_address, branch_address)
+    integer(c_int), intent(in) :: wanted
+    integer(c_int), allocatable, target, intent(inout) :: branches(:)
+    integer(c_int), intent(inout) :: count
+    type(c_funptr), intent(inout) :: function_address
+    type(c_ptr), intent(inout) :: branch_address
+
+    count = wanted
+    if (wanted < 1) return
+    if (allocated(branches)) deallocate (branches)
+    allocate (branches(wanted), source=0_c_int)
+    function_address = address_of_conditions_function(call_conditions)
+    branch_address = c_loc(branches)
+  end subroutine fill_conditions
 
   !> Of a pattern counted from 1 what C needs, which counts from 0.
   subroutine copy_pattern(pattern, copy, entries, col_start, row_index)

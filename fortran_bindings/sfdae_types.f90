@@ -14,6 +14,8 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_callback_failed = -11
   integer(c_int), parameter, public :: sfdae_callback_stopped = -10
   integer(c_int), parameter, public :: sfdae_characteristics_changed = -22
+  integer(c_int), parameter, public :: sfdae_conditions_events = 1
+  integer(c_int), parameter, public :: sfdae_conditions_smooth = 0
   integer(c_int), parameter, public :: sfdae_coordinates_orthogonal = 0
   integer(c_int), parameter, public :: sfdae_coordinates_permutation = 1
   integer(c_int), parameter, public :: sfdae_decision_a2 = 1
@@ -243,6 +245,9 @@ module sfdae_types
     type(c_ptr) :: a_col_start = c_null_ptr
     type(c_ptr) :: a_row_index = c_null_ptr
     integer(c_int) :: matrices = 0
+    integer(c_int) :: num_conditions = 0
+    type(c_funptr) :: conditions = c_null_funptr
+    type(c_ptr) :: branches = c_null_ptr
   end type sfdae_linear_problem
 
   type, bind(c), public :: sfdae_linearization
@@ -338,6 +343,9 @@ module sfdae_types
     type(c_ptr) :: f_xdot_col_start = c_null_ptr
     type(c_ptr) :: f_xdot_row_index = c_null_ptr
     integer(c_int) :: matrices = 0
+    integer(c_int) :: num_conditions = 0
+    type(c_funptr) :: conditions = c_null_funptr
+    type(c_ptr) :: branches = c_null_ptr
   end type sfdae_nonlinear_problem
 
   type, bind(c), public :: sfdae_options
@@ -373,6 +381,7 @@ module sfdae_types
     integer(c_int) :: output = 0
     integer(c_int) :: check_derivatives = 0
     integer(c_int) :: structure = 0
+    integer(c_int) :: conditions = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_passage

@@ -135,6 +135,16 @@ int call_prescribed(double t, int order, double* values, void* user) noexcept {
   });
 }
 
+template <class AnyProblem>
+int call_conditions(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  const int n = state.num_unknowns;
+  return state.guarded([&] {
+    const Conditions& conditions = std::get<AnyProblem>(state.problem).conditions;
+    return conditions.functions.call(t, {x, n, "x"}, {xdot, n, "xdot"}, {g, conditions.count, "g"});
+  });
+}
+
 inline void copy_back(const std::vector<Expression>& from, sfdae_expression* to) noexcept {
   for (const Expression& expression : from) *to++ = expression.c();
 }
@@ -253,6 +263,16 @@ void fill_prescribed(const AnyProblem& problem, AnyCProblem& c) {
   c.prescribed_values = problem.prescribed_values ? call_prescribed<AnyProblem> : nullptr;
 }
 
+template <class AnyProblem, class AnyCProblem>
+void fill_conditions(const AnyProblem& problem, AnyCProblem& c) {
+  const Conditions& conditions = problem.conditions;
+  c.num_conditions = conditions.count;
+  c.conditions = conditions.functions ? call_conditions<AnyProblem> : nullptr;
+  if (conditions.branches == nullptr || conditions.count <= 0) return;
+  conditions.branches->resize(size(conditions.count));
+  c.branches = conditions.branches->data();
+}
+
 /// As C wants names, which it copies; the array of them is kept in the state. Throws Error unless there are n, or none.
 inline const char* const* names_in_c(const std::vector<std::string>& given, int n, const char* name, const char* what,
                                      CallbackState& state) {
@@ -286,6 +306,7 @@ inline sfdae_linear_problem in_c(const LinearProblem& problem, CallbackState* us
   fill_pattern(problem.E_pattern, c.num_unknowns, "E_pattern.col_start", c.E_entries, c.E_col_start, c.E_row_index);
   fill_pattern(problem.A_pattern, c.num_unknowns, "A_pattern.col_start", c.A_entries, c.A_col_start, c.A_row_index);
   c.matrices = problem.matrices;
+  fill_conditions(problem, c);
   c.user = user;
   return c;
 }
@@ -306,6 +327,7 @@ inline sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, CallbackSta
   fill_pattern(problem.F_xdot_pattern, c.num_unknowns, "F_xdot_pattern.col_start", c.F_xdot_entries,
                c.F_xdot_col_start, c.F_xdot_row_index);
   c.matrices = problem.matrices;
+  fill_conditions(problem, c);
   c.user = user;
   return c;
 }

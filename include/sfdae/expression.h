@@ -210,6 +210,11 @@ typedef struct sfdae_nonlinear_problem {
    * evaluations of F for each unknown (more where F is not smooth), or for each group of columns of the patterns that
    * have no row in common. */
   int matrices;
+
+  /** With total_derivative only: conditions on which F depends (sfdae.h, sfdae_conditions_function). */
+  int num_conditions;                   /**< 0 (default) ... 1000 */
+  sfdae_conditions_function conditions; /**< must be set if num_conditions > 0 */
+  int* branches;                        /**< the same; written before each call of total_derivative */
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size);

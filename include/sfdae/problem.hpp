@@ -189,6 +189,13 @@ using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDeriv
 ///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
 using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
 
+/// Conditions of callbacks that contain an `if`, see sfdae_conditions_function.
+struct Conditions {
+  int count = 0;
+  EventFunction functions;               ///< writes g_k(t, x, x') of all conditions; condition k holds where g_k > 0
+  std::vector<int>* branches = nullptr;  ///< yours, resized when a solver is created; 1 where the condition holds
+};
+
 /// Sparsity of a matrix by compressed columns, see SFDAE_MATRICES_DENSE: n + 1 and as many numbers as there are
 /// entries; all empty: not given.
 struct SparsityPattern {
@@ -212,6 +219,7 @@ struct LinearProblem {
   SparsityPattern E_pattern, A_pattern;     ///< both or none
   /// SFDAE_MATRICES_COMPRESSED: E and A are views of one column, the entries in the order of the pattern.
   int matrices = SFDAE_MATRICES_DENSE;
+  Conditions conditions;  ///< on which E, A and f depend
 };
 
 /// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the three functions has to be given.
@@ -231,6 +239,7 @@ struct NonlinearProblem {
   /// SFDAE_MATRICES_COMPRESSED: F_x and F_xdot are views of one column, the entries in the order of the pattern;
   /// SFDAE_MATRICES_DIFFERENCES: they are not asked for.
   int matrices = SFDAE_MATRICES_DENSE;
+  Conditions conditions;  ///< on which total_derivative depends
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:

@@ -132,6 +132,21 @@ typedef int (*sfdae_matrix_function)(double t, int order, double* matrix, void* 
  * type write prescribed values, too: order is 0. */
 typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* user);
 
+/* Functions that contain an `if` declare its conditions, which are events then, as those of recorded equations are. A
+ * problem has num_conditions of them: condition k holds where g_k(t, x, x') > 0. The callbacks of the problem do not
+ * compare anything themselves: they read `branches`, an array of the user's with num_conditions numbers, to which the
+ * library writes 1 (the condition holds) or 0 before each call. The array lives as long as the solver; solvers that run
+ * at the same time need arrays of their own. Within a step branches may be held beyond the zero of g, so the formulas
+ * of a branch have to be defined a little beyond it.
+ *  - Where E x has to jump at a zero, or a step fails because of it, the step ends there and x moves by impulses of the
+ *    new equations (modes.h). sfdae_get_switch lists the zeros.
+ *  - Conditions that switch twice within one step are not seen between its ends (max_step). Where both branches lead
+ *    back to the zero the call ends with SFDAE_ZENO. Recorded equations have neither limitation. */
+
+/** Writes the switching functions g(t, x, x') of all conditions, num_conditions entries, zeros before the call. x and
+ * xdot have n entries each. Zeros of g should not depend on whether the condition holds. Returns as other callbacks. */
+typedef int (*sfdae_conditions_function)(double t, const double* x, const double* xdot, double* g, void* user);
+
 /* Callbacks write matrices with all entries, or the entries of sparsity patterns. A pattern has compressed
  * columns: rows of the entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] -
  * 1], in any order and none twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are
@@ -174,6 +189,12 @@ typedef struct sfdae_linear_problem {
   const int* A_col_start;
   const int* A_row_index;
   int matrices; /**< SFDAE_MATRICES_DENSE (default) or _COMPRESSED */
+
+  /** Conditions on which E, A and f depend (see above). With conditions the problem is solved as a nonlinear one, with
+   * dense matrices that are not constant and without prescribed components. */
+  int num_conditions;                   /**< 0 (default) ... 1000 */
+  sfdae_conditions_function conditions; /**< must be set if num_conditions > 0 */
+  int* branches;                        /**< the same; written before each call */
 } sfdae_linear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_linear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size);
@@ -210,6 +231,10 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 #define SFDAE_STRUCTURE_OFF 0       /**< it has all its rows */
 #define SFDAE_STRUCTURE_AUTOMATIC 1 /**< rows that are not needed are left out, large ones are sparse */
 #define SFDAE_STRUCTURE_REQUIRED 2  /**< the minimal extension with sparse matrices, or a failure */
+
+/* Conditions on which equations depend. */
+#define SFDAE_CONDITIONS_SMOOTH 0 /**< their zeros are not looked for: the error test alone chooses the steps */
+#define SFDAE_CONDITIONS_EVENTS 1 /**< steps end at zeros where something jumps, or that depend on t alone */
 
 /** What is reported to the monitor. */
 typedef struct sfdae_progress {
@@ -327,6 +352,14 @@ typedef struct sfdae_options {
    * most a tenth of them on average, no constraint is redundant and the numbers agree; coordinates is without effect
    * then. A singular configuration ends the integration as ever; the values after it are not determined. */
   int structure;
+
+  /** Conditions of recorded equations (choose, comparisons, abs, min, max, sign, floor, remainders, tables), and those
+   * that callbacks declare. SFDAE_CONDITIONS_EVENTS (default): steps end at the zeros of conditions on t alone, and at
+   * those of others where E x has to jump; x moves by impulses there, or along the surface of the zeros (modes.h).
+   * SFDAE_CONDITIONS_SMOOTH: the equations count as smooth, and the error test alone chooses the steps, for those who
+   * know that their conditions are kinks which no equation differentiates. Results are wrong without a warning where
+   * they are not. Breakpoints that are set are kept. */
+  int conditions;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);

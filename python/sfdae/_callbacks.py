@@ -260,6 +260,20 @@ def _total_derivative(
     return 0
 
 
+def _define_conditions(kind: str) -> None:
+    @callback(f"python_{kind}_problem_conditions")
+    def _conditions(state: CallbackState, t: float, x: Any, xdot: Any, g: Any) -> None:
+        problem = state.problem
+        shape = (problem.num_unknowns,)
+        point = _numbers(x, shape), _numbers(xdot, shape)
+        values = [condition(t, *point, state.values) for condition in problem.conditions]
+        _write(g, np.array(values, dtype=float).ravel(), (len(values),), "conditions")
+
+
+for _kind in ("linear", "nonlinear"):
+    _define_conditions(_kind)
+
+
 # ---- Mechanical systems --------------------------------------------------------------------------
 
 

@@ -8,12 +8,13 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from ._binding import lib
+from ._conditions import Conditions, HasConditions
 from ._formula import Formula, parameter_values
 from ._matrices import Matrices, coefficient
 from ._problem import Prescribed, Problem
 
 
-class LinearProblem(Matrices, Problem):
+class LinearProblem(HasConditions, Matrices, Problem):
     """E(t) x' = A(t) x + f(t), m equations for n unknowns.
 
     Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is
@@ -36,6 +37,8 @@ class LinearProblem(Matrices, Problem):
         For functions of (t, order): sparsity, as F_x_pattern of NonlinearProblem.
     matrices : {"dense", "compressed"}, optional
         "compressed": E and A, arrays or functions, are the entries in the order of their patterns.
+    conditions : callable or sequence of callable, optional
+        For functions of (t, order): as for NonlinearProblem, read from the attribute ``branches``.
     """
 
     def __init__(
@@ -54,6 +57,7 @@ class LinearProblem(Matrices, Problem):
         E_pattern: Any = None,
         A_pattern: Any = None,
         matrices: str = "dense",
+        conditions: Conditions | None = None,
     ) -> None:
         dimension = 1 if matrices == "compressed" else 2
         self.coefficients = {
@@ -86,6 +90,9 @@ class LinearProblem(Matrices, Problem):
         if self.patterns and self.kind != "linear":
             raise TypeError("patterns are for functions of (t, order): those of formulas are known")
         self.parameters = parameter_values([functions[name] for name in formulas], parameters)
+        self._set_conditions(conditions)
+        if self.conditions and self.kind != "linear":
+            raise TypeError("conditions are for functions of (t, order): those of formulas are known")
         self._set_prescribed(prescribed)
 
     def _shape(
@@ -117,6 +124,7 @@ class LinearProblem(Matrices, Problem):
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
         self._fill_prescribed(c, keep)
+        self._fill_conditions(c, keep)
         self._fill_equation_names(c, keep)
         if self.kind == "nonlinear":
             c.linear_equations = lib.python_nonlinear_problem_linear_equations

@@ -11,7 +11,8 @@ from ._binding import lib
 from ._expression import Expression
 from ._formula import Formula, flatten, parameter_values, probe
 from ._options import constant
-from ._problem import Problem, as_names, c_names
+from ._names import as_names, c_names
+from ._problem import Problem
 from ._unknowns import Watch, require_same_names
 
 # Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written

@@ -21,7 +21,10 @@ OPTION_NAMES = tuple(name for name in _FIELDS if name not in _NOT_GIVEN)
 
 
 # The headers have other constants that begin as those of these options.
-_CHOICES = {"structure": ("off", "automatic", "required")}
+_CHOICES = {
+    "structure": ("off", "automatic", "required"),
+    "conditions": ("smooth", "events"),
+}
 
 
 @functools.lru_cache(maxsize=None)

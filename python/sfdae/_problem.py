@@ -10,10 +10,12 @@ import numpy as np
 
 from ._arguments import Arguments
 from ._binding import ffi, lib
+from ._conditions import BRANCHES, Conditions, HasConditions
 from ._equations import Equations
 from ._expression import Expression
 from ._formula import flatten, parameter_values
 from ._matrices import MATRICES, Matrices
+from ._names import as_names, c_names
 from ._status import CannotEvaluate
 from ._types import Values
 from ._unknowns import Watch, by_name, require_confirmed, require_same_names
@@ -183,7 +185,7 @@ class Problem:
         return f"{type(self).__name__}({self.num_unknowns} unknowns: {', '.join(self.names[:8])})"
 
 
-class NonlinearProblem(Matrices, Problem):
+class NonlinearProblem(HasConditions, Matrices, Problem):
     """F(t, x, x') = 0, m equations for n unknowns.
 
     Parameters
@@ -217,7 +219,7 @@ class NonlinearProblem(Matrices, Problem):
     record : bool
         False: the equations are called with numbers at every point, and Jacobians are central
         differences, so that branches, interpolators and other programs work. Each Jacobian costs
-        4 n calls, fewer with patterns, and no equation can be differentiated: for differentiation
+        6 n calls, fewer with patterns, and no equation can be differentiated: for differentiation
         index 0 and 1 only.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
@@ -231,6 +233,11 @@ class NonlinearProblem(Matrices, Problem):
     matrices : {"dense", "compressed", "differences"}, optional
         What total_derivative returns as F_x and F_xdot. "compressed": the entries in the order of
         the pattern; "differences": nothing, jacobians is false then, and they are differences of F.
+    conditions : callable or sequence of callable, optional
+        For total_derivative or record=False: functions ``g(t, x)`` or ``g(t, x, xdot)``, events
+        then as conditions in recorded equations are. The equations compare nothing themselves but
+        read ``branches``, an argument of this name with record=False (an array of bool) or the
+        attribute: ``branches[k]`` is true where g_k > 0, or is held a little beyond the zero.
     """
 
     kind = "nonlinear"
@@ -253,6 +260,7 @@ class NonlinearProblem(Matrices, Problem):
         F_x_pattern: Any = None,
         F_xdot_pattern: Any = None,
         matrices: str = "dense",
+        conditions: Conditions | None = None,
     ) -> None:
         if num_unknowns is None and names is None:
             raise TypeError("the number of unknowns is needed: num_unknowns or names")
@@ -274,8 +282,10 @@ class NonlinearProblem(Matrices, Problem):
         if equations is not None and self.equations is None:
             self.equations = Equations(equations, mass)
         self.total_derivative = total_derivative
-        formulas = self.equations.formulas if self.equations else []
-        self.parameters = parameter_values(formulas, parameters)
+        self._set_conditions(conditions)
+        if self.conditions and self.equations is not None and self.records:
+            raise TypeError("conditions are for functions that are called with numbers: record=False")
+        self._set_parameters(parameters)
         self._must_confirm_names = False  # they were read from the equations
         self._has_checked_names = False
         self._set_prescribed(prescribed)
@@ -283,6 +293,15 @@ class NonlinearProblem(Matrices, Problem):
             None if differentiations is None else [int(count) for count in differentiations]
         )
         self._set_patterns({"F_x": F_x_pattern, "F_xdot": F_xdot_pattern}, matrices)
+
+    def _set_parameters(self, given: Mapping[str, Any] | None) -> None:
+        formulas = self.equations.formulas if self.equations else []
+        self._takes_branches = bool(self.conditions) and any(
+            BRANCHES in formula.defaults for formula in formulas
+        )
+        own = {BRANCHES: 0.0} if self._takes_branches else {}
+        self.parameters = parameter_values(formulas, {**(given or {}), **own})
+        self.parameters.pop(BRANCHES if own else "", None)
 
     def residual(self, t: float, x: Values, xdot: Values, **parameters: Any) -> np.ndarray:
         """F(t, x, x') for numbers: the function that writes the equations, evaluated.
@@ -299,7 +318,10 @@ class NonlinearProblem(Matrices, Problem):
             raise TypeError(
                 "there are no equations to evaluate: the problem is given by total_derivative"
             )
-        values = parameter_values(self.equations.formulas, {**self.parameters, **parameters})
+        values = {**self.parameters, **parameters}
+        if self._takes_branches:
+            values.setdefault(BRANCHES, self.branches)
+        values = parameter_values(self.equations.formulas, values)
         return self._evaluated(float(t), self.values(x, "x"), self.values(xdot, "xdot"), values)
 
     def _evaluated(self, t: float, x: Any, xdot: Any, values: Mapping[str, Any]) -> np.ndarray:
@@ -338,6 +360,8 @@ class NonlinearProblem(Matrices, Problem):
         """The total derivative of equations that are not recorded: of order 0 alone."""
         if order > 0:
             return None
+        if self._takes_branches:
+            values = {**values, BRANCHES: self.branches.astype(bool)}
         try:
             result = self._evaluated(t, jet[:, 0].copy(), jet[:, 1].copy(), values)
         except (ArithmeticError, ValueError) as exception:
@@ -363,6 +387,7 @@ class NonlinearProblem(Matrices, Problem):
         else:
             c.total_derivative = lib.python_nonlinear_problem_total_derivative
         self._fill_prescribed(c, keep)
+        self._fill_conditions(c, keep)
         self._fill_equation_names(c, keep)
         if self.differentiations is not None:
             if len(self.differentiations) != self.num_equations:
@@ -373,18 +398,3 @@ class NonlinearProblem(Matrices, Problem):
         self._fill_patterns(c, keep)
         if not self.records:
             c.matrices = MATRICES.index("differences")
-
-
-def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:
-    if isinstance(given, str):
-        raise TypeError(f"{what} has to be a sequence of names, not the string {given!r}")
-    return tuple(str(name) for name in given)
-
-
-def c_names(names: Sequence[str], count: int, what: str, keep: list[Any]) -> Any:
-    """Names for C, of `count` things; what they are made of is added to `keep`."""
-    if len(names) != count:
-        raise ValueError(f"there are {len(names)} names for {count} {what}")
-    texts = [ffi.new("char[]", name.encode()) for name in names]
-    keep += [texts, ffi.new("char*[]", texts)]
-    return keep[-1]

@@ -390,3 +390,65 @@ def test_the_most_unknowns_are_those_of_the_library():
     assert b"1 ... 50000" in ffi.string(text)
     with pytest.raises(TypeError, match="num_unknowns has to be an integer, not 2.5"):
         sfdae.NonlinearProblem(oscillator, 2.5)
+
+
+def test_conditions_are_declared():
+    def heated(t, x, xdot, branches, power=2.0):
+        temperature, clock = x
+        return [xdot[0] + temperature - (power if branches[0] else 0.0), xdot[1] - 1]
+
+    def recorded(t, x, xdot, power=2.0):
+        temperature, clock = x
+        heat = np.where(np.sin(3 * clock) > 0, power, 0)
+        return [xdot[0] + temperature - heat, xdot[1] - 1]
+
+    problem = sfdae.NonlinearProblem(
+        heated,
+        names=["temperature", "clock"],
+        record=False,
+        conditions=lambda t, x: np.sin(3 * x[1]),
+    )
+    assert problem.parameters == {"power": 2.0}
+    options = {"rtol": 1e-7, "atol": 1e-7, "parameters": {"power": 3.0}}
+    found = sfdae.solve(problem, (0, 5), [0, 0], **options)
+    expected = sfdae.solve(recorded, (0, 5), [0, 0], **options)
+    assert found.x[:, -1] == pytest.approx(expected.x[:, -1], abs=1e-5)
+    assert [each.t for each in found.switches] == pytest.approx(
+        [each.t for each in expected.switches], abs=1e-5
+    )
+    assert found.switches[0].condition == "condition 0 of the callbacks"
+    with pytest.raises(TypeError, match="record=False"):
+        sfdae.NonlinearProblem(recorded, 2, conditions=lambda t, x: x[0])
+
+
+def test_conditions_of_matrices():
+    E = np.array([[-1.0, 1, 0], [1, -2, 0], [0, 0, 0]])  # vs, vm, i of a divider
+    A = np.array([[0.0, 0, -1], [0, 1, 0], [-1, 0, 0]])
+    divider = sfdae.LinearProblem(
+        E,
+        A,
+        lambda t, order: (order == 0) * np.array([0, 0, divider.branches[0]]),
+        conditions=[lambda t, x: t - 1],
+    )
+    solution = sfdae.solve(divider, (0, 2), [0, 0, 0])
+    assert solution.x[1, -1] == pytest.approx(0.5 * np.exp(-0.5), abs=1e-5)
+    assert solution.switches[0].jumps
+
+
+def test_conditions_may_count_as_smooth():
+    def divider(t, x, xdot):
+        vs, vm, i = x
+        return [
+            i - (xdot[0] - xdot[1]),
+            xdot[0] - xdot[1] - xdot[1] - vm,
+            vs - np.where(t > 1, 1, 0),
+        ]
+
+    exact = 0.5 * np.exp(-0.5)
+    right = sfdae.solve(divider, (0, 2), [0, 0, 0]).x[1, -1]
+    with pytest.warns(sfdae.IntegrationWarning, match="a jump or a kink"):
+        smooth = sfdae.solve(divider, (0, 2), [0, 0, 0], conditions="smooth").x[1, -1]
+    assert right == pytest.approx(exact, abs=1e-5)
+    assert abs(smooth - exact) > 0.05
+    with pytest.raises(ValueError, match="smooth, events"):
+        sfdae.solve(divider, (0, 2), [0, 0, 0], conditions="none")

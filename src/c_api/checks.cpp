@@ -101,7 +101,26 @@ void check_form(int matrices, int highest, bool has_patterns) {
 
 }  // namespace
 
+namespace {
+
+constexpr int most_conditions = 1000;
+
+template <class CallbackProblem>
+void check_conditions(const CallbackProblem& problem) {
+  if (problem.num_conditions < 0 || problem.num_conditions > most_conditions)
+    refuse_argument(format("num_conditions = %d; it must be 0 ... %d.", problem.num_conditions, most_conditions));
+  if (problem.num_conditions > 0 && (problem.conditions == nullptr || problem.branches == nullptr))
+    refuse_argument("num_conditions > 0, but conditions or branches is NULL.");
+}
+
+}  // namespace
+
 void check_problem(const sfdae_linear_problem& problem) {
+  check_conditions(problem);
+  if (problem.num_conditions > 0 && problem.num_prescribed > 0)
+    refuse_argument("linear equations with conditions cannot have prescribed components.");
+  if (problem.num_conditions > 0 && problem.matrices != SFDAE_MATRICES_DENSE)
+    refuse_argument("linear equations with conditions have matrices of the form SFDAE_MATRICES_DENSE.");
   const bool may_be_sparse = problem.matrices == SFDAE_MATRICES_COMPRESSED && problem.num_prescribed == 0 &&
                              problem.num_equations == problem.num_unknowns;
   check_dimensions(problem.num_equations, problem.num_unknowns, may_be_sparse ? largest_sparse : largest_dimension);
@@ -147,6 +166,9 @@ void check_problem(const sfdae_nonlinear_problem& problem) {
                "be one.",
                functions));
   check_jacobians(problem);
+  check_conditions(problem);
+  if (problem.num_conditions > 0 && problem.total_derivative == nullptr)
+    refuse_argument("conditions are for total_derivative: those of formulas are known.");
   for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
     if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
       refuse_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i, problem.differentiations[i],
@@ -229,6 +251,8 @@ void check_options(const sfdae_options& options, int n) {
     refuse_argument(format("output is %d; it must be one of SFDAE_OUTPUT_...", options.output));
   if (options.structure < SFDAE_STRUCTURE_OFF || options.structure > SFDAE_STRUCTURE_REQUIRED)
     refuse_argument(format("structure is %d; it must be one of SFDAE_STRUCTURE_...", options.structure));
+  if (options.conditions != SFDAE_CONDITIONS_SMOOTH && options.conditions != SFDAE_CONDITIONS_EVENTS)
+    refuse_argument(format("conditions is %d; it must be one of SFDAE_CONDITIONS_...", options.conditions));
 }
 
 }  // namespace sfdae::core

@@ -14,6 +14,7 @@ SolverOptions solver_options(const sfdae_options& o, int n) {
   IntegrationOptions& integration = options.integration;
   options.xdot_is_guess = o.xdot_is_guess != 0;
   options.checks_derivatives = o.check_derivatives != 0;
+  options.has_smooth_conditions = o.conditions == SFDAE_CONDITIONS_SMOOTH;
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);

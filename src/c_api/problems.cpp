@@ -10,6 +10,7 @@
 #include "c_api/codes.h"
 #include "c_api/expressions.h"
 #include "c_api/record_multibody.h"
+#include "problem/linear_residuals.h"
 
 namespace sfdae::core {
 
@@ -69,7 +70,29 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
       .compressed = problem.matrices == SFDAE_MATRICES_COMPRESSED};
 }
 
+namespace {
+
+template <class CallbackProblemStruct>
+void add_conditions(const CallbackProblemStruct& problem, CallbackProblem& callback) {
+  if (problem.num_conditions > 0)
+    callback.set_conditions({problem.num_conditions, problem.conditions, problem.branches, problem.user});
+}
+
+// With branches that depend on x they are not linear.
+std::unique_ptr<FormulatedModel> make_model_with_conditions(const sfdae_linear_problem& problem) {
+  auto residuals = std::make_shared<LinearResiduals>(problem);
+  auto callback = std::make_unique<CallbackProblem>(problem.num_equations, problem.num_unknowns,
+                                                    LinearResiduals::evaluate, residuals.get(), PrescribedInputs());
+  callback->own_user(std::move(residuals));
+  add_conditions(problem, *callback);
+  callback->set_equation_names(names_of(problem.equation_names, problem.num_equations));
+  return formulated(std::make_unique<NonlinearModel>(std::move(callback)));
+}
+
+}  // namespace
+
 std::unique_ptr<FormulatedModel> make_model(const sfdae_linear_problem& problem) {
+  if (problem.num_conditions > 0) return make_model_with_conditions(problem);
   return formulated(std::make_unique<LinearModel>(functions_of(problem)));
 }
 
@@ -90,6 +113,7 @@ std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& probl
                     {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}, n);
     if (patterns) callback->set_patterns(patterns, form_of(problem.matrices));
     else if (problem.matrices == SFDAE_MATRICES_DIFFERENCES) callback->take_differences();
+    add_conditions(problem, *callback);
     return model_of(std::move(callback));
   }
   std::shared_ptr<const Record> record =

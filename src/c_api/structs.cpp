@@ -44,6 +44,7 @@ sfdae_options default_options() {
   options.output = SFDAE_OUTPUT_CONSISTENT;
   options.check_derivatives = 1;
   options.structure = SFDAE_STRUCTURE_AUTOMATIC;
+  options.conditions = SFDAE_CONDITIONS_EVENTS;
   return options;
 }
 

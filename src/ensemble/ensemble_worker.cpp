@@ -42,7 +42,7 @@ EnsembleWorker::EnsembleWorker(Solver& prototype, const EnsembleTask& task)
       slopes_(task.results.xdot != nullptr ? outputs_.size() : 0) {
   solver_.problem().stop_with(prototype.problem());
   solver_.breakpoints->take_times(*prototype.breakpoints);
-  solver_.use_breakpoints(solver_.options.integration);
+  solver_.use_breakpoints(solver_.options);
   solver_.max_passed = prototype.max_passed;
   solver_.use_continuation(solver_.options.integration);
 }

@@ -36,7 +36,8 @@ ConditionFunctions::ConditionFunctions(const TaylorEvaluator& evaluator, const s
       n_(index(evaluator.record().n())),
       width_(n_ + index(evaluator.record().num_user_parameters())) {
   if (nodes.empty()) return;
-  functions_.emplace(functions_of(evaluator.record(), nodes));
+  if (evaluator.has_source()) functions_.emplace(evaluator);
+  else functions_.emplace(functions_of(evaluator.record(), nodes));
   jet_.resize(3 * width_);
   for (const int node : nodes) {
     alone_.push_back({static_cast<int>(alone_.size())});
@@ -57,7 +58,8 @@ void ConditionFunctions::evaluate(double t, const double* x, const double* xdot,
   load(x, depend_on_derivatives_ ? xdot : nullptr);
   if (functions_->values(t, jet_.data(), 0, g)) return;
   for (std::size_t k = 0; k < count(); ++k)
-    if (!functions_->values_of(alone_[k], t, jet_.data(), 0, g)) g[k] = std::numeric_limits<double>::quiet_NaN();
+    if (functions_->has_source() || !functions_->values_of(alone_[k], t, jet_.data(), 0, g))
+      g[k] = std::numeric_limits<double>::quiet_NaN();
 }
 
 bool ConditionFunctions::linearize(double t, const double* x, const double* xdot, double* g, double* gradients) {

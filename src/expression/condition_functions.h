@@ -20,7 +20,7 @@ inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 class ConditionFunctions {
  public:
   // Nodes of the record of the evaluator, which lives as long as this; parameters are those that it has when this is
-  // asked. Those of conditions count as 0.
+  // asked. Those of conditions count as 0. With a source: the nodes are all of its equations, in order.
   ConditionFunctions(const TaylorEvaluator& evaluator, const std::vector<int>& nodes);
 
   struct Point {

@@ -172,18 +172,21 @@ std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> reco
 }
 
 HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed)
+    : HeldConditions(evaluator, std::move(changed), {evaluator.record().m(), nullptr}) {}
+
+HeldConditions::HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed, SuppliedResiduals supplied)
     : evaluator_(evaluator),
       changed_(std::move(changed)),
+      supplied_(std::move(supplied)),
       conditions_(evaluator.record().conditions()),
       functions_(evaluator, nodes_of(conditions_)),
       timed_functions_(evaluator, nodes_of(evaluator.record().timed_switches())),
       stepped_functions_(evaluator, nodes_of(evaluator.record().stepped_switches())),
       searched_(conditions_without_slopes(evaluator.record())),
       search_(evaluator, chosen(conditions_, searched_)),
-      start_(count()),
-      end_(count()),
+      g_searched_{std::vector<double>(count()), std::vector<double>(count())},
       jet_(2 * index(evaluator.record().n())),
-      values_(index(evaluator.record().m())),
+      values_(index(supplied_.m)),
       other_(values_.size()),
       at_end_(values_.size()),
       here_(values_.size()),
@@ -200,13 +203,13 @@ void HeldConditions::hold(const double* g) {
 }
 
 bool HeldConditions::find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end) {
-  start_.clear();
-  end_.clear();
+  g_searched_.start.clear();
+  g_searched_.end.clear();
   for (const std::size_t k : searched_) {
-    start_.push_back(g_start[k]);
-    end_.push_back(g_end[k]);
+    g_searched_.start.push_back(g_start[k]);
+    g_searched_.end.push_back(g_end[k]);
   }
-  return search_.find_simple(points, start_.data(), end_.data());
+  return search_.find_simple(points, g_searched_.start.data(), g_searched_.end.data());
 }
 
 void HeldConditions::release() {
@@ -247,6 +250,7 @@ std::vector<PassedSwitch> HeldConditions::passed(const Values& before, const Val
 }
 
 std::string HeldConditions::equation_with(std::size_t condition) const {
+  if (supplied_.evaluate) return "the callbacks (condition " + std::to_string(condition) + ")";
   // That of its parameter, as the recorder may write the sum with it otherwise.
   const Record& record = evaluator_.record();
   int leaf = 0;
@@ -286,11 +290,20 @@ double HeldConditions::value_on_line(std::size_t k, const Point& from, const Poi
 
 // With branches as these values lead to.
 bool HeldConditions::residuals(double t, const double* jet, const double* g, std::vector<double>& F) {
+  const auto branch = [&](std::size_t k) { return g == nullptr ? 0.0 : is_met(g[k]) ? held : -held; };
+  if (supplied_.evaluate) {
+    for (std::size_t k = 0; k < count(); ++k) {
+      on_line_[k] = evaluator_.parameter(conditions_[k].parameter);
+      evaluator_.set_parameter(conditions_[k].parameter, branch(k));
+    }
+    const bool is_found = supplied_.evaluate(t, jet, F.data());
+    for (std::size_t k = 0; k < count(); ++k) evaluator_.set_parameter(conditions_[k].parameter, on_line_[k]);
+    return is_found;
+  }
   if (!beside_) beside_.emplace(evaluator_);
   for (int i = 0; i < evaluator_.record().num_user_parameters(); ++i)
     beside_->set_parameter(i, evaluator_.parameter(i));
-  for (std::size_t k = 0; k < count(); ++k)
-    beside_->set_parameter(conditions_[k].parameter, g == nullptr ? 0.0 : is_met(g[k]) ? held : -held);
+  for (std::size_t k = 0; k < count(); ++k) beside_->set_parameter(conditions_[k].parameter, branch(k));
   return beside_->values(t, jet, 0, F.data());
 }
 

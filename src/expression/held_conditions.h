@@ -32,6 +32,12 @@ class HeldConditions {
   // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others;
   // none: branches cannot be held, as steps are made by other equations, and hold() does nothing.
   HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed);
+  // Conditions of functions that a user supplies. evaluator: has a source, and these conditions as its equations.
+  struct SuppliedResiduals {
+    int m;
+    std::function<bool(double t, const double* jet, double* F)> evaluate;  // with the branches that are held
+  };
+  HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed, SuppliedResiduals supplied);
 
   // The number of conditions on x or x'.
   std::size_t count() const { return functions_.count(); }
@@ -95,6 +101,7 @@ class HeldConditions {
 
   TaylorEvaluator& evaluator_;
   std::function<void()> changed_;
+  SuppliedResiduals supplied_;
   const std::vector<Condition>& conditions_;
   ConditionFunctions functions_, timed_functions_, stepped_functions_;
   std::vector<std::size_t> searched_;
@@ -102,7 +109,9 @@ class HeldConditions {
   bool are_held_ = false;
   SlidingLayers* layers_ = nullptr;
   std::optional<TaylorEvaluator> beside_;  // of the same equations, for points that are looked at
-  std::vector<double> start_, end_;        // g of those searched
+  struct {
+    std::vector<double> start, end;
+  } g_searched_;
   std::vector<double> jet_, values_, other_, at_end_, here_, on_line_;
   struct {
     std::vector<double> before, after;

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "expression/equation_names.h"
 #include "expression/record.h"
 #include "linalg/column_pattern.h"
@@ -16,5 +19,7 @@ struct JacobianPatterns {
 // Each equation is a function of t, of these x_j and of these x_j' that cannot be evaluated by itself: what evaluates
 // all is an EquationSource.
 Record opaque_record(int num_equations, const JacobianPatterns& patterns, const EquationNames& names);
+// The same with functions of these names, which are conditions, too: their parameters are the only ones.
+Record opaque_conditions(int count, const JacobianPatterns& patterns, const std::vector<std::string>& names);
 
 }  // namespace sfdae::core

@@ -50,6 +50,8 @@ double branch_at(const SwitchingNode& at, double value) {
 }
 
 std::string text_of(const PassedSwitch& passed) {
+  if (passed.is_condition && passed.record->node(passed.node).operation == Operation::function)
+    return passed.record->call(passed.node).function->name();
   if (contains_functions(*passed.record, passed.node)) return "a table or function";
   HelpersUsed helpers;
   std::string text = statements_of(*passed.record, {{"g", passed.node}}, Language::C, helpers).text;

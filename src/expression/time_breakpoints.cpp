@@ -55,7 +55,7 @@ TimeBreakpoints::TimeBreakpoints(const std::vector<const TaylorEvaluator*>& eval
 
 TimeBreakpoints::Search TimeBreakpoints::search(double t, double toward) {
   Search found{.t = t, .direction = toward < t ? -1.0 : 1.0};
-  if (!inputs_.empty()) search_inputs(found, toward);
+  if (!are_smooth_ && !inputs_.empty()) search_inputs(found, toward);
   search_times(found);
   return found;
 }

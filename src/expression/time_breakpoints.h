@@ -32,6 +32,9 @@ class TimeBreakpoints {
   // The begin of the gap of the user's next time beyond t, and beyond a gap that holds t; infinite: there is none.
   double end_of_piece(double t, double direction) const;
 
+  // Whether equations count as smooth functions of t: the user's times alone remain.
+  void take_switches_for_smooth(bool are_smooth) { are_smooth_ = are_smooth; }
+
   // Unknowns depend on derivatives up to this order; those up to the first count in any case.
   void set_differentiations(int count) { differentiations_ = count; }
 
@@ -55,7 +58,9 @@ class TimeBreakpoints {
   // That holds t; its ends belong to it.
   std::optional<Gap> gap_at(double t);
   // Conditions and the like of t alone that have switched from one time to another.
-  std::vector<PassedSwitch> passed(double from, double to) { return switches_.passed(from, to); }
+  std::vector<PassedSwitch> passed(double from, double to) {
+    return are_smooth_ ? std::vector<PassedSwitch>() : switches_.passed(from, to);
+  }
   // Two times that are in the gap of one switch that is no kink count as one.
   bool are_one(double t, double other);
 
@@ -75,6 +80,7 @@ class TimeBreakpoints {
   double size() const;  // the largest of these
   double size_of_times_ = 1.0;
   int differentiations_ = 0;
+  bool are_smooth_ = false;
 };
 
 }  // namespace sfdae::core

@@ -132,7 +132,7 @@ void Switch::take_options() {
   solver_->options = std::move(options);
   solver_->breakpoints->take_times(*below_.breakpoints);
   solver_->breakpoints->add_times(*above_.breakpoints);
-  solver_->use_breakpoints(solver_->options.integration);
+  solver_->use_breakpoints(solver_->options);
 }
 
 bool Switch::evaluate(double t, const double* x, const double* xdot, double* values) {

@@ -103,6 +103,12 @@ void ConditionSteps::take_attempt(const Integrator& integrator) {
   evaluate(integrator, tried_.t, tried_.x, tried_.g);
 }
 
+bool ConditionSteps::explain_step(const Integrator& integrator) {
+  if (conditions_ == nullptr || conditions_->count() == 0) return false;
+  if (!is_held_) take_attempt(integrator);
+  return is_held_ || has_switched(tried_.g);
+}
+
 bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivities) {
   const bool differentiates = integrator.system.differentiates();
   if (conditions_ == nullptr || conditions_->count() == 0 || !(differentiates || with_sensitivities)) return false;

@@ -37,7 +37,9 @@ class ConditionSteps {
   // Before that: returns the conditions whose branches have changed.
   std::vector<PassedSwitch> changed() const;
 
-  // A step has been tried with success: it is accepted, or the next one, from the same point, ends at end(). With
+  // A step has been tried with success: whether conditions switch in it, or branches are held.
+  bool explain_step(const Integrator& integrator);
+  // The same: it is accepted, or the next one, from the same point, ends at end(). With
   // sensitivities these jump where x' does: any condition is located where residuals jump.
   Verdict judge(const Integrator& integrator, bool with_sensitivities);
   std::optional<double> end() const { return next_.end; }

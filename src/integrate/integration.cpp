@@ -399,7 +399,7 @@ bool Integration::may_hide_jump(double h) {
   constexpr double clear = 5.0, clear_at_start = 50.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
   DaeSystem& system = integrator_.system;
   // Without differential equations each point stands for itself. Before a first step no slope is known to compare with.
-  if (!options_.hides_switches || !system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
+  if (!system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
       integrator_.stepper->state().last.order == 0)
     return false;
   const double at_start = hidden_.test.unexplained_at_start(integrator_);
@@ -452,7 +452,8 @@ bool Integration::ends_before_turn(double h) {
 // From the same point, to another time: a condition on x switches in this step of size h.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
-  if (may_hide_jump(h) || ends_before_turn(h)) return true;
+  if (options_.hides_switches && !conditions_.explain_step(integrator_) && may_hide_jump(h)) return true;
+  if (ends_before_turn(h)) return true;
   if (!conditions_.steps_with_jump(integrator_)) {
     if (adjoint() == nullptr) {
       if (conditions_.judge(integrator_, has_companion()) == ConditionSteps::Verdict::accepted) return false;

@@ -60,6 +60,10 @@ void CallbackProblem::set_patterns(std::shared_ptr<const JacobianPatterns> patte
   differences_->united = {both, group_columns(both, m())};
 }
 
+void CallbackProblem::set_conditions(const DeclaredConditions& declared) {
+  conditions_ = std::make_unique<CallbackConditions>(declared, n());
+}
+
 void CallbackProblem::take_differences() {
   form_ = JacobianForm::differences;
   differences_ = std::make_unique<Differences>();
@@ -94,10 +98,12 @@ CallbackError CallbackProblem::invoke(double t, int order, const double* derivat
   if (F_x != nullptr) std::fill_n(F_x, is_dense ? area : index(patterns_->F_x.entries()), 0.0);
   if (F_xdot != nullptr) std::fill_n(F_xdot, is_dense ? area : index(patterns_->F_xdot.entries()), 0.0);
   CallbackError error;
+  if (conditions_) error = conditions_->choose(t, derivatives);
+  error.user_t = user_t();
+  if (error.status != SFDAE_OK) return error;
   error.function = "F";
   error.order = order;
   error.t = t;
-  error.user_t = user_t();
   if (is_checking_) ++check_evaluations_;
   error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
   if (error.code != 0) {
@@ -179,6 +185,7 @@ CallbackError CallbackProblem::call_entries(double t, int order, const double* d
 CallbackError CallbackProblem::differentiate(double t, int order, const double* derivatives, const Outputs& to) {
   CallbackError error = invoke(t, order, derivatives, {to.F});
   if (error.status != SFDAE_OK) return error;
+  const CallbackConditions::Kept kept(conditions_.get());
   std::vector<double> jet(derivatives, derivatives + index(n()) * index(order + 2));
   Differences& own = *differences_;
   own.of_x.note(derivatives, n());
@@ -219,6 +226,7 @@ CallbackError CallbackProblem::probe(double t, const double* derivatives, const 
   const FunctionOfJet evaluate = [&](const double* moved, double* F_moved) { return invoke(t, 0, moved, {F_moved}); };
   PatternProbe::Missing missing;
   CallbackError error;
+  const CallbackConditions::Kept kept(conditions_.get());
   const long before = probe_->evaluations();
   const bool found = probe_->finds(evaluate, {derivatives, derivatives + 2 * n()}, {F, terms}, missing, error);
   evaluations_ += probe_->evaluations() - before;

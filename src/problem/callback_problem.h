@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "expression/opaque_record.h"
+#include "problem/callback_conditions.h"
 #include "problem/colored_differences.h"
 #include "problem/nonlinear_problem.h"
 #include "problem/pattern_probe.h"
@@ -20,6 +21,11 @@ class CallbackProblem final : public NonlinearProblem {
   CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
 
+  // What the function is called with lives as long as this.
+  void own_user(std::shared_ptr<void> owned) { owned_user_ = std::move(owned); }
+  // The user's function depends on conditions.
+  void set_conditions(const DeclaredConditions& declared);
+  CallbackConditions* conditions() { return conditions_.get(); }
   // Jacobians are differences, without any patterns.
   void take_differences();
   // Dense Jacobians are compared with the patterns wherever they are evaluated, others now and then by moving unknowns.
@@ -63,8 +69,10 @@ class CallbackProblem final : public NonlinearProblem {
 
   sfdae_total_derivative_function function_;
   void* user_;
+  std::shared_ptr<void> owned_user_;
   std::vector<double> derivatives_;
   std::vector<double> unused_;  // F of orders that are not asked for
+  std::unique_ptr<CallbackConditions> conditions_;
 
   std::shared_ptr<const JacobianPatterns> patterns_;
   JacobianForm form_ = JacobianForm::dense;

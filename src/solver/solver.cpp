@@ -139,11 +139,24 @@ Solver::Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_opt
   breakpoints.emplace(evaluators);
   inputs.emplace(evaluators);
   find_conditions();
-  use_breakpoints(options.integration);
+  use_breakpoints(options);
   use_tolerances(model, options.integration.tolerances);
 }
 
 void Solver::find_conditions() {
+  const std::function<void()> branches_changed = [this] {
+    model.parameters_changed();
+    if (integration) integration->parameters_changed();
+  };
+  CallbackProblem* const callback = model.nonlinear() != nullptr ? model.nonlinear()->callback() : nullptr;
+  if (callback != nullptr && callback->conditions() != nullptr) {
+    const auto evaluate = [callback](double t, const double* jet, double* F) {
+      return callback->call(t, 0, jet, {F}).status == SFDAE_OK;
+    };
+    conditions.emplace(callback->conditions()->evaluator(), branches_changed,
+                       HeldConditions::SuppliedResiduals{model.m(), evaluate});
+    return;
+  }
   const auto switches = [](const TaylorEvaluator* evaluator) { return contains_switches(evaluator->record()); };
   const auto formulas = model.multibody() != nullptr ? model.evaluators_of_inputs() : Evaluators();
   if (std::any_of(formulas.begin(), formulas.end(), switches)) {
@@ -155,13 +168,7 @@ void Solver::find_conditions() {
   if (equations == nullptr) return;
   const Record& record = equations->record();
   if (record.conditions().empty() && record.timed_switches().empty() && record.stepped_switches().empty()) return;
-  std::function<void()> changed;
-  if (!first_order)
-    changed = [this] {
-      model.parameters_changed();
-      if (integration) integration->parameters_changed();
-    };
-  conditions.emplace(*equations, std::move(changed));
+  conditions.emplace(*equations, first_order ? nullptr : branches_changed);
 }
 
 void Solver::end_integration() {
@@ -173,7 +180,7 @@ void Solver::forget_analysis() {
   end_integration();
   model.forget_system();
   regularized.reset();
-  use_breakpoints(options.integration);
+  use_breakpoints(options);
   initial_report.reset();
 }
 
@@ -207,7 +214,7 @@ void Solver::set_options(SolverOptions fresh) {
   fresh.model.for_sensitivities = options.model.for_sensitivities;
   fresh.model.for_adjoint = options.model.for_adjoint;
   fresh.integration.events = events.get();
-  use_breakpoints(fresh.integration);
+  use_breakpoints(fresh);
   use_continuation(fresh.integration);
   const ModelOptions &old = options.model, &now = fresh.model;
   const bool same_analysis =
@@ -243,18 +250,21 @@ void Solver::set_events(std::unique_ptr<Events> wanted) {
 
 void Solver::set_breakpoints(std::vector<double> times, std::vector<char> jump_flags) {
   breakpoints->set_times(std::move(times), std::move(jump_flags));
-  use_breakpoints(options.integration);
+  use_breakpoints(options);
   if (!integration) return;
   integration->set_breakpoints(options.integration);
   set_limits(integration->start(), direction);
 }
 
-void Solver::use_breakpoints(IntegrationOptions& integration_options) {
+void Solver::use_breakpoints(SolverOptions& solver_options) {
+  IntegrationOptions& integration_options = solver_options.integration;
+  const bool are_smooth = solver_options.has_smooth_conditions;
+  breakpoints->take_switches_for_smooth(are_smooth);
   const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
   integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
   integration_options.inputs = inputs->count() > 0 ? &*inputs : nullptr;
   integration_options.jumps = &jumps;
-  integration_options.conditions = conditions ? &*conditions : nullptr;
+  integration_options.conditions = conditions && !are_smooth ? &*conditions : nullptr;
   if (regularized) integration_options.conditions = regularized->conditions();
   integration_options.hides_switches = model.evaluator() == nullptr || model.evaluator()->has_source();
 }

@@ -32,6 +32,7 @@ struct SolverOptions {
   IntegrationOptions integration;
   bool xdot_is_guess = false;
   bool checks_derivatives = false;
+  bool has_smooth_conditions = false;  // their zeros are not looked for
 };
 
 // The adjustment of initial values.
@@ -60,8 +61,8 @@ struct Solver {
   void set_events(std::unique_ptr<Events> wanted);
   // In order; with a flag for each, whether x may jump there.
   void set_breakpoints(std::vector<double> times, std::vector<char> jump_flags);
-  // Puts breakpoints of tables and those that are set, if there can be any, into the options.
-  void use_breakpoints(IntegrationOptions& integration_options);
+  // Puts conditions, and breakpoints of tables and those that are set, if there can be any, into the options.
+  void use_breakpoints(SolverOptions& solver_options);
   // Singular points in an integration; 0: they end it.
   void pass_singular_points(long most);
   void use_continuation(IntegrationOptions& integration_options);

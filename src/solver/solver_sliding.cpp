@@ -24,7 +24,7 @@ std::unique_ptr<RegularizedEquations> Solver::regularize(Regularization parts) {
 std::unique_ptr<RegularizedEquations> Solver::use(std::unique_ptr<RegularizedEquations> equations) {
   std::swap(regularized, equations);
   model.use_instead(regularized ? &regularized->model() : nullptr);
-  use_breakpoints(options.integration);
+  use_breakpoints(options);
   return equations;
 }
 

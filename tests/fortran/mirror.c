@@ -114,10 +114,13 @@ size_t fill_linear_problem(sfdae_linear_problem* s) {
                                       17,
                                       &integers[18],
                                       &integers[19],
-                                      20};
+                                      20,
+                                      21,
+                                      (sfdae_conditions_function)(void (*)(void))vector_4,
+                                      &integers[23]};
   *s = value;
   integers[10] = 10, integers[12] = 12, integers[13] = 13;
-  integers[15] = 15, integers[16] = 16, integers[18] = 18, integers[19] = 19;
+  integers[15] = 15, integers[16] = 16, integers[18] = 18, integers[19] = 19, integers[23] = 23;
   return sizeof value;
 }
 
@@ -141,10 +144,13 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s) {
                                          16,
                                          &integers[17],
                                          &integers[18],
-                                         19};
+                                         19,
+                                         20,
+                                         (sfdae_conditions_function)(void (*)(void))matrix_1,
+                                         &integers[22]};
   *s = value;
   integers[8] = 8, integers[10] = 10, integers[11] = 11, integers[12] = 12;
-  integers[14] = 14, integers[15] = 15, integers[17] = 17, integers[18] = 18;
+  integers[14] = 14, integers[15] = 15, integers[17] = 17, integers[18] = 18, integers[22] = 22;
   return sizeof value;
 }
 
@@ -222,7 +228,7 @@ size_t fill_options(sfdae_options* s) {
   const sfdae_options value = {
       1,  2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
       12, &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
-      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31,  32};
+      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31,  32,   33};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
   return sizeof value;

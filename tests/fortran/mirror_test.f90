@@ -251,7 +251,8 @@ contains
       p%num_prescribed, integer_at(p%prescribed), number_of(p%prescribed_values) + 7, &
       integer_at(p%user), integer_at(p%equation_names), p%e_entries, integer_at(p%e_col_start), &
       integer_at(p%e_row_index), p%a_entries, integer_at(p%a_col_start), &
-      integer_at(p%a_row_index), p%matrices]), "members of sfdae_linear_problem")
+      integer_at(p%a_row_index), p%matrices, p%num_conditions, number_of(p%conditions) + 18, &
+      integer_at(p%branches)]), "members of sfdae_linear_problem")
 
     call check(fill_nonlinear_problem(q) == c_sizeof(q), "size of sfdae_nonlinear_problem")
     call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
@@ -260,7 +261,8 @@ contains
       number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations), &
       integer_at(q%equation_names), q%f_x_entries, integer_at(q%f_x_col_start), &
       integer_at(q%f_x_row_index), q%f_xdot_entries, integer_at(q%f_xdot_col_start), &
-      integer_at(q%f_xdot_row_index), q%matrices]), "members of sfdae_nonlinear_problem")
+      integer_at(q%f_xdot_row_index), q%matrices, q%num_conditions, &
+      number_of(q%conditions) + 20, integer_at(q%branches)]), "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 
   !> Structs of mechanical systems.
@@ -338,8 +340,8 @@ contains
       number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
       call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
-      o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives, o%structure]), &
-      "members of sfdae_options")
+      o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives, o%structure, &
+      o%conditions]), "members of sfdae_options")
   end subroutine check_options
 
   !> dae_options starts with the library's defaults.
@@ -377,6 +379,7 @@ contains
     call check(f%output == c%output, "output")
     call check(f%check_derivatives .eqv. c%check_derivatives /= 0, "check_derivatives")
     call check(f%structure == c%structure, "structure")
+    call check(f%conditions == c%conditions, "conditions")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...
