@@ -80,8 +80,8 @@ void TaylorEvaluator::set_parameter(int i, double value) {
   ++changes_of_parameters_;
 }
 
-bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) {
-  return gradients(t, jet, {order, -1, -1}, F, nullptr, nullptr);
+bool TaylorEvaluator::values(double t, const double* jet, int order, double* F, const std::vector<int>* limits) {
+  return gradients(t, jet, {order, -1, -1}, F, nullptr, nullptr, limits);
 }
 
 bool TaylorEvaluator::values_of(const std::vector<int>& equations, double t, const double* jet, int order,
@@ -107,8 +107,9 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
-  return write_or_diagnose({t, order, orders.of_gradients() >= 0, {}},
-                           [&] { return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits); });
+  return write_or_diagnose({t, order, orders.of_gradients() >= 0, {}}, [&] {
+    return write_values(orders.F, F, limits) && write_gradients(orders, F_xdot, F_x, limits);
+  });
 }
 
 bool TaylorEvaluator::entries(double t, const double* jet, int order, const std::vector<int>& limits,
@@ -289,12 +290,44 @@ void TaylorEvaluator::run(const Pass& pass) {
   });
 }
 
-// False: no operation is at the boundary of its domain, nothing has changed.
+BoundarySweep TaylorEvaluator::sweep_at_boundary(const Pass& pass, BoundarySweep::Unknowns unknowns) {
+  BoundarySweep sweep(tape_, movement_, slots_, stride_, unknowns);
+  sweep.execute(instructions(&Tape::of_time, &Program::of_time), pass.order, false, false);
+  run_state(pass,
+            [&](const InstructionList& list, int order) { sweep.execute(list, order, pass.with_slopes, true); });
+  return sweep;
+}
+
+std::vector<double> TaylorEvaluator::residuals_in_slots(int order) const {
+  std::vector<double> found;
+  for (const int slot : tape_.residuals) {
+    const double* const from = slots_.data() + index(slot) * index(stride_);
+    found.insert(found.end(), from, from + order + 1);
+  }
+  return found;
+}
+
+// False: no operation is at the boundary of its domain, nothing has changed. Residuals that depend on what is unknown
+// there do not exist.
 bool TaylorEvaluator::run_at_boundary(const Pass& pass) {
-  BoundarySweep sweep(tape_, movement_, slots_, stride_);
-  sweep.execute(instructions(&Tape::of_time, &Program::of_time), pass.order, false);
-  run_state(pass, [&](const InstructionList& list, int order) { sweep.execute(list, order, pass.with_slopes); });
-  return sweep.has_found_boundary();
+  using Unknowns = BoundarySweep::Unknowns;
+  const BoundarySweep first = sweep_at_boundary(pass, Unknowns::other);
+  if (!first.has_found_boundary()) return false;
+  if (!first.has_unknowns()) return true;
+  const std::vector<double> with_other = residuals_in_slots(pass.order);
+  sweep_at_boundary(pass, Unknowns::near);
+  const std::vector<double> with_near = residuals_in_slots(pass.order);
+  if (with_near == with_other) return true;
+  sweep_at_boundary(pass, Unknowns::none);
+  const std::size_t length = index(pass.order + 1);
+  for (std::size_t i = 0; i < tape_.residuals.size(); ++i) {
+    double* const to = slots_.data() + index(tape_.residuals[i]) * index(stride_);
+    for (std::size_t k = 0; k < length; ++k) {
+      const double near = with_near[i * length + k];
+      to[k] = near == with_other[i * length + k] ? near : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  return true;
 }
 
 // write() is false if anything is not finite, after fail().
@@ -327,13 +360,14 @@ void TaylorEvaluator::run_before_state(double t, int order) {
   }
 }
 
-bool TaylorEvaluator::write_values(int order, double* F) {
+bool TaylorEvaluator::write_values(int order, double* F, const std::vector<int>* limits) {
   return order < 0 || write_values_of(
-                          record_->m(), [](int i) { return i; }, order, F);
+                          record_->m(), [](int i) { return i; }, order, F, limits);
 }
 
 template <class EquationAt>
-bool TaylorEvaluator::write_values_of(int count, EquationAt equation, int order, double* F) {
+bool TaylorEvaluator::write_values_of(int count, EquationAt equation, int order, double* F,
+                                      const std::vector<int>* limits) {
   const std::size_t m = index(record_->m()), stride = index(stride_);
   const double* const slots = slots_.data();
   const int* const residuals = tape_.residuals.data();
@@ -348,9 +382,12 @@ bool TaylorEvaluator::write_values_of(int count, EquationAt equation, int order,
       }
     }
     if (finite) return true;
-    // Which of them is not finite is named.
-    for (int next = 0; next < count; ++next)
-      if (!write_value(equation(next), K, F)) return false;
+    // Which of them is not finite is named, if it is used.
+    const bool has_limits = limits != nullptr && !limits->empty();
+    for (int next = 0; next < count; ++next) {
+      const int i = equation(next), own = has_limits ? std::min<int>(K, (*limits)[index(i)]) : static_cast<int>(K);
+      if (!write_value(i, own, F)) return false;
+    }
     return true;
   });
 }

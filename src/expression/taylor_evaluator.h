@@ -47,14 +47,14 @@ class TaylorEvaluator {
 
   // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the
   // Taylor coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be
-  // used.
-  bool values(double t, const double* jet, int order, double* F);
+  // used. limits: none, or the highest order of each equation that is used.
+  bool values(double t, const double* jet, int order, double* F, const std::vector<int>* limits = nullptr);
   // The same of the equations chosen alone; others are not touched. No equations of a source.
   bool values_of(const std::vector<int>& equations, double t, const double* jet, int order, double* F);
 
   // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the
   // highest one asked for; outputs of order -1 are not touched and may be null.
-  // limits: none, or the highest order wanted of the gradient of each equation; others are zero.
+  // limits: none, or the highest order wanted of each equation; gradients of others are zero, F is not to be used.
   bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
                  const std::vector<int>* limits = nullptr);
 
@@ -125,14 +125,17 @@ class TaylorEvaluator {
   void run_state(const Pass& pass, Execute execute) const;
   void run_before_state(double t, int order);
   bool run_at_boundary(const Pass& pass);
+  BoundarySweep sweep_at_boundary(const Pass& pass, BoundarySweep::Unknowns unknowns);
+  std::vector<double> residuals_in_slots(int order) const;
   template <class Write>
   bool write_or_diagnose(const Pass& pass, Write write);
   bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
-  bool write_values(int order, double* F);
+  bool write_values(int order, double* F, const std::vector<int>* limits);
   bool write_values_within(int more, double* F);
   // Of equation(0), equation(1), ..., equation(count - 1).
   template <class EquationAt>
-  bool write_values_of(int count, EquationAt equation, int order, double* F);
+  bool write_values_of(int count, EquationAt equation, int order, double* F,
+                       const std::vector<int>* limits = nullptr);
   template <class Order>
   bool write_value(int equation, Order order, double* F);
   bool write_entries(int order, const std::vector<int>& limits, double* values);

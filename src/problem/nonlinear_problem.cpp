@@ -217,7 +217,7 @@ const LaneEvaluator* RecordedProblem::evaluate_within(int count, const LaneEvalu
 }
 
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
-  return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
+  return evaluator_.values(t, jet, order, F, &differentiations()) ? CallbackError() : failure(t);
 }
 
 bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) {

@@ -128,6 +128,74 @@ TEST(DomainBoundary, CoefficientsThatDoNotExistAreRefusedWithARemedy) {
   EXPECT_FALSE(kink.evaluate(1));
 }
 
+// The first coefficient of u |(u, v)| is 0 where both are; that of |(u, v)| depends on the side.
+TEST(DomainBoundary, CoefficientsThatNothingDependsOnAreUnknown) {
+  const auto speed = [](const Recording& r) { return sqrt(r.x[0] * r.x[0] + r.x[1] * r.x[1]); };
+  Trial drag([&](const Recording& r) { return r.x[0] + speed(r) * r.x[0]; }, {0.0, 0.0});
+  ASSERT_TRUE(drag.evaluate(1)) << drag.evaluator.failure().message;
+  EXPECT_EQ(drag.F[0], 0.0);
+  EXPECT_EQ(drag.F[1], 1.0);
+  for (const double gradient : drag.F_x) EXPECT_TRUE(std::isnan(gradient) || std::fabs(gradient) <= 1.0) << gradient;
+  EXPECT_FALSE(drag.evaluate(2));  // |s| s has a second derivative of either sign
+  // A product of roots is no root: sqrt(s) sqrt(s) = s.
+  Trial square([](const Recording& r) { return sqrt(r.x[0]) * sqrt(r.x[0]); }, {0.0});
+  EXPECT_FALSE(square.evaluate(1));
+  Trial third([](const Recording& r) { return pow(r.x[0], 1.5); }, {0.0});
+  ASSERT_TRUE(third.evaluator.values(0.0, third.jet.data(), 1, third.F.data()));
+  EXPECT_EQ(third.F[1], 0.0);
+  EXPECT_FALSE(third.evaluator.values(0.0, third.jet.data(), 2, third.F.data()));
+}
+
+TEST(DomainBoundary, SeriesExistAsFarAsFactorsVanish) {
+  for (std::uint64_t number = 0; number < 300; ++number) {
+    RandomNumbers random(3500 + number);
+    const int power = random.integer(0, 3), order = random.integer(1, 3), root = random.integer(1, 2);
+    // |s|^root s^power at s = 0: coefficients below root + power are 0. The next one may depend on the side.
+    Trial trial(
+        [&](const Recording& r) {
+          Term product = random.uniform(0.5, 2.0) * pow(r.x[0] * r.x[0], 0.5);
+          if (root == 2) product = product * sqrt(4.0 * r.x[0] * r.x[0]);
+          for (int k = 0; k < power; ++k) product = product * r.x[0];
+          return product + r.x[0];
+        },
+        {0.0});
+    const bool exists = trial.evaluator.values(0.0, trial.jet.data(), order, trial.F.data());
+    EXPECT_EQ(exists, order < root + power) << "root " << root << ", power " << power << ", order " << order;
+    EXPECT_EQ(exists ? trial.F[1] : 1.0, 1.0);
+  }
+}
+
+// Within what x is known to, an operand outside of the domain counts as at its boundary.
+TEST(DomainBoundary, TolerancesReachBeyondIt) {
+  for (const double part : {0.3, 3.0}) {
+    const double x = -part * tolerance;
+    Trial root([](const Recording& r) { return sqrt(r.x[0]); }, {x});
+    Trial angle([](const Recording& r) { return acos(1.0 - r.x[0]); }, {x});
+    EXPECT_EQ(root.evaluate(0), part < 1.0);
+    EXPECT_EQ(angle.evaluate(0), part < 1.0);
+    if (part > 1.0) continue;
+    EXPECT_EQ(root.F[0], 0.0);
+    EXPECT_EQ(angle.F[0], 0.0);
+    EXPECT_GT(root.F_x[0], 0.0);
+    EXPECT_TRUE(std::isfinite(root.F_x[0]));
+  }
+  Trial constant([](const Recording& r) { return sqrt(min(r.x[0], 0.0) * 0.0 - 1e-12) + r.x[0]; }, {1.0});
+  EXPECT_FALSE(constant.evaluate(0));
+}
+
+TEST(DomainBoundary, LogarithmsOfZeroCountOnlyTimesZero) {
+  Trial entropy([](const Recording& r) { return r.x[0] * log(r.x[0]); }, {0.0});
+  ASSERT_TRUE(entropy.evaluate(0)) << entropy.evaluator.failure().message;
+  EXPECT_EQ(entropy.F[0], 0.0);
+  for (const Formula& f : std::vector<Formula>{[](const Recording& r) { return log(r.x[0]); },
+                                               [](const Recording& r) { return 1.0 / log(r.x[0]); },
+                                               [](const Recording& r) { return exp(2.0 * log(r.x[0])); },
+                                               [](const Recording& r) { return tanh(log10(r.x[0])); }}) {
+    Trial trial(f, {0.0});
+    EXPECT_FALSE(trial.evaluate(0));
+  }
+}
+
 // Sums of products c s^a u, s and u linear functions that vanish at the point, plus a smooth function with gradient g.
 TEST(DomainBoundary, RandomProductsAddNothing) {
   constexpr int n = 4;
