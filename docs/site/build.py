@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds the site: guide, reference of all languages, decisions.
+"""Builds the site: guide, reference of all languages, design.
 
     build.py --output <dir> [--python-package <dir that contains sfdae>]
 
@@ -22,6 +22,7 @@ import python_reference
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What pages are made of, or link to.
 PARTS = ["docs", "examples", "include", "benchmarks", "scripts", "tests", "LICENSE", "CHANGELOG.md", "CONTRIBUTING.md",
+         "SECURITY.md", "CITATION.cff", "CODE_OF_CONDUCT.md",
          "python/README.md", "python/examples", "fortran_bindings/README.md"]
 
 CONTENTS = """
@@ -42,11 +43,13 @@ docs/guide/events_and_ensembles
 docs/guide/linearization
 docs/guide/sensitivities
 docs/guide/modes
+docs/guide/impulses
 docs/guide/hybrid
 docs/guide/branches
 docs/guide/python
 docs/guide/program
 docs/guide/coverage
+docs/guide/limitations
 examples/README
 ```
 
@@ -83,9 +86,46 @@ fortran_bindings/README
 
 docs/performance
 docs/architecture
+docs/guide/promise
+SECURITY
+```
+
+```{toctree}
+:hidden:
+:caption: Design
+
 docs/design/README
 docs/design/steps
-docs/decisions/README
+docs/design/derivative_array
+docs/design/rank_decisions
+docs/design/scaling_and_units
+docs/design/structural_analysis
+docs/design/minimal_extension
+docs/design/finite_differences
+docs/design/consistent_initialization
+docs/design/linearization
+docs/design/error_control
+docs/design/bdf
+docs/design/radau
+docs/design/iteration_matrices
+docs/design/singular_points
+docs/design/multibody
+docs/design/inputs_and_discontinuities
+docs/design/events_and_switching
+docs/design/hybrid_systems
+docs/design/sensitivities
+docs/design/adjoint
+docs/design/kernels
+docs/design/sparse_algebra
+docs/design/memory
+docs/design/checkpoints
+docs/design/interfaces
+```
+
+```{toctree}
+:hidden:
+:caption: Development
+
 CHANGELOG
 CONTRIBUTING
 tests/campaign/README

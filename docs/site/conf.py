@@ -44,12 +44,6 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True
 
 
-def list_decisions(app, name, source):
-    """The page of decisions lists them in a table; here they get their places in the contents."""
-    if name == "docs/decisions/README":
-        source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n[0-9]*\n```\n"
-
-
 def keep_bars(app, what, name, thing, options, lines):
     """In docstrings |x| is the size of x."""
     lines[:] = [line.replace("|", "\\|") for line in lines]
@@ -57,6 +51,5 @@ def keep_bars(app, what, name, thing, options, lines):
 
 def setup(app):
     app.add_lexer("mermaid", TextLexer)  # shown as text
-    app.connect("source-read", list_decisions)
     app.connect("autodoc-process-docstring", keep_bars)
     return {"parallel_read_safe": True}
