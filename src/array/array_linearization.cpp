@@ -20,7 +20,7 @@ namespace sfdae::core {
 namespace {
 
 // As a factor of a row, far from any that is right, so that it is chosen anew (the factors of the last point are kept
-// while they are right to a factor of 8, docs/decisions/04-row-scaling.md).
+// while they are right to a factor of 8, docs/design/scaling_and_units.md).
 constexpr double no_preference = 1e300;
 
 bool has_constraints(const PointRanks& ranks, const IndexAnalysis& known) {
@@ -161,7 +161,7 @@ std::optional<RankSequence> ArrayLinearization::ranks_in_other_units(const Jet& 
   const IndexAnalysis& known = problem_.analysis();
   const int mu = problem_.mu();
   TaylorData data;
-  // The units of time that an analysis tries (docs/decisions/02-undecided-values-are-measured.md), and further ones.
+  // The units of time that an analysis tries (docs/design/rank_decisions.md), and further ones.
   for (const Scaling& scaling : {Scaling{RowScaling::common, 1.0}, Scaling{RowScaling::each, 1.0 / 8.0},
                                  Scaling{RowScaling::each, 4.0}, Scaling{RowScaling::each, 1.0 / 64.0}}) {
     const NonlinearProblem::Scaling units{known.time_scale * scaling.factor, scaling.rows, nullptr,
@@ -193,7 +193,7 @@ PointStatus ArrayLinearization::restore(Origin origin, const RankSequence& ranks
 void ArrayLinearization::measure_noise(const Jet& jet) {
   // Of a guess numbers may overflow.
   const QuietArithmetic quiet;
-  // Errors of other signs are rarely larger than the sample by more (docs/decisions/19-rounding-errors-of-f.md).
+  // Errors of other signs are rarely larger than the sample by more (docs/design/error_control.md).
   // Chosen, not measured.
   constexpr double samples = 8.0;
   const int n = problem_.n();

@@ -75,7 +75,7 @@ class ArrayLinearization {
   // n x (mu + 1) flags: components of y that some equation determines.
   const std::vector<char>& determined() const { return determined_; }
   // What rounding errors of F do to changes of x, y_1, ..., y_{mu+1}, scaled
-  // (docs/decisions/19-rounding-errors-of-f.md).
+  // (docs/design/error_control.md).
   const std::vector<double>& noise() const { return noise_; }
   // Of x, in the user's units.
   const std::vector<double>& rounding_errors() const { return rounding_errors_; }

@@ -5,7 +5,7 @@
 // Z1. So a step needs no projectors: one evaluation of F in each iteration, and one factorization of c F_x' + F_x.
 // That is kept while c changes little [BCP96, 5.2.2]; changes of x are multiplied by 2 / (1 + c / c of the matrix)
 // then, half-way between what is right where F_x' dominates and where F_x does
-// (docs/decisions/38-kept-factorizations.md).
+// (docs/design/iteration_matrices.md).
 //
 // [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
 //         Differential-Algebraic Equations. SIAM, 1996.

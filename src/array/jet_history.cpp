@@ -45,7 +45,7 @@ void JetHistory::predict(const Guess& guess, int block, const std::vector<char>&
   }
   // y: that of the last point and what the polynomial says about its change. What no equation determines stays:
   // errors of the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest
-  // in rounding (docs/decisions/17-jets-and-newton.md). Derivatives that change by more than their size are nothing
+  // in rounding (docs/design/derivative_array.md). Derivatives that change by more than their size are nothing
   // but errors.
   for (std::size_t k = n; k < size; k += n) {
     double change = 0.0, before = 0.0;

@@ -24,7 +24,7 @@ constexpr double beside_point = 0.02;
 // Of times: a step about a singular point is not shorter than so many roundings.
 constexpr double roundings_about_point = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
-// (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do
+// (docs/design/singular_points.md); before a shorter step confirms it, interpolated values need not do
 // so.
 constexpr double confirmed_dip = 1e-3, first_dip = 5e-2;
 // Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.

@@ -3,7 +3,7 @@
 // x is known at points of the integration only, and equations are linearized at some of these. Signs and sizes there
 // raise suspicions, as for linear problems (linear_change_watch.h); the solution interpolated in between dismisses
 // them, or says where a shorter step is needed. What is found in a short step is reported
-// (docs/decisions/31-nonlinear-singular-points.md).
+// (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

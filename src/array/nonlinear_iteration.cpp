@@ -276,7 +276,7 @@ bool NonlinearIteration::is_rounding_error(const IterationTask& task, int iterat
 }
 
 // Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x
-// are those of a wrong y (docs/decisions/18-residuals-as-noise.md).
+// are those of a wrong y (docs/design/derivative_array.md).
 bool NonlinearIteration::derivatives_follow(const TaylorData& data, const Jet& jet, double residual,
                                             double largest) const {
   // A residual reduced to half of the largest one has followed, and what is small relative to what is added up in it

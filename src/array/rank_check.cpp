@@ -21,7 +21,7 @@ namespace sfdae::core {
 namespace {
 
 // Linearizations are renewed, and ranks judged, after this many points at the latest
-// (docs/decisions/17-jets-and-newton.md). Chosen, not measured.
+// (docs/design/derivative_array.md). Chosen, not measured.
 constexpr int most_unjudged = 10;
 // After a renewal the iteration converges at least so fast, as a rule. Chosen, not measured.
 constexpr double rate_after_renewal = 0.1;
@@ -142,7 +142,7 @@ PointStatus RankCheck::review_by_comparison(const Jet& jet, const double* invers
 
 // With redundant equations there is a choice of constraints and of differential equations, of which a linearization
 // far off makes a wrong one: rows that nothing violates in place of constraints, or equations that say little of how
-// x moves at the end of the step (docs/decisions/97-redundant-equations.md).
+// x moves at the end of the step (docs/design/rank_decisions.md).
 bool RankCheck::serves_at(const Jet& jet, const double* inverse_weights,
                           const ArrayLinearization& linearization) const {
   constexpr double least = 0.5;  // cosine

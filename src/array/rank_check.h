@@ -1,9 +1,9 @@
 // When the ranks of a nonlinear system are judged at points that have converged, and linearizations renewed there.
 //
 // Between these points the known ranks are taken. Ranks hold on F_mu = 0 only: pivots that vanish there are as large
-// as the residuals that an iteration has left (docs/decisions/18-residuals-as-noise.md), so that doubtful points are
+// as the residuals that an iteration has left (docs/design/rank_decisions.md), so that doubtful points are
 // iterated to rounding first. In steps and at outputs alike the known ranks hold until the whole analysis says clearly
-// that they do not (docs/decisions/30-known-ranks.md).
+// that they do not (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -2,7 +2,7 @@
 //
 // Where several points are solved to rounding with one linearization, as outputs are, a product with it takes the
 // place of the elimination that residuals go through, of the constraints, and of what recovers y
-// (docs/decisions/89-cheaper-outputs.md).
+// (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,5 +1,5 @@
 // Rounding errors of linearizations at guesses, which say nothing about solutions
-// (docs/decisions/102-rounding-errors-of-guesses.md).
+// (docs/design/error_control.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

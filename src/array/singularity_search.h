@@ -2,7 +2,7 @@
 //
 // The solution in between is interpolated. At a singular point the sign of det(Z1^T F_x' T2) changes (bases aligned
 // from point to point), or E T2 or A2 lose rank: values relative to one point, with the factors of rows from there,
-// vanish (docs/decisions/31-nonlinear-singular-points.md).
+// vanish (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

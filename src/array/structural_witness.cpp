@@ -10,7 +10,7 @@ namespace sfdae::core {
 namespace {
 
 // A determinant that keeps more than this of the smaller one at the ends has not fallen, as values kept have not
-// (docs/decisions/31-nonlinear-singular-points.md).
+// (docs/design/singular_points.md).
 constexpr double determinant_not_fallen = 0.7;
 
 }  // namespace

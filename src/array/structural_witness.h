@@ -3,7 +3,7 @@
 // Where the system Jacobian is regular at a consistent point, solutions through it are unique and smooth, with sum d
 // - sum c free values [P01]: nothing has vanished, however small a value kept of E T2 or A2 has become in the units
 //   of the
-// unknowns (docs/decisions/31-nonlinear-singular-points.md).
+// unknowns (docs/design/singular_points.md).
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause

@@ -172,7 +172,7 @@ int Recorder::divide(int a, int b) {
 
 int Recorder::power(int a, int b) {
   // Products are exact where powers by logarithms are not, and are smooth at 0
-  // (docs/decisions/16-recorded-equations.md).
+  // (docs/design/derivative_array.md).
   constexpr double highest_product = 64.0;
   if (const auto exponent = number(b)) {
     if (*exponent == 0.5) return apply(Operation::sqrt, a);

@@ -170,7 +170,7 @@ struct Tape {
   bool has_choices = false;    // among the values that depend on x or x'
 
   // Equations of one form share their edges and the adjoints of their targets, and have factors of their own
-  // (docs/decisions/74-tapes-of-forms.md).
+  // (docs/design/structural_analysis.md).
   struct EdgesOfEquation {
     const Edge *first, *last;
     const int* factors;  // slots

@@ -1,6 +1,6 @@
 // Sensitivities at a start: the derivatives of consistent values by parameters, nearest to directions as a request
 // measures changes of x. At a consistent point, which is its own nearest one, that is the linear problem of least
-// change (docs/decisions/50-sensitivities.md).
+// change (docs/design/sensitivities.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -35,8 +35,8 @@ class ConsistentExtension {
   }
 
   // Near the x and, if it is there, x' of the point: what is differentiated moves in proportion to its values where
-  // their last digits explain that, as published values are off by these (docs/decisions/28-start-values.md). Throws
-  // Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
+  // their last digits explain that, as published values are off by these (docs/design/consistent_initialization.md).
+  // Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not
   // allow that.

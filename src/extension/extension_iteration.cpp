@@ -65,7 +65,7 @@ double ExtensionIteration::apply_change(double factor, const double* z, const Ex
 }
 
 // That of another c is kept while it contracts; changes multiplied by 2 / (1 + c / c of the matrix) then
-// (docs/decisions/38-kept-factorizations.md).
+// (docs/design/iteration_matrices.md).
 bool ExtensionIteration::prepare_matrix(double c, ExtensionLinearization& linearization) {
   deviation_ = 0.0;
   if (linearization.has_step_matrix()) {

@@ -22,14 +22,14 @@ namespace sfdae::core {
 namespace {
 
 // Other states are chosen where these move some unknown that could be one by so much more than where they were
-// chosen, and by so many of its sizes if they change by theirs (docs/decisions/92-states-that-serve.md).
+// chosen, and by so many of its sizes if they change by theirs (docs/design/minimal_extension.md).
 constexpr double worth_a_choice = 3.0, harmless_sensitivity = 5.0;
 // Of the matrix, so that a choice stage by stage is taken without a look at others. Chosen, not measured.
 constexpr double good_condition = 1e-10;
 // What is larger than so many rounding errors is none. Chosen, not measured.
 constexpr double certain = 1e3;
 // As many as error estimates have columns between two linearizations, with BDF; see
-// docs/decisions/78-orders-of-equations.md.
+// docs/design/structural_analysis.md.
 constexpr int few_states = 3;
 // Of roundings of the terms of f, added up.
 constexpr double few_roundings = 4.0;

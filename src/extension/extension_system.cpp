@@ -17,13 +17,13 @@ namespace sfdae::core {
 
 namespace {
 
-// Of weighted changes, in units of the tolerances of a step (docs/decisions/63-large-recorded-problems.md).
+// Of weighted changes, in units of the tolerances of a step (docs/design/sparse_algebra.md).
 constexpr double step_tolerance = 0.03;
 // Where stages are linearized one by one, the linearization tells about rounding errors and the states alone
-// (docs/decisions/62-stages-with-few-states.md).
+// (docs/design/minimal_extension.md).
 constexpr int points_between_renewals = 4;
 // Where these do not converge one linearization for all stages hardly does, as a rule: a shorter step is tried first
-// (docs/decisions/69-listed-step-matrices.md).
+// (docs/design/sparse_algebra.md).
 constexpr int failures_of_local_stages = 2;
 
 }  // namespace

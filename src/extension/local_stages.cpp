@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// docs/decisions/62-stages-with-few-states.md
+// docs/design/minimal_extension.md
 constexpr int fewest_stages = 3, most_coupled = 40, most_rows = 300, rows_for_a_state = 4;
 // In a step: one that suits all stages should be among them. Chosen, not measured.
 constexpr int most_choices = 2;

@@ -9,11 +9,11 @@
 //
 // s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for
 // all stages (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the
-// solution turns within a step, as those of mechanisms do (docs/decisions/62-stages-with-few-states.md). All H_i are
+// solution turns within a step, as those of mechanisms do (docs/design/minimal_extension.md). All H_i are
 // factored side by side by one elimination.
 //
 // For sensitivities rows of B_i come from rows of H_i^-1, of which half are wanted where states are positions and
-// velocities, and what moves with the states from a second solution (docs/decisions/88-pairs-of-states.md).
+// velocities, and what moves with the states from a second solution (docs/design/minimal_extension.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -101,7 +101,7 @@ class MinimalExtension {
   int first_row(int stage) const { return layout_.first_rows[index(stage + layout_.highest_d)]; }
   int first_column(int stage) const { return layout_.first_columns[index(stage + layout_.highest_d)]; }
   // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are
-  // found one after the other (docs/decisions/75-deep-chains.md).
+  // found one after the other (docs/design/structural_analysis.md).
   bool is_deep() const { return layout_.highest_d >= deep; }
   // The highest derivative of a recorded equation.
   int highest_level() const { return highest_level_; }

@@ -102,7 +102,7 @@ void StateChoice::assemble(bool holds_states, const ExtensionDerivatives& from, 
 }
 
 // Factored for one epsilon at a time. Real ones that are not too large by a list of operations
-// (linalg/listed_factors.h), whose pivots outlive the linearization (docs/decisions/69-listed-step-matrices.md).
+// (linalg/listed_factors.h), whose pivots outlive the linearization (docs/design/sparse_algebra.md).
 template <class Number>
 class StateMatrix {
  public:

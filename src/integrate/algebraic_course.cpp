@@ -1,4 +1,4 @@
-// Whether x goes on as it did where no differential equation limits steps (docs/decisions/99-algebraic-courses.md).
+// Whether x goes on as it did where no differential equation limits steps (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/algebraic_course.h"
 

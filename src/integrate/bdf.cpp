@@ -18,10 +18,10 @@ namespace {
 using Vector = std::vector<double>;
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
-// (docs/decisions/07-first-step.md). Its digits are those of the root of cos x = x.
+// (docs/design/error_control.md). Its digits are those of the root of cos x = x.
 constexpr double first_bdf_step_fraction = 0.7390851e-3;
 // Of the polynomial for x within a step, in units of the weights of linear and of nonlinear problems, which are
-// tolerances times a factor below one and a fifth of that (docs/decisions/34-outputs.md).
+// tolerances times a factor below one and a fifth of that (docs/design/error_control.md).
 constexpr double bdf_interpolation_error = 5.0, nonlinear_bdf_interpolation_error = 25.0;
 // Errors this large, in units of the tolerance, say nothing but that numbers overflow.
 constexpr double largest_error = 1e100;

@@ -3,7 +3,7 @@
 // The formula differentiates the polynomial through w at the new and at k old points: D_h w = c w + w_rest.
 // Variable-coefficient form where the matrices change with t anyway; fixed leading coefficient, c = alpha_k / h, for
 // constant matrices, so that one factorization serves all steps of one order and size
-// (docs/decisions/08-fixed-leading-coefficient.md).
+// (docs/design/bdf.md).
 //
 // [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
 //         Differential-Algebraic Equations. SIAM, 1996.

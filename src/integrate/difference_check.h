@@ -1,5 +1,5 @@
 // Whether derivatives by differences are accurate enough for the tolerances
-// (docs/decisions/33-errors-of-differences.md).
+// (docs/design/finite_differences.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -99,7 +99,7 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
   for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
     const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
     const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
-    // The half is a margin (docs/decisions/07-first-step.md).
+    // The half is a margin (docs/design/error_control.md).
     if (speed > standstill * size && allowed > 0.0)
       h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }

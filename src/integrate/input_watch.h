@@ -1,5 +1,5 @@
 // Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test,
-// which knows the points of a step alone, does not ask for shorter ones (docs/decisions/87-inputs-between-points.md).
+// which knows the points of a step alone, does not ask for shorter ones (docs/design/inputs_and_discontinuities.md).
 // Changes that steps do not notice, since x bears them, are added up in an account over the whole run.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

@@ -160,7 +160,7 @@ CallResult Integration::run(double tout, bool one_step) {
 }
 
 // What is known of the points before says nothing about those after: polynomials, which the error test may not notice
-// (docs/decisions/41-tables-and-solutions.md), and what changes of the characteristic values would show in.
+// (docs/design/inputs_and_discontinuities.md), and what changes of the characteristic values would show in.
 void Integration::restart_at_kink() {
   restart(integrator_.method);
   inputs_.note_switch(integrator_.stepper->state().t);

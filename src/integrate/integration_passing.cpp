@@ -1,5 +1,5 @@
 // Singular points in the driver of the integration: what they are, and what leads across them
-// (docs/decisions/57-branches.md).
+// (docs/design/events_and_switching.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>

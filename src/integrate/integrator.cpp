@@ -19,7 +19,7 @@ namespace {
 using Vector = std::vector<double>;
 
 // Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor
-// (docs/decisions/17-jets-and-newton.md).
+// (docs/design/derivative_array.md).
 constexpr double nonlinear_safety = 0.2;
 // The interval of interest of a method that goes on from another one, in units of its next step: first steps are at
 // most about a thousandth of it, so that they are not longer than that step by far.

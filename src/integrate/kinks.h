@@ -1,4 +1,4 @@
-// Kinks of inputs, and how steps cross them (docs/decisions/41-tables-and-solutions.md).
+// Kinks of inputs, and how steps cross them (docs/design/inputs_and_discontinuities.md).
 //
 // A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after
 // each of them. If E x jumps in the gap, a jump by impulses (jump_rule.h) takes the place of the step.

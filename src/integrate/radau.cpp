@@ -14,9 +14,9 @@ namespace sfdae::core {
 namespace {
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
-// (docs/decisions/07-first-step.md). Its digits are taken from those of e.
+// (docs/design/error_control.md). Its digits are taken from those of e.
 constexpr double first_radau_step_fraction = 0.0718281828;
-// Tolerances that call for more than three stages from the start (docs/decisions/12-radau-number-of-stages.md).
+// Tolerances that call for more than three stages from the start (docs/design/radau.md).
 constexpr double tight = 1e-7, very_tight = 1e-9;
 // Steps of one stage, the choice for rough problems, must not grow over what makes them rough. (Chosen.)
 constexpr double rough_growth = 2.0;

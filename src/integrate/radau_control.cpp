@@ -17,7 +17,7 @@ constexpr double least_positive_error = 1e-30;
 // Of step sizes, whatever the options say: a bound on what estimates are trusted with. (Chosen.)
 constexpr double largest_ratio = 1e3;
 // Another number of stages has to promise this much more progress for the same work
-// (docs/decisions/12-radau-number-of-stages.md).
+// (docs/design/radau.md).
 constexpr double worthwhile = 1.2;
 // A step of one stage does not show how more of them would do: it has to promise twice the progress. (Chosen.)
 constexpr double reluctance = 2.0;
@@ -32,7 +32,7 @@ constexpr int most_steps_with_stages = 1000;
 // first step may be wrong by far.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
 // Of the safety factor: what a rejected step takes off, the first of several in a row, and at most; every accepted step
-// gives one part back, so that about one step in twenty is rejected (docs/decisions/36-evaluation-of-stages.md).
+// gives one part back, so that about one step in twenty is rejected (docs/design/radau.md).
 constexpr double part_of_safety = 0.0025;
 constexpr int caution_of_rejection = 20, most_caution = 80;
 // h_new / h_old where a step failed without an estimate, as in DASSL.

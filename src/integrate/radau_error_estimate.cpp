@@ -23,8 +23,8 @@ ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
 
 }  // namespace
 
-// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on the 287 runs of decision 11 with s =
-// 3 alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
+// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on 287 runs (docs/design/radau.md) with
+// s = 3 alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
 // More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference
 // of w says nothing.
 double embedded_limit(int s, bool beside_difference) {

@@ -3,7 +3,7 @@
 // The divided difference of order 2s of w over the last nodes, with their slopes, times the error constant; it is
 // guarded by the embedded formula of order s, gamma0 h (w' - u') at the start of the step with u the collocation
 // polynomial, whose error is compared with tol^((s+1)/(2s)) [HW99]. Both are mapped to x
-// (docs/decisions/11-radau-error-estimate.md).
+// (docs/design/radau.md).
 //
 // [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111
 // (1999).

@@ -13,7 +13,7 @@ namespace sfdae::core {
 namespace {
 
 // Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
-// weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
+// weights of nonlinear problems are a fifth of the tolerances (docs/design/error_control.md).
 constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
 // The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are
 // much larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
@@ -24,7 +24,7 @@ constexpr double doubtful_difference = 5.0, doubtful_ratio = 4.0, safe_error = 0
 constexpr double telling_error = 0.02, least_ratio = 0.1;
 // Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
 // than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
-// seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
+// seen by differences: more is asked for. (Chosen; with them polynomials within steps were right.)
 constexpr double hermite_error = 0.5, nonlinear_hermite_error = 1e-3;
 // Of the step to a point within the last one, while its equations have no solution.
 constexpr int most_output_halvings = 4;

@@ -1,6 +1,6 @@
 // Points within the last step of a Radau method: its collocation polynomial; where that is not accurate enough Hermite
 // polynomials through nodes, and nodes within the step where these are not
-// (docs/decisions/13-radau-points-within-steps.md, 34-outputs.md).
+// (docs/design/radau.md, error_control.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

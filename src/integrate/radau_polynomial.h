@@ -5,7 +5,7 @@
 //
 //     h (w' - u')(start) Q(tau),   Q(tau) = integral of M / M(0) from 0 to tau,   Q(0) = Q(1) = 0,
 //
-// gains an order where the equations are not stiff (docs/decisions/34-outputs.md). The factor is the embedded error of
+// gains an order where the equations are not stiff (docs/design/error_control.md). The factor is the embedded error of
 // the step, Radau's own estimate.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

@@ -1,6 +1,6 @@
 // The solution over a whole run: a polynomial for every step, in Chebyshev's basis.
 //
-// docs/decisions/41-tables-and-solutions.md has the degrees and the bounds.
+// docs/design/error_control.md has the degrees and the bounds.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

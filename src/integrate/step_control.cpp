@@ -20,7 +20,7 @@ constexpr double error_offset = 1e-4;
 // Of steps at one order; more are not counted, as a checkpoint keeps small integers.
 constexpr int most_steps_at_order = 1000;
 // The first step after a failure, which its measured error prescribes, aims at half the error allowed, 0.7^2, but
-// is not shorter than this part of what failed (docs/decisions/07-first-step.md; both chosen).
+// is not shorter than this part of what failed (docs/design/error_control.md; both chosen).
 constexpr double first_step_safety = 0.7, shortest_first_step = 1e-6;
 // The error of order 1 in units of its local term.
 constexpr double error_of_euler = 0.5;

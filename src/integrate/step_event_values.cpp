@@ -17,7 +17,7 @@ namespace {
 using Vector = std::vector<double>;
 
 // Relative changes of x, x' and t that rounding errors may amount to, and how many of them are tried
-// (docs/decisions/27-events.md).
+// (docs/design/events_and_switching.md).
 constexpr double rounding_unit = 8.0 * unit_roundoff;
 constexpr int patterns = 8;
 // Rough values of g are trusted where they are larger than their error by this factor: it is measured at one point.

@@ -58,7 +58,7 @@ void check_differences(Integrator& integrator, const double* x) {
   if (excess) throw Failure(excess->status, excess->message);
 }
 
-// xdot: the slope of the polynomial (docs/decisions/10-derivative-at-outputs.md).
+// xdot: the slope of the polynomial (docs/design/bdf.md).
 void find_slopes(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const StepState state = integrator.stepper->state();

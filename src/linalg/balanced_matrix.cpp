@@ -18,7 +18,7 @@ namespace {
 
 // What is left of the sizes of entries, log2, after units have explained what they can.
 constexpr double similar_size = 12.0;
-// Pivots below that, in such units, are useless for steps even if they are certain (docs/decisions/32-certificates.md).
+// Pivots below that, in such units, are useless for steps even if they are certain (docs/design/scaling_and_units.md).
 constexpr double useful_pivot = 1e-10;
 
 // A single matrix leaves no unit of time.

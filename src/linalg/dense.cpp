@@ -23,7 +23,7 @@ constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
 constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
 // Above these and up to that, products in vector loops win, where the processor has some
-// (docs/decisions/79-products-and-small-sizes.md).
+// (docs/design/kernels.md).
 constexpr int most_inner = 112;
 static_assert(most_inner <= kernels::most_transposed);
 
@@ -301,7 +301,7 @@ namespace {
 template <class Visit>
 void for_each_real_eigenvalue(View a, Arena& arena, Visit visit) {
   // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding,
-  // 1e-8; two digits of safety by judgement (docs/decisions/23-multibody-singular-configurations.md).
+  // 1e-8; two digits of safety by judgement (docs/design/singular_points.md).
   constexpr double nearly_real = 1e-6;
   const int n = a.cols, length = 8 * n + 1;  // dgeev without vectors needs 3 n
   const Arena::Frame frame(arena);

@@ -2,7 +2,7 @@
 // exponents, so that nothing overflows or vanishes on the way.
 //
 // By the largest entries, never by means: these are led astray by entries that are nothing but rounding errors of zeros
-// (docs/decisions/46-sparse-factors.md).
+// (docs/design/sparse_algebra.md).
 //
 // [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034,
 // Rutherford

@@ -10,7 +10,7 @@ namespace {
 
 // AVX2 serves loops that are written for it alone: with GCC 12, which moves eight numbers piece by piece, all others
 // take 1.25 to
-// 1.4 times as long as portable code (docs/decisions/36-evaluation-of-stages.md).
+// 1.4 times as long as portable code (docs/design/radau.md).
 std::atomic<InstructionSet>& chosen() {
   static std::atomic<InstructionSet> set = best_instruction_set();
   return set;

@@ -2,7 +2,7 @@
 //
 // A block of reflections is I - V T V^T with V their vectors and T upper triangular [SVL89]. LAPACK's pivoted
 // factorization is unblocked below 128 columns, and its blocks cost more than they save up to 100
-// (docs/decisions/37-dense-kernels.md).
+// (docs/design/kernels.md).
 //
 // [SVL89] R. Schreiber, C. Van Loan: A storage-efficient WY representation for products of Householder transformations.
 //         SIAM J. Sci. Stat. Comput. 10, 1989.
@@ -24,7 +24,7 @@ using kernels::Order;
 using kernels::Padded;
 using kernels::round_up;
 
-// Measured crossovers, docs/decisions/37-dense-kernels.md.
+// Measured crossovers, docs/design/kernels.md.
 // Up to so many rows plain loops win.
 constexpr int tiny_rows = 12;
 // So few columns do not pay for blocks of up to most_at_once reflections, nor, in few rows, for vectors.
@@ -36,7 +36,7 @@ constexpr int panel = 8;
 // What is left of a pivoted factorization is not worth a panel.
 constexpr int unblocked = 40;
 
-// Reflections in a block; fewer pay where small products are fast (docs/decisions/79-products-and-small-sizes.md).
+// Reflections in a block; fewer pay where small products are fast (docs/design/kernels.md).
 int block_for(int rows) {
   constexpr int most_rows_of_small_blocks = 128;
   return rows <= most_rows_of_small_blocks && kernels::loops().multiply != nullptr ? 8 : 16;

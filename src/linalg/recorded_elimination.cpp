@@ -19,7 +19,7 @@ namespace sfdae::core {
 namespace {
 
 // Of the largest entry in the row: what a pivot has to be when it is chosen (the usual bound [DER86, 5.4]), and when
-// the elimination is repeated, as for lanes (docs/decisions/36-evaluation-of-stages.md).
+// the elimination is repeated, as for lanes (docs/design/radau.md).
 constexpr double large_enough = 0.1, still_large_enough = 0.01;
 constexpr double largest_number = std::numeric_limits<double>::max();
 // Products of two scales and their inverses are numbers.
@@ -29,9 +29,9 @@ constexpr std::size_t rows_searched = 4;
 // Entries that rows and columns have room for beside their own.
 constexpr int usual_fill = 3;
 // KLU is faster with more. Chosen: matrices of mechanisms and circuits have 2 to 11
-// (docs/decisions/69-listed-step-matrices.md).
+// (docs/design/sparse_algebra.md).
 constexpr std::size_t most_updates_for_a_row = 20, few_updates = 1000;
-// Relative times; see docs/decisions/69-listed-step-matrices.md.
+// Relative times; see docs/design/sparse_algebra.md.
 constexpr double time_of_pivot = 6.0, time_of_entry = 1.5, time_of_update = 1.0, time_of_unknown = 4.0;
 
 }  // namespace

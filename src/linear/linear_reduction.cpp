@@ -68,7 +68,7 @@ PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoin
 PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, LinearPoint& point,
                                             CallbackError& error, long& count) {
   const double time_scale = known.analysis.time_scale;
-  // Rows that are small by cancellation must not be scaled up (docs/decisions/05-cancellation-in-small-rows.md).
+  // Rows that are small by cancellation must not be scaled up (docs/design/rank_decisions.md).
   PointStatus status = attempt({t, time_scale, RowScaling::common, noise_}, known, point, error, count);
   // The other ways to take noise into account; without propagation it has to be measured.
   for (NoiseModel model : {NoiseModel::carried, NoiseModel::pivots, NoiseModel::data}) {
@@ -78,7 +78,7 @@ PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, Li
       status = attempt({t, time_scale, rows_, model}, known, point, error, count);
   }
   // Data that have grown or shrunk may need another unit of time: that of the point, or, three binary digits faster,
-  // one of those that an analysis tries as well (docs/decisions/02-undecided-values-are-measured.md).
+  // one of those that an analysis tries as well (docs/design/rank_decisions.md).
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     error = problem_.evaluate(t, known.orders(), 0.0, point.data);
@@ -88,7 +88,7 @@ PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, Li
   return status;
 }
 
-// Unless the whole analysis says clearly that they are others (docs/decisions/30-known-ranks.md).
+// Unless the whole analysis says clearly that they are others (docs/design/rank_decisions.md).
 PointStatus LinearReduction::keep_known_ranks(double t, const KnownForm& known, LinearPoint& point,
                                               CallbackError& error, long& count) {
   if (settings_.by_svd || settings_.rank_tol > 0.0) return PointStatus::changed;

@@ -20,7 +20,7 @@ constexpr int points = DifferenceFormula::points;
 constexpr double widest_spacing = 1.0 / 16.0;
 constexpr int spacings = 12;  // each a fourth of the one before: down to 1.5e-8
 // Of the formula with two points less: the one in use is better by the square of the spacing
-// (docs/decisions/26-derivatives-of-multibody-callbacks.md).
+// (docs/design/finite_differences.md).
 constexpr double good_error = 1e-9;
 // Weights of the formula and roundings of what the functions add up; no figures were recorded.
 constexpr double formula_roundoff = 100.0 * unit_roundoff;

@@ -2,7 +2,7 @@
 //
 // s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that
 // what limits t has no influence on systems that do not depend on it
-// (docs/decisions/26-derivatives-of-multibody-callbacks.md).
+// (docs/design/finite_differences.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -2,7 +2,7 @@
 //
 // Measured by y in q = given + P y, |y|^2 / 2 + f^T g is stationary there, with forces f of the constraints: a trust
 // region method along the constraints, each step of which ends with a way back to them. Steps are computed by conjugate
-// gradients; second derivatives of g are differences of g_q (docs/decisions/29-multibody-start-values.md).
+// gradients; second derivatives of g are differences of g_q (docs/design/multibody.md).
 //
 // [NW06] J. Nocedal, S. J. Wright: Numerical Optimization. Springer, 2006, algorithms 4.1 and 7.2.
 // SPDX-License-Identifier: BSD-3-Clause

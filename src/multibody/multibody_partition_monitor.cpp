@@ -17,7 +17,7 @@ void PartitionMonitor::resize(const MultibodySizes& sizes, const MultibodySettin
 }
 
 // A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
-// differ by a factor from the beginning (docs/decisions/22-multibody-partition.md).
+// differ by a factor from the beginning (docs/design/multibody.md).
 double PartitionMonitor::largest_rotation() const {
   return settings_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
 }

@@ -4,7 +4,7 @@
 // A configuration between the ends of a step is singular where det C Q2 changes its sign, unless the constraints have
 // turned too far from the partition for that to mean anything; where two mechanisms are singular at once the sign
 // stays, and the zero crossings of all combinations of constraints are counted
-// (docs/decisions/23-multibody-singular-configurations.md).
+// (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -4,7 +4,7 @@
 // Accelerations and forces are those of the point found.
 //
 // Outputs are many: Newton's method on both levels at once brings them so near that terms need be evaluated once
-// (docs/decisions/89-cheaper-outputs.md).
+// (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -146,7 +146,7 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   if (const int found = rank_of_mass_in_balanced_units(M, C, least_mass * mass, decisions.back(), arena);
       found >= 0 && has_mass)
     return found;
-  // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M
+  // The condition of K is the square of that of C (docs/design/multibody.md): without it, M
   // is left as the reason.
   const int missing = nv + rank - judge_with(orthonormal_rows(scaled_C, arena)).rank;
   if (missing == 0 && has_mass)

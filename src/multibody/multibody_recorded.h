@@ -3,7 +3,7 @@
 // Along q(t + s) = q + q_1 s + q_2 s^2 with q_1 = S v and 2 q_2 = S a + (dS/dt) v the constraints are
 // g + g_1 s + g_2 s^2 with g_1 = G v + g_t and 2 g_2 = G a + gamma: without a, g_2 gives gamma. As the derivative of
 // g_k by q_j is (g_q)_(k-j), Taylor coefficients of g_q are all that an iteration's Jacobian needs of the
-// constraints (docs/decisions/25-derivatives-of-recorded-multibody-systems.md).
+// constraints (docs/design/multibody.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -3,7 +3,7 @@
 // Along the motion the constraints are C + tau C' to first order, C' by a difference along (1, S v), and singular for
 // tau = -1 / mu with the real eigenvalues mu of C' Q2 (C Q2)^-1, Q2 the range of C^T. Units of rows do not matter: a
 // row that vanishes counts as one that depends on others. Where C behaves as (t* - t)^p, as with p = 1/2 where a
-// chain is stretched, tau = (t* - t) / p (docs/decisions/23-multibody-singular-configurations.md).
+// chain is stretched, tau = (t* - t) / p (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -70,7 +70,7 @@ CharacteristicValues MultibodySystem::values_at(double) {
 
 std::optional<double> MultibodySystem::change_nearby() {
   // Of the longest step, which tells how fast the system moves where nothing is singular
-  // (docs/decisions/23-multibody-singular-configurations.md).
+  // (docs/design/singular_points.md).
   constexpr double near = 0.5;
   const NearbySingularity found = nearby_singularity(accepted_, settings_.ranks, equations_, arena_);
   if (!(std::fabs(found.t - accepted_.t) <= near * longest_step_)) return std::nullopt;

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 // The polynomial through samples at the extrema of a Chebyshev polynomial, differentiated at a point of the interval,
 // [-1, 1]. At the ends of the interval, where integrations start, it is 20 times as accurate as one through
-// equidistant points, in the middle not worse (docs/decisions/33-errors-of-differences.md).
+// equidistant points, in the middle not worse (docs/design/finite_differences.md).
 class ChebyshevDifferences {
  public:
   static constexpr int points = 13;

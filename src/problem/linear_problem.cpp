@@ -21,7 +21,7 @@ constexpr int max_difference_order = 6;
 constexpr double widest_step = 0.93 / 16.0;
 constexpr int difference_steps = 24;
 
-// So many rows are factored as quickly as a factorization is found again (docs/decisions/71-what-starts-share.md).
+// So many rows are factored as quickly as a factorization is found again (docs/design/derivative_array.md).
 constexpr int quickly_factored = 12;
 
 // Half the interval of the points, in spacings: those in the middle, the widest ones, are 1.04 apart.

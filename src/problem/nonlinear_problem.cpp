@@ -106,7 +106,7 @@ CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders or
 // F_x' far below F_x is suspected to be a sum of terms that cancel, a multiple of a constraint for example: then it
 // changes by about its size when the jet does by a few roundings, and the unit of time must not follow it.
 CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data) {
-  // docs/decisions/18-residuals-as-noise.md. That a sum cancelled to 1e-10, changes by a hundredth of its size under
+  // docs/design/rank_decisions.md. That a sum cancelled to 1e-10, changes by a hundredth of its size under
   // 32 roundings and is seen by one of two samples are choices without recorded figures: a sum of terms of order one
   // leaves 1e-16, far below the one and moved by more than the other.
   constexpr double suspicious = 1e-10, few = 32.0, moving = 0.01;

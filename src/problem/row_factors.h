@@ -1,4 +1,4 @@
-// How rows of [E A] are scaled (docs/decisions/04-row-scaling.md).
+// How rows of [E A] are scaled (docs/design/scaling_and_units.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

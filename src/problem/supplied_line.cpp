@@ -1,6 +1,6 @@
 // A function and what is supplied as its derivative, compared along a line through a point.
 //
-// The numbers here: docs/decisions/42-wrong-derivatives.md.
+// The numbers here: docs/design/finite_differences.md.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/supplied_line.h"
 

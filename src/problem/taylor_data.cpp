@@ -19,7 +19,7 @@ namespace {
 // Products of a few scaled coefficients must stay finite: five of this size do.
 constexpr double largest_coefficient = 1e60;
 // Factors of rows within 8 of those wanted are kept, for equations that depend smoothly on t
-// (docs/decisions/04-row-scaling.md).
+// (docs/design/scaling_and_units.md).
 constexpr double about_right = 8.0;
 // Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
 // factor.

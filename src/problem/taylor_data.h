@@ -45,7 +45,7 @@ inline bool is_row_scaling(RowScaling rows) { return rows >= RowScaling::each &&
 // followed. By judgement: no figures were recorded.
 inline constexpr double shortest_growth = 0.1, longest_growth = 1e3;
 
-// Rows that differ by no more need no factor of their own (docs/decisions/05-cancellation-in-small-rows.md).
+// Rows that differ by no more need no factor of their own (docs/design/rank_decisions.md).
 inline constexpr double moderate_row_ratio = 4096.0;
 
 class TaylorData {
@@ -97,7 +97,7 @@ class TaylorData {
   double noise_f(int level) const;
 
   // Estimated errors of derivatives by differences, which = 'E', 'A' or 'f': absolute ones of plain derivatives, one
-  // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/decisions/33-errors-of-differences.md). Order 0 has none.
+  // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/design/finite_differences.md). Order 0 has none.
   bool has_errors(char which) const { return !errors_[slot(which)].empty(); }
   bool has_errors() const { return has_errors('E') || has_errors('A') || has_errors('f'); }
   // Room for them, all zero at first.

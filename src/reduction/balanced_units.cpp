@@ -25,7 +25,7 @@ using Vector = std::vector<double>;
 // Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_exponent = 300.0;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
-// down to 1e-12 are left alone (docs/decisions/32-certificates.md).
+// down to 1e-12 are left alone (docs/design/scaling_and_units.md).
 constexpr double suspicious_bits = 41.0;
 // And those below 1e-15 are.
 constexpr double rounding_bits = 49.8;

@@ -1,7 +1,7 @@
 // Ranks that norms have found, confirmed by certificates in the units that they were found in.
 //
 // Where entries decay over many decades, as those of products of rotations do, balanced units are none in which large
-// problems could be judged (docs/decisions/82-starts-of-large-problems.md).
+// problems could be judged (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// Units of the unknowns that fit a unit of time: for nonlinear problems (docs/decisions/21-fast-units-of-time.md).
+// Units of the unknowns that fit a unit of time: for nonlinear problems (docs/design/scaling_and_units.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/fast_units.h"
 

@@ -1,4 +1,4 @@
-// Units of the unknowns that fit a unit of time: for nonlinear problems (docs/decisions/21-fast-units-of-time.md).
+// Units of the unknowns that fit a unit of time: for nonlinear problems (docs/design/scaling_and_units.md).
 //
 // A structure of fast and slow parts written in metres and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12,
 // looks as if M were nothing. In the fast unit of time, with units of v and w that go with it, everything is of order

@@ -23,7 +23,7 @@ namespace {
 
 bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
 
-// Decisions that norms make with such a distance need no certificate (docs/decisions/32-certificates.md).
+// Decisions that norms make with such a distance need no certificate (docs/design/rank_decisions.md).
 constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
 // Where there is no certificate: kron with n = 100, mu = 3, w = 4 has a gap of 2e8.
 constexpr double gap_without_certificate = 1e8;

@@ -41,11 +41,11 @@ struct Precedent {
 };
 
 // Of decisions of norms alone that lead to redundant equations, which are what a rank that is too small looks like:
-// more is asked of those (docs/decisions/32-certificates.md).
+// more is asked of those (docs/design/rank_decisions.md).
 inline constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 
 inline constexpr double useful_pivot_at_best = 1e-10;
-// For relative tolerances, 0: none; docs/decisions/32-certificates.md.
+// For relative tolerances, 0: none; docs/design/rank_decisions.md.
 double least_useful_pivot(const std::vector<double>& rtol);
 
 struct AnalysisSettings {

@@ -14,7 +14,7 @@ namespace sfdae::core {
 namespace {
 
 // Amplitude of trial perturbations in units of the noise of the data, and how many are tried. These, the margins
-// below and the time scales: docs/decisions/02-undecided-values-are-measured.md.
+// below and the time scales: docs/design/rank_decisions.md.
 constexpr double perturbation_roundings = 4.0;
 constexpr int perturbations = 3;
 // Kept values against their changes: to confirm a rank that the propagated noise allows, and to keep values that it
@@ -34,10 +34,10 @@ constexpr double other_time_scales[] = {1.0 / 8.0, 4.0};
 // with it.
 constexpr double least_trusted = 1e-11, callback_errors = 1e-13, firm = 1e-3;
 // Ranks with smaller gaps must follow from those of the level below; wrong ranks that did not had gaps below 2e6
-// (docs/decisions/03-ranks-follow-from-the-level-below.md).
+// (docs/design/rank_decisions.md).
 constexpr double decisive_gap = 1e9;
 
-// Ranks of a regular problem with such gaps are those of the level above (docs/decisions/39-starts.md).
+// Ranks of a regular problem with such gaps are those of the level above (docs/design/rank_decisions.md).
 constexpr double gap_of_final_ranks = 1e6;
 
 // How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by

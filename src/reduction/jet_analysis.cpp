@@ -36,7 +36,7 @@ bool is_redundancy_refuted(CoefficientSource& source, Place place, const IndexAn
 }
 
 // Analyzes the source in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
-// for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
+// for each: docs/design/scaling_and_units.md, with the figures behind the constants. What is clear by far in
 // two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
 // are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
 // the next one would be lost among rounding errors, and ranks agree in being wrong.

@@ -68,7 +68,7 @@ class Judge {
   // them, so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by
   // norms and pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages
   // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128;
-  // docs/decisions/01-noise-of-rank-decisions.md.) Two rows, as a single one happens
+  // docs/design/rank_decisions.md.) Two rows, as a single one happens
   // to be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.

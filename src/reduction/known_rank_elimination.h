@@ -3,7 +3,7 @@
 // Whether a rank is certain shows in the copies (lockstep_elimination.h), whichever pivots are taken as long as they
 // are large. Where the rank is known no entry has to be searched for by its significance: pivoted QR chooses columns,
 // partial pivoting rows, the same ones in all copies, and products of matrices do the rest
-// (docs/decisions/82-starts-of-large-problems.md).
+// (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

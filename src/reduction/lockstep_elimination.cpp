@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Bounds of amplifications and significances that make decisions clear: docs/decisions/32-certificates.md.
+// Bounds of amplifications and significances that make decisions clear: docs/design/rank_decisions.md.
 constexpr double moderate_amplification = 1e4, largest_amplification = 1e8;
 constexpr double visible_value = 3.0, certain_value = 1e6;
 // Of zeros that errors have blown up: above, they stand clear of single roundings of the data.

@@ -7,7 +7,7 @@
 //     q = |v_0| / max_k |v_k - v_0|
 //
 // does not depend on units of rows and columns: q >> 1 is a value, which stays put relative to itself, q << 1 an
-// error, which moves by more than its size (docs/decisions/32-certificates.md). Every elimination takes its pivots in
+// error, which moves by more than its size (docs/design/rank_decisions.md). Every elimination takes its pivots in
 // all copies at the same places, the most significant entries first.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

@@ -50,7 +50,7 @@ AnalysisOutcome search_at(const SearchTask& task, double t) {
 }
 
 // Far enough for a coefficient that vanishes at t to be seen (six digits above the rounding of t), near enough to
-// stay on the same smooth piece, and no simple fraction of a period (docs/decisions/07-first-step.md).
+// stay on the same smooth piece, and no simple fraction of a period (docs/design/error_control.md).
 double nearby_point(Place place, double time_scale) {
   const auto [t, toward] = place;
   constexpr double near = 0.7e-3, resolved_roundings = 1e6;

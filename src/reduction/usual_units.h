@@ -10,7 +10,7 @@ namespace sfdae::core {
 TaylorData data_in_units(CoefficientSource& source, double t, const Units& units, double time_scale = 0.0);
 
 // Those of the user, but columns of [E A] that differ by more than 1024 become of comparable size, by powers of two
-// (docs/decisions/06-units-of-unknowns.md), and E and A in them. Throws Failure. The source is evaluated once, in
+// (docs/design/scaling_and_units.md), and E and A in them. Throws Failure. The source is evaluated once, in
 // units of one, which it keeps.
 struct UsualUnits {
   Units units;

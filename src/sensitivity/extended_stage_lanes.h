@@ -1,6 +1,6 @@
 // The stages of a Radau step of sensitivities linearized side by side, one in each lane: tangents T2 and xp by the
 // minimal extension, and Z1^T (E, A, f), as SensitivityPoint has them one by one
-// (docs/decisions/68-sensitivities-side-by-side.md).
+// (docs/design/sensitivities.md).
 //
 // Z1 is the orthonormal basis of the range of E T2, rows scaled, that the modified method of Gram and Schmidt finds
 // [B67]: the range is what counts, and that is found to rounding errors.

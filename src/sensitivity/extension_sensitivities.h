@@ -3,7 +3,7 @@
 //
 // Steps and stages are those of x differentiated by p: the states of x are discretized, everything else follows from
 // the equations of the extension, which hold for S with all hidden constraints among them
-// (docs/decisions/72-sensitivities-of-the-extension.md).
+// (docs/design/sensitivities.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -15,15 +15,15 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns of the derivative array from which on the extension is taken (docs/decisions/47-minimal-extension.md).
+// Columns of the derivative array from which on the extension is taken (docs/design/minimal_extension.md).
 // Where nothing has to be differentiated it is the equations as they are
-// (docs/decisions/90-small-problems-of-index-zero.md).
+// (docs/design/derivative_array.md).
 constexpr double least_array = 100.0, least_array_as_recorded = 20.0;
 // Derivative arrays fail, or may have failed, if units of unknowns are so far apart
-// (docs/decisions/84-units-of-blocks.md). By judgement.
+// (docs/design/scaling_and_units.md). By judgement.
 constexpr double far_apart = 65536.0, apart = 1024.0;
 // Unknowns (q, v, mu) of mechanical systems from which on sparse matrices are faster
-// (docs/decisions/54-sparse-multibody-systems.md).
+// (docs/design/multibody.md).
 constexpr int least_unknowns = 200;
 // Equations that contain more of all unknowns than this leave no use for sparse matrices: forces between all bodies.
 constexpr double largest_density = 0.1;
@@ -42,7 +42,7 @@ double density(const Record& record) {
   return entries / (static_cast<double>(record.m()) * record.n());
 }
 
-// The largest unit of the unknowns at the guess over the smallest one (docs/decisions/06-units-of-unknowns.md).
+// The largest unit of the unknowns at the guess over the smallest one (docs/design/scaling_and_units.md).
 double distance_of_units(RecordedProblem& problem, const PointOfInterest& point) {
   Jet jet;
   jet.t = point.t;

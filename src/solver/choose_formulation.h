@@ -4,7 +4,7 @@
 // it, if the derivative array were large or the units of its unknowns far apart, and for large sparse mechanical
 // systems. If numbers do not confirm the structure, the whole derivative array or local coordinates are analyzed; if
 // an array leaves its ranks in doubt, the extension is asked once more
-// (docs/decisions/47-minimal-extension.md, docs/decisions/84-units-of-blocks.md).
+// (docs/design/minimal_extension.md, docs/design/scaling_and_units.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -49,7 +49,7 @@ class JetEquations {
   // Residuals relative to what was added up in them.
   bool is_converged(const Jet& jet, double tolerance) const;
   // What counts as noise in rank decisions at a jet with residuals, relative to the coefficients
-  // (docs/decisions/18-residuals-as-noise.md).
+  // (docs/design/rank_decisions.md).
   double residual_noise() const;
 
   // The staged elimination, with the ranks that it finds. noise: of the coefficients, as they are not those of a

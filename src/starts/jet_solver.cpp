@@ -28,7 +28,7 @@ constexpr double still_gaining = 0.9;
 constexpr double consistent_residual = 1e-9;
 // Damped steps get below any residual in time, where derivatives run away to make up for constraints that x does not
 // fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors
-// (docs/decisions/28-start-values.md).
+// (docs/design/consistent_initialization.md).
 constexpr double consistent_after_damping = 1e-12;
 
 // Some hundred roundings of what is added up in a residual.
@@ -323,7 +323,7 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   // The first one is chosen so that the pendulum below its support finds its force.
   constexpr double too_far = 1e4, too_far_with_all_ranks = 1e12;
   // Undamped steps that gain little, where others have reduced the residuals to this part before
-  // (docs/decisions/44-stages-of-raw-equations.md).
+  // (docs/design/consistent_initialization.md).
   constexpr int most_slow = 2;
   constexpr double near = 1e-3;
   const auto is_converged = [this](const Jet& of, bool by_undamped_steps) {

@@ -184,7 +184,7 @@ double error_of_directions(int n, double kept) { return n * unit_roundoff / std:
 
 double least_cosine(int n, double kept) {
   // Three digits of room above the errors; at least what the user's own arithmetic leaves of zeros, at most what nobody
-  // takes for one (docs/decisions/28-start-values.md).
+  // takes for one (docs/design/consistent_initialization.md).
   constexpr double room = 1e3, least = 1e-12, most = 1e-6;
   return std::clamp(room * error_of_directions(n, kept), least, most);
 }

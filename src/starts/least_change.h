@@ -7,7 +7,7 @@
 //     dx = dx_1 + K c             least |K c| with R1 c = what remains
 //
 // Which constraints are which does not depend on the units of the unknowns where K consists of unit vectors: unknowns
-// whose derivative does not occur. |dx| is measured in the sizes given (docs/decisions/28-start-values.md).
+// whose derivative does not occur. |dx| is measured in the sizes given (docs/design/consistent_initialization.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

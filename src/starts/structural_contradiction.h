@@ -18,7 +18,7 @@ namespace sfdae::core {
 
 // What they disagree about, "" where they do not: where nothing is said against the array, or where an entry of it is
 // so small beside what units of equations and unknowns suggest that it may be a rounding error of a zero
-// (docs/decisions/32-certificates.md). jet: consistent. values: by the array. rank_tol: the user's, who has decided
+// (docs/design/scaling_and_units.md). jet: consistent. values: by the array. rank_tol: the user's, who has decided
 // then.
 std::string contradiction_of_structure(NonlinearProblem& problem, const Jet& jet, const CharacteristicValues& values,
                                        double rank_tol);

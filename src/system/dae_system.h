@@ -85,7 +85,7 @@ class DaeSystem : public StrangenessFreeSystem {
   virtual const double* rounding_errors() const { return nullptr; }
 
   // Whether derivatives by differences enter the equations at the current point, and the errors of x (n values) that
-  // theirs cause there, x consistent: an estimate (docs/decisions/33-errors-of-differences.md).
+  // theirs cause there, x consistent: an estimate (docs/design/finite_differences.md).
   virtual bool has_difference_errors() const { return false; }
   virtual void difference_errors(const double* /*x*/, double* /*errors*/) {}
 

@@ -1,5 +1,5 @@
 // Matrices of steps that are kept while c, of x' = c x + ..., changes little
-// (docs/decisions/38-kept-factorizations.md).
+// (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

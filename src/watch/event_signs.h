@@ -2,7 +2,7 @@
 //
 // A function is armed, with a sign, once it is clearly not zero. An event is the change from that sign to zero or to
 // the other sign; it disarms the function. So nothing happens twice, and a function that is zero, or nothing but
-// rounding errors, is silent (docs/decisions/27-events.md).
+// rounding errors, is silent (docs/design/events_and_switching.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

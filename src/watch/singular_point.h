@@ -1,5 +1,5 @@
 // Singular points of a solution: what it does in front of one, and its smooth continuation
-// (docs/decisions/57-branches.md).
+// (docs/design/events_and_switching.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

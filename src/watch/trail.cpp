@@ -14,7 +14,7 @@ namespace {
 // regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
 constexpr std::size_t most_kept_nodes = 64, untouched = 16;
 // Half of them where all would be the largest part of the memory of a solver
-// (docs/decisions/63-large-recorded-problems.md).
+// (docs/design/memory.md).
 constexpr std::size_t large_size = 1000, most_large_nodes = 32;
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Outputs within steps, consistent and interpolated: accuracy, constraints, and what they do not change
-// (docs/decisions/34-outputs.md).
+// (docs/design/error_control.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Points within steps of mechanical systems: Newton's method on both levels leads to those that terms at every
-// iterate lead to, with fewer evaluations (docs/decisions/89-cheaper-outputs.md).
+// iterate lead to, with fewer evaluations (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // States of the minimal extension that determine the other unknowns at one point and do not at another: others have
-// to take their place in time, and steps have to end before (docs/decisions/92-states-that-serve.md).
+// to take their place in time, and steps have to end before (docs/design/minimal_extension.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

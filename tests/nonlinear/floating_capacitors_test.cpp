@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Diodes and capacitors between nodes, none of them to ground, at a sine, in volts and amperes: what is
 // differentiated are differences of potentials. Charges stay between the points of a step, and rounding errors of
-// guesses count for nothing (docs/decisions/102-rounding-errors-of-guesses.md).
+// guesses count for nothing (docs/design/error_control.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

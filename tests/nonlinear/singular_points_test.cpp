@@ -216,7 +216,7 @@ SingularCounts integrate_all(unsigned systems, bool is_singular) {
   return counts;
 }
 
-// docs/decisions/31-nonlinear-singular-points.md has the shares of a large campaign.
+// docs/design/singular_points.md has the shares of a large campaign.
 TEST(RandomSingularPoints, AreNamed) {
   const SingularCounts counts = integrate_all(count_of_systems(80), true);
   EXPECT_GE(counts.named, 0.7 * counts.all);

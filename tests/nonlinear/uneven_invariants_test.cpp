@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A planet with its energy and angular momentum as further equations, m = 6, n = 4, in uneven units: which equations
 // are taken, and which are redundant, has to be right at the ends of steps, too
-// (docs/decisions/97-redundant-equations.md).
+// (docs/design/rank_decisions.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Start values where unknowns have numbers of very different size: what is added up in other equations says nothing
-// about a constraint (docs/decisions/28-start-values.md).
+// about a constraint (docs/design/consistent_initialization.md).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Voltage multipliers fed by pulses, in volts and amperes: capacitors in a chain that hangs on the source, so that
 // its potential is the one algebraic unknown of E x' = f(t, x), and every diode has a say in it. Points between those
-// of the integration keep the charges (docs/decisions/101-charges-between-points.md).
+// of the integration keep the charges (docs/design/error_control.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

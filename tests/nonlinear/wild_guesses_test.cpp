@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a diode begins to conduct guesses are off by volts, and conductances there larger by many orders of magnitude
 // than those of any solution: changes with such a matrix look as if they had converged at once
-// (docs/decisions/91-matrices-of-guesses.md).
+// (docs/design/iteration_matrices.md).
 #include <gtest/gtest.h>
 
 #include <cmath>
