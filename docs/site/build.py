@@ -88,6 +88,7 @@ docs/performance
 docs/architecture
 docs/guide/promise
 SECURITY
+CODE_OF_CONDUCT
 ```
 
 ```{toctree}
