@@ -363,7 +363,9 @@ contains
     status = c_request_stop(self%handle)
   end subroutine solver_request_stop
 
-  !> Changes a parameter of recorded equations, see named_parameter; start has to follow.
+  !> Changes a parameter of recorded equations, see named_parameter. An integration goes on with the
+  !> next advance from the point returned last, as at a jump of data; with sensitivities start has to
+  !> follow.
   subroutine solver_set_parameter(self, name, value, status)
     class(dae_solver), intent(inout) :: self
     character(len=*), intent(in) :: name

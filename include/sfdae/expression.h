@@ -233,9 +233,12 @@ SFDAE_API int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinea
 SFDAE_API int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_options* options, char* text,
                                     size_t length);
 
-/** Changes the value of a parameter of recorded equations without recording anew. The analysis and an integration
- * under way are lost: sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT, which changes nothing: no parameter of
- * that name, or a value that is not finite. */
+/** Changes the value of a parameter of recorded equations without recording anew, as a controller does between two
+ * calls. The analysis is lost. An integration under way goes on with the next sfdae_advance or sfdae_step from the
+ * point returned last, as at a jump of data (modes.h): x stays where the equations allow it, and moves by impulses of
+ * the new equations where E x has to jump; statistics, switches and the recorded solution continue. If that fails, the
+ * point stays as it was. With sensitivities, and for modes of hybrid systems, sfdae_start has to follow.
+ * SFDAE_ILLEGAL_ARGUMENT, which changes nothing: no parameter of that name, or a value that is not finite. */
 SFDAE_API int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value);
 
 /** Reads the value of a parameter of recorded equations. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name. */

@@ -120,7 +120,8 @@ class Solver {
     return checked(sfdae_analyze_at(get(), point.t, toward, point.x.data(), nullptr));
   }
 
-  /// Changes a parameter of recorded equations. After that start() has to follow.
+  /// Changes a parameter of recorded equations. An integration goes on with the next advance() from the point returned
+  /// last, as at a jump of data (sfdae_set_parameter).
   int set_parameter(const std::string& name, double value) {
     return checked(sfdae_set_parameter(get(), name.c_str(), value));
   }

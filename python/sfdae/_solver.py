@@ -197,7 +197,11 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return dict(self._state.values)
 
     def set_parameters(self, **parameters: Any) -> None:
-        """Changes named parameters without recording anew; after that start() has to follow.
+        """Changes named parameters without recording anew.
+
+        An integration goes on with the next advance() from the point returned last, as at a jump of
+        data: x moves by impulses where it has to. After it has begun with sensitivities, and where
+        the problem has record=False, start() has to follow.
 
         Raises
         ------

@@ -42,9 +42,10 @@ sfdae_statistics statistics_of(const Solver& solver) {
   s.evaluations_F = evaluations.F;
   s.linearizations = evaluations.linearizations;
   s.check_calls = solver.model.problem().check_evaluations();
-  if (!solver.integration) return s;
-  const IntegrationCounts& counts = solver.integration->counts();
-  const StepState state = solver.integration->stepper().state();
+  const Integration* const integration = solver.known_integration();
+  if (integration == nullptr) return s;
+  const IntegrationCounts& counts = integration->counts();
+  const StepState state = integration->stepper().state();
   s.steps = counts.steps;
   s.error_failures = counts.error_failures;
   s.other_failures = counts.other_failures;
@@ -59,8 +60,8 @@ sfdae_statistics statistics_of(const Solver& solver) {
   s.consistency = counts.inconsistency;
   s.first_step = counts.first_step;
   s.rounding = counts.rounding;
-  s.switches = static_cast<long>(solver.integration->switches().all().size());
-  s.jumps = solver.integration->switches().jumps();
+  s.switches = static_cast<long>(integration->switches().all().size());
+  s.jumps = integration->switches().jumps();
   return s;
 }
 
@@ -139,8 +140,9 @@ bool is_usable(const Struct* result) {
 }
 
 const SwitchLog& switches_of(const sfdae_solver& solver) {
-  if (!solver.integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
-  return solver.integration->switches();
+  const Integration* const integration = solver.known_integration();
+  if (integration == nullptr) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  return integration->switches();
 }
 
 // Read-only calls are allowed from callbacks, too.

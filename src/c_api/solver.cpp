@@ -174,7 +174,7 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
 int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
   return guarded(solver, [&] {
     if (name == nullptr) refuse_argument("name is NULL.");
-    solver->set_parameter(name, value);
+    solver->set_parameter(name, value, solver->hybrid == nullptr);
   });
 }
 

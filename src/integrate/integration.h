@@ -67,6 +67,10 @@ class Integration {
   // Goes on with the solution of an integration that has ended at the initial point, with other equations: counts, the
   // interval of interest and the place where steps are recorded are the same. The first step is no longer than that.
   void continue_from(Integration& before, double longest);
+  // The same where E x may have jumped.
+  void take_past(Integration& before);
+  // The point returned last.
+  double last_returned() const { return last_returned_; }
   // Steps fail where branches of conditions should be held, and these equations cannot hold them: advance() ends with
   // SFDAE_ZENO. Unless it has to go on as it can.
   bool lacks_branches() const { return conditions_.lacks_branches(); }

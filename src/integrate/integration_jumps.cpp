@@ -92,22 +92,9 @@ std::vector<double> Integration::sensitivities_after(const MovingSwitch& moving,
   return result;
 }
 
-// Impulses are computed only where E x has to move. Where it can stay, impulses have nothing to do, and it does not
-// matter whether they are determined. Values before the jump are known to their tolerances.
 ConsistentPoint Integration::values_with_branches(const PointOfInterest& before) {
-  constexpr double none = 0.1;  // of the tolerances
-  try {
-    ConsistentPoint near = options_.jumps->values_near(before);
-    std::vector<double> change(near.x), tolerances(near.x.size());
-    for (std::size_t i = 0; i < change.size(); ++i) {
-      change[i] -= before.x[i];
-      tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), near.x.data());
-    }
-    if (integrator_.system.change_of_differentiated(change.data(), tolerances.data()) <= none) return near;
-  } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_CALLBACK_FAILED) throw;
-  }
-  return options_.jumps->values_after(before);
+  const auto tolerance = [this](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
+  return options_.jumps->values(before, integrator_.system, tolerance);
 }
 
 // The point before stays the last one where that throws.
@@ -123,8 +110,12 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   if (companion_) point = options_.jumps->values_before({start, toward, integrator_.stepper->x().data()});
   // Both halves of the gap as far as slopes lead: those after it are known when its end is.
   const bool moves = move(before, half, slopes);
-  ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
-  if (move(before, half, after.xdot) || moves) after = options_.jumps->values_after({t, toward, before.data()});
+  const auto values = [&] {
+    const PointOfInterest place{t, toward, before.data()};
+    return gap.is_jump ? options_.jumps->values_after(place) : values_with_branches(place);
+  };
+  ConsistentPoint after = values();
+  if (move(before, half, after.xdot) || moves) after = values();
   if (point) {
     std::vector<double> shifts = shifts_of_time(t, *point);
     point->x = before;
@@ -196,6 +187,10 @@ void Integration::continue_from(Integration& before, double longest) {
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "consistent values of these equations have another E x.");
   const double step = integrator_.stepper->state().next_step;
   if (std::fabs(step) > longest) integrator_.stepper->set_next_step(std::copysign(longest, step));
+  take_past(before);
+}
+
+void Integration::take_past(Integration& before) {
   counts_.restore(before.counts(), integrator_.system);
   integrator_.contradictions.largest = before.integrator_.contradictions.largest;
   choice_ = before.choice_;

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+
 #include "linalg/matrix.h"
+#include "system/dae_system.h"
 #include "system/jump.h"
 #include "system/model.h"
 
@@ -22,6 +25,11 @@ class JumpRule {
   virtual ConsistentPoint values_before(const PointOfInterest& before) = 0;
   // How the values after the last jump move, n x directions. False where the equations do not say it. Throws Failure.
   virtual bool differentiate(const MovingJump& jump, View after) = 0;
+
+  // The values near those before where E x can stay, else those after impulses. tolerance: of a component, at this x.
+  // The system is that of these equations. Throws Failure.
+  using Tolerance = std::function<double(int i, const double* x)>;
+  ConsistentPoint values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance);
 };
 
 // What carries a solution across a singular point.

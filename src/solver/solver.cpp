@@ -173,6 +173,7 @@ void Solver::find_conditions() {
 
 void Solver::end_integration() {
   integration.reset();
+  changed.reset();
   if (conditions) conditions->release();
 }
 
@@ -231,15 +232,59 @@ void Solver::set_options(SolverOptions fresh) {
   if (goes_on) set_limits(integration->start(), integration->direction());
 }
 
-void Solver::set_parameter(const char* name, double value) {
+void Solver::set_parameter(const char* name, double value, bool goes_on) {
   TaylorEvaluator* evaluator = model.evaluator();
   const auto number = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
   if (!number) refuse_argument(format("there is no parameter \"%.60s\" in the equations.", name));
   if (!std::isfinite(value)) refuse_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
+  std::optional<Changed> before = std::move(changed);
+  if (!before && goes_on && integration && !integration->has_companion()) before = point_returned();
   evaluator->set_parameter(*number, value);
   if (first_order) first_order->set_parameter(*number, value);
   model.parameters_changed();
   forget_analysis();
+  changed = std::move(before);
+}
+
+// None where the solution cannot be evaluated there.
+std::optional<Solver::Changed> Solver::point_returned() {
+  Changed found{integration->last_returned(), std::vector<double>(index(model.n())), model.shared_system(), nullptr};
+  try {
+    integration->want_slopes(false);
+    if (integration->interpolate(found.t, false, found.x.data(), nullptr).status < 0) return std::nullopt;
+  } catch (const Failure& failure) {
+    if (ends_everything(failure.status())) throw;
+    return std::nullopt;
+  }
+  found.integration = std::move(integration);
+  return found;
+}
+
+// As at a jump of data. If this throws, the next call tries it again.
+void Solver::go_on_with_parameters(double tout) {
+  Changed before = std::move(*changed);
+  changed.reset();
+  try {
+    const double t = before.t;
+    const double toward = tout != t ? tout : time_beside(t, before.integration->direction());
+    const PointOfInterest point{t, toward, before.x.data()};
+    demand_point(point, model.n());
+    const KeptValues kept(problem(), t);
+    prepare_start(point);
+    const UserTime user_time(problem(), t);
+    const std::vector<double> sizes = options.model.request_at(point.x).sizes();
+    const auto tolerance = [&sizes](int i, const double*) { return sizes[index(i)]; };
+    const ConsistentPoint after = jumps.values(point, *model.system(), tolerance);
+    auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
+                                              InitialPoint{t, toward, after.x, after.xdot});
+    breakpoints->set_differentiations(system()->analysis().values.mu);
+    next->take_past(*before.integration);
+    integration = std::move(next);
+  } catch (...) {
+    end_integration();
+    changed = std::move(before);
+    throw;
+  }
 }
 
 void Solver::set_events(std::unique_ptr<Events> wanted) {
@@ -468,6 +513,7 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
 }
 
 CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
+  if (changed) go_on_with_parameters(tout);
   if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
   integration->want_slopes(xdot != nullptr);
   const auto attempts = [this] {
@@ -557,6 +603,7 @@ void Solver::restore_checkpoint(const SavedCheckpoint& saved) {
     if (integration) integration->restore_branches();
     throw;
   }
+  changed.reset();
   integration->restore_branches();
   breakpoints->set_differentiations(system()->analysis().values.mu);
   jumps.forget();

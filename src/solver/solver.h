@@ -47,6 +47,8 @@ struct Solver {
   Solver(std::unique_ptr<FormulatedModel> its_model, SolverOptions its_options);
 
   Problem& problem() { return model.problem(); }
+  // The integration under way, or the one that goes on after a change of parameters; null: none.
+  const Integration* known_integration() const { return changed ? changed->integration.get() : integration.get(); }
   // Null before an analysis.
   const DaeSystem* system() const { return model.system(); }
   void forget_analysis();
@@ -56,7 +58,8 @@ struct Solver {
 
   // An integration under way goes on, if the analysis stays.
   void set_options(SolverOptions fresh);
-  void set_parameter(const char* name, double value);
+  // goes_on: an integration under way, without sensitivities, goes on from the point returned last.
+  void set_parameter(const char* name, double value, bool goes_on);
   // Null: no events. They are searched from the point returned last.
   void set_events(std::unique_ptr<Events> wanted);
   // In order; with a flag for each, whether x may jump there.
@@ -119,11 +122,21 @@ struct Solver {
   std::optional<SensitivityRequest> sensitivities;
   // After a start:
   std::unique_ptr<Integration> integration;
+  // Parameters have changed since: the integration, its system and the point returned last. The next advance() goes on.
+  struct Changed {
+    double t;
+    std::vector<double> x;
+    std::shared_ptr<const DaeSystem> system;
+    std::unique_ptr<Integration> integration;
+  };
+  std::optional<Changed> changed;
   std::optional<InitialReport> initial_report;
   std::atomic<bool> busy{false};  // with a call
 
  private:
   void find_conditions();
+  std::optional<Changed> point_returned();
+  void go_on_with_parameters(double tout);
   // Makes the analysis and sets the limits that consistent values at the point need, and ends an integration. Returns
   // what analyze_near does.
   std::vector<double> prepare_start(const PointOfInterest& point);
