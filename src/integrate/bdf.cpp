@@ -180,8 +180,13 @@ void Bdf::commit() {
 }
 
 void Bdf::prepare_interpolation() {
+  // Of the time: the fictitious point of a straight line may be anywhere, but not where rounding errors make its slope.
+  static const double far_enough = std::sqrt(std::numeric_limits<double>::epsilon());
   if (has_differences_) return;
-  if (history_.is_at_start() && last_.order == 0) history_.place_fictitious_point(next_step_);
+  if (history_.is_at_start() && last_.order == 0) {
+    const double least = far_enough * std::fabs(history_.time(0));
+    history_.place_fictitious_point(std::copysign(std::max(std::fabs(next_step_), least), next_step_));
+  }
   history_.compute_differences(std::min(degree_within() + 2, history_.points()), true);
   // Without a step the fictitious point moves with the next one.
   has_differences_ = last_.order > 0;

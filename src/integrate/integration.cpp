@@ -333,7 +333,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   bool is_searched = true, is_jump = false;
   std::vector<PassedSwitch> passed;
   try {
-    is_jump = jumps && (jumps->has_jump(integrator_) || moves_with_parameters(h));
+    is_jump = jumps && (jumps->has_jump(integrator_, adjoint() != nullptr) || moves_with_parameters(h));
     if (!is_across_kink && is_tried_again(h)) return std::nullopt;
     if (!is_across_kink && watch_ && !change_) {
       const StepSearch search = watch_->find(integrator_.stepper->state().t);

@@ -15,8 +15,9 @@ namespace {
 
 // Of a gap: a step of this size at most is one across it.
 constexpr double about_a_gap = 1.5;
-// In tolerances: a jump of E x is larger. Iterations leave less. (Chosen.)
-constexpr double clear_jump = 10.0;
+// In tolerances: a jump of E x is larger. A thousand steps of a staircase add up to one tolerance at most; iterations
+// leave less than a large jump. (Chosen.)
+constexpr double least_jump = 1e-3, large_jump = 10.0;
 
 // A jump is more than so many times what slopes at both ends explain. (Chosen.)
 constexpr double clear_of_slopes = 2.0;
@@ -93,28 +94,31 @@ void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const S
   system.set_limits(std::min(from, to), std::max(from, to));
 }
 
-bool JumpTest::has_jump(const Integrator& integrator) {
+bool JumpTest::has_jump(const Integrator& integrator, bool only_large) {
+  if (!integrator.system.differentiates()) return false;  // E x is continuous
   const StepState state = integrator.stepper->state();
   const std::vector<double>& after = integrator.stepper->tried_x();
   for (std::size_t i = 0; i < jump_.size(); ++i) {
     jump_[i] = after[i] - integrator.stepper->x()[i];
     tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
   }
-  if (!is_clear(integrator)) return false;
+  if (!is_clear(integrator, only_large)) return false;
   integrator.stepper->interpolate({state.t, nullptr, x_.data(), slopes_.data()});
   leave_out(state.tried_t - state.t);
   if (integrator.system.exact_derivative(after.data(), slopes_.data())) leave_out(state.tried_t - state.t);
-  return is_clear(integrator);
+  return is_clear(integrator, only_large);
 }
 
-bool JumpTest::is_clear(const Integrator& integrator) const {
-  return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()) > clear_jump;
+bool JumpTest::is_clear(const Integrator& integrator, bool only_large) const {
+  const double least = only_large ? large_jump : least_jump;
+  return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()) > least;
 }
 
 // Gaps about large times are so wide that fast components change by more than their tolerances in them.
 void JumpTest::leave_out(double h) {
   for (std::size_t i = 0; i < jump_.size(); ++i)
-    if (std::fabs(jump_[i]) <= clear_of_slopes * std::fabs(h * slopes_[i])) jump_[i] = 0.0;
+    if (std::isfinite(slopes_[i]) && std::fabs(jump_[i]) <= clear_of_slopes * std::fabs(h * slopes_[i]))
+      jump_[i] = 0.0;
 }
 
 }  // namespace sfdae::core

@@ -40,16 +40,17 @@ std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, d
 // integration.
 void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start);
 
-// Tells whether E x jumps in a step across a gap that has been tried: it has moved by more than tolerances, and by more
-// than slopes at both ends explain, or it is not known how far. This is made before the step, so that no memory is
-// needed after it.
+// Tells whether E x may jump in a step across a gap that has been tried: it has moved by more than slopes at both ends
+// explain, or it is not known how far. Small jumps count, as those of a staircase add up; if E x does not have to jump,
+// the rule of jumps keeps it. With the adjoint, which cannot be carried over jumps, only large ones count. This is made
+// before the step, so that no memory is needed after it.
 class JumpTest {
  public:
   explicit JumpTest(std::size_t unknowns) : jump_(unknowns), tolerances_(unknowns), x_(unknowns), slopes_(unknowns) {}
-  bool has_jump(const Integrator& integrator);
+  bool has_jump(const Integrator& integrator, bool only_large);
 
  private:
-  bool is_clear(const Integrator& integrator) const;
+  bool is_clear(const Integrator& integrator, bool only_large) const;
   // Components whose slopes explain their changes in a step of size h do not count.
   void leave_out(double h);
 
