@@ -46,6 +46,17 @@ double relative_change(const Vector& dx, const LinearizedConstraints& constraint
   return size > 0.0 ? largest / size : largest;
 }
 
+// Unknowns in small units settle later than those in large ones: each counts relative to its own values. size: of the
+// largest of them, in the units of the equations.
+bool has_settled(const Vector& dx, const Jet& jet, const Vector& before, const Units& units, double size) {
+  constexpr double roundings = 1e-13;
+  for (int i = 0; i < jet.n; ++i) {
+    const double own = std::max(std::fabs(jet.x[index(i)]), std::fabs(before[index(i)]));
+    if (!(std::fabs(dx[index(i)]) <= std::max(converged_change * own, roundings * size * units[i]))) return false;
+  }
+  return true;
+}
+
 Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
               const Vector& before) {
   const int mu = known.analysis.values.mu;
@@ -60,6 +71,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
   Jet last = found.jet;
   Vector step;
   double part = 1.0, last_change = std::numeric_limits<double>::infinity();
+  bool shortens = true;
   for (int iteration = 0; iteration < most_jump_iterations; ++iteration) {
     constraints.linearize(found.jet);
     if (!constraints.has_known_ranks()) break;
@@ -73,8 +85,10 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     found.jump =
         jump_by_impulses({point, found.data, mu, inputs, size}, jump_from(before, found.jet.x.data()), &found.theta);
     const double change = relative_change(found.jump.x, constraints, found.jet, known.units);
-    if (change > most_growth * last_change && part > shortest) {
+    if (change > most_growth * last_change && shortens) {
       part *= 0.25;
+      // Branches of conditions make algebraic unknowns jump, however short the change is.
+      shortens = part > shortest;
       for (double& each : step) each *= 0.25;
       found.jet = last;
       constraints.linearize(found.jet);
@@ -85,7 +99,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     last = found.jet, step = found.jump.x, last_change = change, part = 1.0;
     constraints.move_by(found.jump.x, found.jet);
     if (change > no_change) solver.solve(found.jet, mu);
-    if (change > converged_change) continue;
+    if (change > converged_change || !has_settled(step, found.jet, before, known.units, size)) continue;
     found.jump.x.assign(found.jet.x.data(), found.jet.x.data() + problem.n());
     return found;
   }
