@@ -1,4 +1,4 @@
-// The chain rule for the operations of expressions, whatever these are made of.
+// Chain rule for the operations of expressions; the representation of the terms is a template parameter.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,8 +22,8 @@ inline bool is_stepwise(Operation operation) {
   }
 }
 
-// Algebra has a type Term, number(value), make(operation, u), make(operation, u, v), choose(relation, u, v, a, b),
-// which is a where u and v fulfil the relation, else b, and is_zero(u).
+// Algebra has a type Term, number(value), make(operation, u), make(operation, u, v), is_zero(u), and choose(relation,
+// u, v, a, b), which is a if u and v satisfy the relation, else b.
 template <class Algebra>
 class ChainRule {
  public:

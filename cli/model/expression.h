@@ -8,7 +8,7 @@
 
 namespace sfdae::cli {
 
-// Where something stands in the file; both count from 1, 0: nowhere.
+// Position in the file; both count from 1, 0: unknown.
 struct Location {
   int line = 0, column = 0;
 };

@@ -1,5 +1,5 @@
-// A flat model: scalar variables, equations and conditions, every name resolved, arrays, records and functions
-// expanded. What a reader of a language makes, and what the simulation solves.
+// A flat model: scalar variables, equations and conditions; all names are resolved, arrays, records and functions are
+// expanded. Readers of a language produce it, and the simulation solves it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,22 +19,22 @@ enum class StateSelect { never, avoid, standard, prefer, always };
 struct Variable {
   std::string name;  // as the user wrote it, without quotes
   Type type = Type::real;
-  // Declared or implied: Integer, Boolean, enumeration and what a when clause assigns are discrete.
+  // Declared or implied: Integers, Booleans, enumerations and variables assigned in a when clause are discrete.
   Variability variability = Variability::continuous;
   bool is_input = false, is_output = false;
-  // Of a constant or parameter: its binding; none: `start` is its value, unless it is free. Of others the reader
-  // makes an equation of it.
+  // The binding of a constant or parameter; none: `start` is its value, unless it is free. The reader turns bindings of
+  // other variables into equations.
   Expression binding;
   Expression start, nominal, min, max;  // none: not given; formulas of constants and parameters
   bool is_fixed = false;       // start holds initially; a parameter: it is not computed from initial equations
-  bool is_structural = false;  // a parameter whose value the reader has used: it cannot be changed any more
+  bool is_structural = false;  // a parameter whose value the reader has used: it can no longer be changed
   StateSelect state_select = StateSelect::standard;
   std::string unit, display_unit, description;
-  std::vector<std::string> literals;  // of an enumeration
+  std::vector<std::string> literals;  // for an enumeration
   Location at;
 };
 
-// 0 = left - right. A discrete one determines the discrete variable that is its left side.
+// 0 = left - right. A discrete equation determines the discrete variable on its left side.
 struct Equation {
   Expression left, right;
   Location at;
@@ -47,14 +47,14 @@ struct Assertion {
   Location at;
 };
 
-// What a when clause does when one of its conditions becomes true.
+// An action of a when clause, executed when one of its conditions becomes true.
 struct Action {
   enum class Kind { assign, reinit, assertion, terminate };
   Kind kind = Kind::assign;
-  int variable = -1;  // of assign and reinit
-  Expression value;   // of assign and reinit; the condition of an assertion
+  int variable = -1;  // for assign and reinit
+  Expression value;   // for assign and reinit; the condition of an assertion
   std::string message;
-  bool is_error = true;  // of an assertion
+  bool is_error = true;  // for an assertion
   Location at;
 };
 
@@ -63,7 +63,7 @@ struct WhenBranch {
   std::vector<Action> actions;
 };
 
-// The first branch whose condition becomes true acts.
+// The first branch whose condition becomes true is executed.
 struct When {
   std::vector<WhenBranch> branches;
   Location at;
@@ -83,7 +83,7 @@ struct FlatModel {
   std::vector<std::string> warnings;  // of the reader, each with file, line and column
 };
 
-// What is wrong with a model or its file; what() says file:line:column, what it is and what to do.
+// An error in a model or its file; what() gives file:line:column, the error and a remedy.
 class ModelError : public std::runtime_error {
  public:
   ModelError(const std::string& file, Location at, const std::string& text);

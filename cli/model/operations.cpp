@@ -14,7 +14,7 @@ int num_operands(Operation operation) {
     case Operation::variable:
     case Operation::derivative:
     case Operation::previous:
-    case Operation::sample:  // start and interval are kept elsewhere
+    case Operation::sample:  // start and interval are stored elsewhere
     case Operation::initial:
     case Operation::terminal: return 0;
     case Operation::choose: return 3;

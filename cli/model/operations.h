@@ -1,4 +1,4 @@
-// What operations of expressions are, and their values on numbers.
+// Properties of the operations of expressions, and their values for numbers.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,7 +10,7 @@ int num_operands(Operation operation);
 bool is_relation(Operation operation);
 bool is_rounding(Operation operation);  // floor, ceil, integer, div, mod, rem
 
-// The value of an operation on numbers; what it does not need is ignored.
+// The value of an operation on numbers; unused operands are ignored.
 double applied(Operation operation, double a, double b, double c);
 
 }  // namespace sfdae::cli

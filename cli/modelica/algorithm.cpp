@@ -27,8 +27,8 @@ class ModelStore : public Store {
   ModelStore(Elaboration& e, Scope& declared, bool is_initial)
       : e_(e), declared_(declared), is_initial_(is_initial) {}
 
-  // Before anything is executed: these are start values or left limits until they are assigned.
-  // in_when: number of the when statement around it, from 1; 0: none.
+  // Call for every assignment before execution: the variables have start values or left limits until they are assigned.
+  // in_when: number of the enclosing when statement, from 1; 0: none.
   void announce(const syntax::Expression& left, int in_when) {
     const syntax::Expression& name = name_of(e_, left);
     const ValuePointer value = declared_.find(name.text, name.at);
@@ -180,10 +180,11 @@ class ModelStore : public Store {
     return x != nullptr && x->operation == Operation::variable && own_.count(x->index) > 0;
   }
 
-  // Of a variable that several when statements of the algorithm assign. The last one overrides the others.
+  // Branches that assign a variable in several when statements of the algorithm. The last statement overrides the
+  // others.
   struct Clause {
-    std::vector<WhenBranch> branches;  // the last statement's first
-    std::vector<WhenBranch> fresh;     // of the statement that is being expanded
+    std::vector<WhenBranch> branches;  // those of the last statement first
+    std::vector<WhenBranch> fresh;     // of the statement being expanded
     Location at;
   };
 
@@ -207,7 +208,7 @@ class ModelStore : public Store {
         condition->at);
   }
 
-  // What the when statements so far make of such a variable.
+  // The value of such a variable after the when statements expanded so far.
   Expression between(int key, const Clause& clause) {
     Expression result = initial_value(key)->scalars[0];
     for (size_t k = clause.branches.size(); k-- > 0;)
@@ -257,7 +258,7 @@ class ModelStore : public Store {
   Elaboration& e_;
   Scope& declared_;
   std::set<int> own_, whole_, by_when_, in_several_;
-  std::unordered_map<int, int> in_whens_;  // of a variable: the first when statement that assigns it
+  std::unordered_map<int, int> in_whens_;  // by variable: the first when statement that assigns it
   std::map<int, Clause> clauses_;
   std::unordered_map<int, std::shared_ptr<Value>> initial_;
   std::vector<Action> actions_;

@@ -88,7 +88,7 @@ Operation operation_of(Operator op) {
                  "; make the types and sizes agree");
 }
 
-// Element by element; a scalar goes with every element.
+// Element by element; a scalar is combined with every element.
 Value map_elements(Elaboration& e, Operation operation, const Value& left, const Value& right, OperationPlace place) {
   Value result;
   result.dims = left.is_scalar() ? right.dims : left.dims;
@@ -193,7 +193,7 @@ Value unary(Elaboration& e, Operator op, const Value& operand, OperationPlace pl
   return result;
 }
 
-// Vectors and matrices: v v, A v, v A, A B.
+// Products of vectors and matrices: v v, A v, v A, A B.
 Value multiply(Elaboration& e, const Value& left, const Value& right, OperationPlace place) {
   const size_t p = left.dims.size(), q = right.dims.size();
   if (p < 1 || q < 1 || p > 2 || q > 2 || left.dims.back() != right.dims.front())

@@ -9,7 +9,7 @@
 
 namespace sfdae::cli {
 
-// Where an operation stands and whether its relations make events.
+// Position of an operation, and whether it is in a function, where relations do not generate events.
 struct OperationPlace {
   Location at;
   bool in_function = false;
@@ -23,10 +23,10 @@ Value unary(Elaboration& e, syntax::Operator op, const Value& operand, Operation
 Value multiply(Elaboration& e, const Value& left, const Value& right, OperationPlace place);
 Expression sum_of(Elaboration& e, const std::vector<Expression>& terms, Location at);
 
-// condition ? first : second, element by element; what is missing in one is taken from the other.
+// condition ? first : second, element by element; parts missing in one are taken from the other.
 Value choose(Elaboration& e, const Expression& condition, const Value& first, const Value& second, Location at);
 
-// As a value of that kind: Integers become Reals, records are matched by names of fields. what: for messages.
+// Converts to that kind: Integers become Reals, records are matched by names of fields. what: for messages.
 Value convert(Elaboration& e, const Value& value, Kind kind, const syntax::Definition* definition,
               const std::string& what, Location at);
 

@@ -12,7 +12,7 @@ using syntax::Form;
 
 namespace {
 
-// Replaces the scalars and strings of a value by the numbers of their places, so that selecting from it gives places.
+// Replaces the scalars and strings of a value by their positions, so that selecting from it yields positions.
 class Places {
  public:
   explicit Places(Elaboration& e) : e_(e) {}
@@ -40,14 +40,14 @@ void append_texts(Value& value, std::vector<Text*>& result) {
     for (auto& [name, field] : record.fields) append_texts(field, result);
 }
 
-// What `left` selects from the value of its name.
+// The part that `left` selects from the value of its name.
 Value part_of(Elaboration& e, const Environment& in, const Value& whole, const syntax::Expression& left) {
   if (left.form == Form::member) return member_of(e, part_of(e, in, whole, *left.operands[0]), left.text, left.at);
   if (left.form == Form::subscripted) return select(e, in, part_of(e, in, whole, *left.operands[0]), left);
   return whole;
 }
 
-// Of 'a'[1, i] with constant subscripts: the position of the element.
+// The position of an element 'a'[1, i] with constant subscripts.
 std::optional<size_t> single_position(Elaboration& e, const Environment& in, const Value& whole,
                                       const syntax::Expression& left) {
   const bool is_element = left.form == Form::subscripted && left.operands[0]->form == Form::name &&
@@ -76,7 +76,7 @@ struct Varying {
   Expression index;
 };
 
-// Subscripts of any form may vary; `end` in them is that of the array that they belong to.
+// Subscripts of any form may vary; `end` in them refers to the array that they belong to.
 Varying find_varying(Elaboration& e, const Environment& in, const Value& whole, const syntax::Expression& left) {
   if (left.form != Form::subscripted && left.form != Form::member) return {};
   const Varying of_base = find_varying(e, in, whole, *left.operands[0]);
@@ -137,7 +137,7 @@ struct Assignment {
   const Expression& active;
 };
 
-// Every element in question is chosen or keeps its value.
+// Each element that may be selected gets the new value or keeps its own, depending on the subscript.
 void assign_varying(Elaboration& e, const Environment& in, const Assignment& a, const Varying& varying) {
   const syntax::Expression& left = a.left;
   if (varying.subscripted != &left || left.operands[0]->form != Form::name ||

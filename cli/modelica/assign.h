@@ -11,7 +11,7 @@ namespace sfdae::cli {
 // The name at the beginning of 'a'[1].'b'; fails if there is none.
 const syntax::Expression& name_of(const Elaboration& e, const syntax::Expression& left);
 
-// Where `active` holds, the part of `whole` that `left` selects becomes `value`.
+// Sets the part of `whole` that `left` selects to `value`, if `active` holds.
 void assign_part(Elaboration& e, const Environment& in, Value& whole, const syntax::Expression& left,
                  const Value& value, const Expression& active);
 

@@ -1,4 +1,4 @@
-// Functions that make and rearrange arrays.
+// Functions that construct and rearrange arrays.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <map>
@@ -220,7 +220,7 @@ Value skew(Elaboration& e, const Environment&, const Call& call) {
   return result;
 }
 
-// cat(1, A, B, ...): one after the other along a dimension.
+// cat(1, A, B, ...): concatenation along a dimension.
 Value cat(Elaboration& e, const Environment&, const Call& call) {
   check_count(e, call, 2, 10000);
   const int d = integer_argument(e, call, 0);

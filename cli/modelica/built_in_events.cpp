@@ -1,4 +1,4 @@
-// der, pre and other operators that speak of time and events, conversions.
+// der, pre and other operators on time and events, and conversions.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 using Function = Value (*)(Elaboration&, const Environment&, const Call&);
 
-// Changes every scalar, also those in records.
+// Applies a change to every scalar, including those in records.
 template <class Change>
 Value changed(Value value, Change change) {
   for (Expression* x : scalars_of(value)) *x = change(*x);
@@ -106,7 +106,7 @@ Value no_event(Elaboration& e, const Environment&, const Call& call) {
   });
 }
 
-// smooth(p, x): with p > 0 the jumps of x are in derivatives that no step notices, or hardly.
+// smooth(p, x): with p > 0, the jumps of x are in derivatives that hardly affect a step.
 Value smooth(Elaboration& e, const Environment&, const Call& call) {
   check_count(e, call, 2, 2);
   const int order = integer_argument(e, call, 0);
@@ -134,7 +134,7 @@ Value semi_linear(Elaboration& e, const Environment& in, const Call& call) {
   return scalar_value(Kind::real, e.pool.make(Operation::choose, {is_positive, positive, negative}, call.at));
 }
 
-// The ordinal of an enumeration; whole numbers pass.
+// The ordinal of an enumeration; whole numbers are returned unchanged.
 Value to_integer(Elaboration& e, const Environment&, const Call& call) {
   check_count(e, call, 1, 1);
   Value result = call.arguments[0].value;
@@ -150,7 +150,7 @@ Value to_real(Elaboration& e, const Environment&, const Call& call) {
   return convert(e, call.arguments[0].value, Kind::real, nullptr, "the argument of 'Real'", call.at);
 }
 
-// Only for messages if the value is not constant.
+// Only for messages unless the value is constant.
 Value to_string(Elaboration& e, const Environment&, const Call& call) {
   check_count(e, call, 1, 5);
   const Value& value = call.arguments[0].value;

@@ -61,7 +61,7 @@ Value apply_function(Elaboration& e, const Environment& in, const Function& func
         e.fail(call.at, "arguments of '" + call.name + "' differ in size");
       operands.push_back(one.value.scalars[one.value.is_scalar() ? 0 : k]);
     }
-    // An Integer is its own whole part, without events.
+    // floor, ceil and integer of an Integer are the Integer itself, without events.
     const bool is_whole = function.count == 1 && call.arguments[0].value.kind == Kind::integer &&
                           (function.operation == Operation::floor || function.operation == Operation::ceil ||
                            function.operation == Operation::integer);

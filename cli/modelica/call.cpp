@@ -1,4 +1,4 @@
-// Calls: which function a name means, and what it is called with.
+// Function calls: resolution of the name and evaluation of the arguments.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <utility>
@@ -17,7 +17,7 @@ using syntax::Form;
 
 namespace {
 
-// der('x') and its like speak of variables, not of what algorithms have assigned.
+// der, pre, edge and change refer to variables, not to values that algorithms have assigned.
 bool speaks_of_variables(const std::string& name) {
   return name == "der" || name == "pre" || name == "edge" || name == "change";
 }

@@ -1,4 +1,4 @@
-// Values of other types and shapes.
+// Conversions of values to other types and shapes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <utility>
@@ -10,7 +10,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// The kind that both can have; fails if there is none.
+// The common kind of both; fails if there is none.
 Kind common_kind(const Elaboration& e, const Value& a, const Value& b, Location at) {
   if (a.kind == b.kind && (a.kind != Kind::enumeration || a.definition == b.definition)) return a.kind;
   if (a.is_numeric() && b.is_numeric()) return Kind::real;

@@ -28,7 +28,7 @@ Type type_of(Kind kind) {
   }
 }
 
-// [1,2] of the element at a position.
+// The subscripts of the element at a position, for example [1,2].
 std::string subscripts_at(const std::vector<int>& dims, size_t position) {
   std::string result;
   for (size_t d = dims.size(); d-- > 0;) {
@@ -105,7 +105,7 @@ Value Symbols::instantiate(Symbol& one, const Instance& instance) {
       e_.fail(declaration.type_at, "a variable whose type is the function '" + plain(type.definition->name) + "'");
     result.kind = Kind::function;
     result.definition = type.definition;
-    one.has_texts = true;  // known once it is bound
+    one.has_texts = true;  // assigned by the binding
   } else {
     result = instantiate_scalars(one, inner, type, dims);
   }
@@ -299,7 +299,7 @@ void Symbols::settle_constants(Symbol& one) {
     if ((*scalar)->operation == Operation::variable && !one.is_global) {
       const Variable& variable = e_.model.variables[static_cast<size_t>((*scalar)->index)];
       const Expression& formula = variable.binding ? variable.binding : variable.start;
-      if (formula == nullptr) continue;  // refused where it is used
+      if (formula == nullptr) continue;  // an error is reported if it is used
       *scalar = formula;
     }
     const std::optional<double> value = value_of(*scalar, at);

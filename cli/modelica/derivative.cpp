@@ -11,7 +11,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// What the chain rule makes expressions with.
+// Constructs expressions for the chain rule.
 struct Expressions {
   using Term = Expression;
 

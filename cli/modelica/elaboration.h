@@ -1,4 +1,4 @@
-// What all parts of the expansion of a model share: its tree, the model that is made, names and limits.
+// Data shared by all parts of the expansion of a model: its tree, the model under construction, names and limits.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,7 +19,7 @@ namespace sfdae::cli {
 class Symbols;
 struct FunctionMemory;
 
-// The types, records, enumerations and functions of a package, and those that the language brings.
+// The types, records, enumerations and functions of a package, and the predefined ones.
 class Definitions {
  public:
   explicit Definitions(const syntax::File& tree);
@@ -35,13 +35,13 @@ class Definitions {
   std::unordered_map<std::string, const syntax::Definition*> by_name_;
 };
 
-// Where names are looked up: a function's variables, the model, iterators of loops.
+// Scope for the lookup of names: variables of a function, the model, iterators of loops.
 class Scope {
  public:
   virtual ~Scope() = default;
-  // None: the name is not known here.
+  // None: the name is unknown here.
   virtual ValuePointer find(const std::string& name, Location at) = 0;
-  // The same before algorithms assign anything: of what der and pre speak.
+  // The same scope before assignments by algorithms, for the operands of der and pre.
   virtual Scope& declared() { return *this; }
 };
 
@@ -67,7 +67,7 @@ class IteratorScope : public Scope {
   std::unique_ptr<IteratorScope> declared_;
 };
 
-// What is expanded counts only while the condition holds, and the outer ones.
+// A condition of the code being expanded, which applies only while this condition and the outer ones hold.
 struct Guard {
   const Guard* outer = nullptr;
   Expression condition;
@@ -77,20 +77,20 @@ struct Guard {
 // The circumstances in which an expression is expanded.
 struct Environment {
   Scope* scope = nullptr;
-  bool in_function = false;                      // relations make no events
+  bool in_function = false;                      // relations generate no events
   const Guard* guard = nullptr;                  // none: always
-  std::vector<Assertion>* assertions = nullptr;  // where assertions of called functions go
-  const Value* indexed = nullptr;                // what `end` speaks of: its dimension of that number
+  std::vector<Assertion>* assertions = nullptr;  // receives assertions of called functions
+  const Value* indexed = nullptr;                // the array of `end`, its size in that dimension
   int indexed_dimension = 0;
 };
 
-// Limits keep files, also hostile ones, from taking all time or memory.
+// Limits that keep files, including malicious ones, from using unbounded time or memory.
 struct Limits {
   static constexpr long kMaxSteps = 3'000'000;     // expressions expanded: a few seconds
   static constexpr long kMaxElements = 1'000'000;  // of an array
   static constexpr int kMaxVariables = 300'000;    // scalar ones
   static constexpr int kMaxDepth = 400;            // expressions within expressions, those of functions included
-  static constexpr int kMaxRounds = 50;            // of a while loop whose end depends on variables
+  static constexpr int kMaxRounds = 50;            // for a while loop whose end depends on variables
   static constexpr int kMaxRecursion = 50;         // calls of a function within itself
   long steps = 0;
   int depth = 0;
@@ -115,27 +115,27 @@ struct Elaboration {
   void charge(long steps, Location at);
 };
 
-// A type with its aliases followed.
+// A type with its aliases resolved.
 struct ResolvedType {
   Kind kind = Kind::real;
-  const syntax::Definition* definition = nullptr;                       // of records, enumerations, functions
-  std::vector<const syntax::Expression*> dimensions;                    // of the aliases
+  const syntax::Definition* definition = nullptr;                       // for records, enumerations, functions
+  std::vector<const syntax::Expression*> dimensions;                    // from the aliases
   std::vector<const std::vector<syntax::Modification>*> modifications;  // the innermost first
 };
 ResolvedType resolve_type(const Elaboration& e, const std::string& name, Location at);
 
 Value evaluate(Elaboration& e, const Environment& in, const syntax::Expression& expression);
-// All results of a call; one of everything else.
+// All results of a call; a single value for other expressions.
 std::vector<Value> evaluate_outputs(Elaboration& e, const Environment& in, const syntax::Expression& expression);
 std::vector<Value> evaluate_call(Elaboration& e, const Environment& in, const syntax::Expression& call);
-// what: of what it is, for messages.
+// what: description of the expression, for messages.
 Expression evaluate_condition(Elaboration& e, const Environment& in, const syntax::Expression& expression,
                               const std::string& what);
-// Of constants and parameters, whose values become part of the structure.
+// An integer of constants and parameters, whose values become part of the structure.
 int evaluate_integer(Elaboration& e, const Environment& in, const syntax::Expression& expression,
                      const std::string& what);
 std::optional<double> constant_value(Elaboration& e, const Expression& expression);
-// All guards hold; the number 1 if there is none.
+// Conjunction of all guards; the number 1 if there are none.
 Expression guard_condition(Elaboration& e, const Guard* guard, Location at);
 void add_assertion(Elaboration& e, const Environment& in, Assertion assertion);
 // The elements over which a for loop or comprehension runs.

@@ -48,7 +48,7 @@ void append_equation(Elaboration& e, const Environment& in, const Statement& one
     if (tuple.operands[k]) append_equalities(e, evaluate(e, in, *tuple.operands[k]), results[k], one.at, equations);
 }
 
-// The equation of a case that has this left side, from the hint on; taken out.
+// Removes the first equation with this left side from the equations of a case and returns its right side.
 bool take_equal_left(Equations& from, const Expression& left, Expression& right) {
   for (Equation& one : from) {
     if (one.left == nullptr) continue;
@@ -62,7 +62,7 @@ bool take_equal_left(Equations& from, const Expression& left, Expression& right)
   return false;
 }
 
-// Equations of the cases one by one: those with the same left side in all, the others in their order.
+// Combines the equations of all cases: those with a left side common to all cases, then the others in their order.
 void append_choices(Elaboration& e, std::vector<Case>& cases, Location at, Equations& equations) {
   const auto chosen = [&](const std::vector<Expression>& values) {
     Expression result = values.back();
@@ -70,7 +70,7 @@ void append_choices(Elaboration& e, std::vector<Case>& cases, Location at, Equat
       result = e.pool.make(Operation::choose, {cases[k].condition, values[k], result}, at);
     return result;
   };
-  std::unordered_map<const Node*, int> lefts;  // in how many cases
+  std::unordered_map<const Node*, int> lefts;  // number of cases with this left side
   for (const Case& one : cases) {
     std::unordered_map<const Node*, bool> here;
     for (const Equation& equation : one.equations)

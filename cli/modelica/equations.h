@@ -22,13 +22,13 @@ void append_equalities(Elaboration& e, const Value& left, const Value& right, Lo
 // When clauses.
 std::vector<Expression> evaluate_when_conditions(Elaboration& e, const Environment& in, const syntax::Expression& x);
 When expand_when(Elaboration& e, const Environment& in, const syntax::Statement& statement);
-// reinit(x, value), where the guards of `in` hold.
+// reinit(x, value), if the guards of `in` hold.
 void append_reinit(Elaboration& e, const Environment& in, const syntax::Expression& call,
                    std::vector<Action>& actions);
 Action evaluate_terminate(Elaboration& e, const Environment& in, const syntax::Expression& call);
-// Assertions of functions that actions have called are actions, too.
+// Turns assertions from functions called in actions into actions.
 void append_assertions(const std::vector<Assertion>& assertions, std::vector<Action>& actions);
-// Fails unless it is a variable that equations may determine.
+// Fails unless x is a variable that equations may determine.
 int assigned_variable(const Elaboration& e, const Expression& x, Location at);
 
 // Checks that need the whole model, and the direction of discrete equations.

@@ -1,4 +1,4 @@
-// Expressions of the syntax tree become values.
+// Evaluation of expressions of the syntax tree.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ std::optional<Value> find_literal(Elaboration& e, const std::string& type, const
   e.fail(at, "the enumeration '" + plain(type) + "' has no literal '" + plain(name) + "'");
 }
 
-// Names that are no variables: types as the array of their literals, functions, time.
+// Names that are not variables: types as the array of their literals, functions, time.
 std::optional<Value> find_definition(Elaboration& e, const Environment& in, const syntax::Expression& x) {
   if (x.text == "time" && !in.in_function) return scalar_value(Kind::real, e.pool.leaf(Operation::time, x.at));
   if (const syntax::Definition* found = e.definitions.find(x.text)) {
@@ -74,14 +74,14 @@ std::optional<Value> find_definition(Elaboration& e, const Environment& in, cons
   e.fail(x.at, "unknown name '" + plain(x.text) + "'; declare it" + (in.in_function ? " in the function" : ""));
 }
 
-// A name without a copy of its value.
+// Looks up a name without copying its value.
 ValuePointer find_name(Elaboration& e, const Environment& in, const syntax::Expression& x) {
   if (ValuePointer found = in.scope->find(x.text, x.at)) return found;
   if (std::optional<Value> found = find_definition(e, in, x)) return std::make_shared<const Value>(std::move(*found));
   fail_unknown(e, in, x);
 }
 
-// A.B.C of names alone as 'A.B and C.
+// Splits a chain A.B.C of names; `front` becomes 'A.B.C without the last quote.
 bool split_names(const syntax::Expression& x, std::string& front) {
   if (x.form == Form::name) return front = x.text, true;
   std::string before;
@@ -125,7 +125,7 @@ Value evaluate_chain(Elaboration& e, const Environment& in, const syntax::Expres
     const Value term = evaluate(e, in, *x.operands[k + 1]);
     if (!term.is_scalar() || !term.is_numeric() || terms.size() != k + 1 || terms.back() == nullptr ||
         term.scalars[0] == nullptr) {
-      // Arrays or strings, from here on as in a short one.
+      // Arrays or strings: from here on, as in a short chain.
       if (!terms.empty()) result.scalars = {sum_of(e, terms, x.at)};
       terms.clear();
       result = binary(e, x.operators[k], result, term, place);
@@ -140,7 +140,7 @@ Value evaluate_chain(Elaboration& e, const Environment& in, const syntax::Expres
 }
 
 Value evaluate_choose(Elaboration& e, const Environment& in, const syntax::Expression& x) {
-  std::deque<Guard> guards;  // their addresses stay
+  std::deque<Guard> guards;  // a deque, so that addresses remain valid
   std::vector<std::pair<Expression, Value>> cases;
   Environment here = in;
   Value otherwise;
@@ -175,7 +175,7 @@ Value evaluate_choose(Elaboration& e, const Environment& in, const syntax::Expre
   return otherwise;
 }
 
-// [a, b; c, d]: rows of scalars, vectors as columns, or matrices beside and below each other.
+// [a, b; c, d]: rows of scalars, vectors as columns, or matrices side by side and stacked.
 Value evaluate_matrix(Elaboration& e, const Environment& in, const syntax::Expression& x) {
   std::vector<Expression> scalars;
   Kind kind = Kind::integer;
@@ -308,7 +308,7 @@ Expression evaluate_condition(Elaboration& e, const Environment& in, const synta
 std::optional<double> constant_value(Elaboration& e, const Expression& expression) {
   if (expression == nullptr) return std::nullopt;
   const std::optional<double> value = e.symbols->value_of(expression, expression->at);
-  return value && std::isnan(*value) ? std::nullopt : value;  // what is not defined may never be needed
+  return value && std::isnan(*value) ? std::nullopt : value;  // undefined values may never be needed
 }
 
 int evaluate_integer(Elaboration& e, const Environment& in, const syntax::Expression& x, const std::string& what) {

@@ -69,7 +69,7 @@ void Executor::assignment(const Environment& in, const Statement& one) {
     if (one.left->operands[k] != nullptr) store_.assign(in, *one.left->operands[k], results[k], active());
 }
 
-// Within recursive calls parameters decide, or they would never end.
+// In recursive calls, parameters must decide conditions; otherwise the recursion would not end.
 bool Executor::is_decided_by_parameters(const Expression& condition) const {
   const auto& active = e_.functions->active;
   return !e_.pool.varies(condition) && active.size() > 1 &&
@@ -90,7 +90,7 @@ void Executor::if_statement(const Environment& in, const Statement& one, size_t 
   }
 }
 
-// Executes branch k, then what follows if its condition is false, and chooses between the results.
+// Executes branch k and the branches after it, and chooses between the results by the condition.
 void Executor::both(const Environment& in, const Expression& condition, const Statement& one, size_t k) {
   const Store::State before = store_.state();
   const Flow flow = flow_;
@@ -145,7 +145,7 @@ void Executor::for_loop(const Environment& in, const Statement& one) {
   flow_.broken = outside;
 }
 
-// After the last round that is expanded the loop must have ended.
+// Asserts that the loop has ended after the last round that is expanded.
 void Executor::assert_ended(const Environment& in, Location at) {
   Assertion assertion;
   assertion.condition = e_.pool.make(Operation::or_, {flow_.returned, flow_.broken}, at);
@@ -166,7 +166,7 @@ void Executor::while_loop(const Environment& in, const Statement& one) {
     const Expression condition = evaluate_condition(e_, in, *body.condition, "the condition of a while loop");
     const std::optional<double> known = constant_value(e_, condition);
     if (!known) {
-      // As if it began with: if not condition then break.
+      // Equivalent to: if not condition then break.
       if (++num_open_rounds > Limits::kMaxRounds) {
         assert_ended(in, one.at);
         break;

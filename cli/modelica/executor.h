@@ -1,4 +1,4 @@
-// Executes algorithms on formulas: after it, every variable is a formula of what was known before.
+// Symbolic execution of algorithms: afterwards, every variable is a formula in values known before.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,17 +11,17 @@
 
 namespace sfdae::cli {
 
-// The variables that an algorithm assigns; keys are the store's own.
+// The variables that an algorithm assigns; each store defines its own keys.
 class Store : public Scope {
  public:
   using State = std::map<int, std::shared_ptr<Value>>;
 
-  // Assigns to `left`, a name with subscripts and members, where `active` (a Boolean formula) holds.
+  // Assigns to `left`, a name with subscripts and members, if `active` (a Boolean formula) holds.
   virtual void assign(const Environment& in, const syntax::Expression& left, const Value& value,
                       const Expression& active) = 0;
-  // Of a key that the state has no value for; none: nothing.
+  // The value for a key without an entry in the state; none: no value.
   virtual std::shared_ptr<Value> initial_value(int key) = 0;
-  // reinit and terminate; false: not in a when clause.
+  // reinit and terminate; false if not in a when clause.
   virtual bool act(const Environment& in, const syntax::Expression& call) = 0;
   // A when statement; only models have them.
   virtual void when(const Environment& in, const syntax::Statement& statement) = 0;
@@ -39,7 +39,7 @@ class Executor {
   void run(const std::vector<syntax::Statement>& body);
 
  private:
-  // Where these hold, nothing is executed any more: until the end of the algorithm, of the loop.
+  // Conditions that skip the remaining statements: until the end of the algorithm, or of the loop.
   struct Flow {
     Expression returned, broken;
   };
@@ -64,7 +64,7 @@ class Executor {
   Flow flow_;
 };
 
-// assert(condition, message, level) as an assertion where the guards of `in` hold.
+// assert(condition, message, level) as an assertion that applies if the guards of `in` hold.
 Assertion evaluate_assertion(Elaboration& e, const Environment& in, const syntax::Expression& call);
 
 }  // namespace sfdae::cli

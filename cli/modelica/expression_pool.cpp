@@ -87,7 +87,7 @@ Expression ExpressionPool::keep(Node node, bool varies) {
 
 Expression ExpressionPool::number(double value, Location at) {
   Node node;
-  node.value = value == 0.0 ? 0.0 : value;  // one zero
+  node.value = value == 0.0 ? 0.0 : value;  // never -0
   node.at = at;
   return keep(std::move(node), false);
 }
@@ -123,7 +123,7 @@ Expression ExpressionPool::make(Operation operation, std::vector<Expression> ope
   return keep(std::move(node), operation == Operation::sample);
 }
 
-// The same value by less; none if there is no such expression.
+// A simpler expression of the same value; none if there is none.
 Expression ExpressionPool::simplified(Operation operation, const std::vector<Expression>& x, Location at) {
   switch (operation) {
     case Operation::no_event: return has_events(x[0]) ? nullptr : x[0];
@@ -139,7 +139,7 @@ Expression ExpressionPool::simplified(Operation operation, const std::vector<Exp
 
 Expression ExpressionPool::simplified_logic(Operation operation, const std::vector<Expression>& x) {
   if (operation == Operation::not_) return x[0]->operation == Operation::not_ ? x[0]->operands[0] : nullptr;
-  // true is neutral in `and`, false in `or`; the other one decides.
+  // true is neutral in `and`, false in `or`; the result is the other operand.
   const double neutral = operation == Operation::and_ ? 1.0 : 0.0;
   for (size_t k = 0; k < 2; ++k)
     if (is_number(x[k])) return x[k]->value == neutral ? x[1 - k] : x[k];

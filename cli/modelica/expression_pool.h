@@ -1,4 +1,4 @@
-// Makes expressions: equal ones are one node, constant ones are computed, neutral operations are left out.
+// Constructs expressions: equal ones share a node, constant ones are evaluated, neutral operations are omitted.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace sfdae::cli {
 
-// The value of an operation on numbers; none if there is none (time, sample, ...).
+// The value of an operation on numbers; none for time, sample, ...
 std::optional<double> apply(Operation operation, const std::vector<double>& operands);
 
 class ExpressionPool {
@@ -31,12 +31,12 @@ class ExpressionPool {
 
   // Not determined by constants and parameters.
   bool varies(const Expression& e) const { return facts(e).varies; }
-  // Contains something that makes events.
+  // Contains an operation that generates events.
   bool has_events(const Expression& e) const { return facts(e).has_events; }
 
-  // A file that expands to more is refused: about 1 GB.
+  // Limit on the expansion of a file: about 1 GB.
   static constexpr size_t kMaxNodes = 4'000'000;
-  // Of operations within operations: what works on expressions may recurse.
+  // Limit on the nesting of operations, because functions on expressions may recurse.
   static constexpr int kMaxDepth = 2000;
 
  private:

@@ -14,7 +14,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Calls visit(formula, where it stands) for all formulas of a model but bindings and attributes.
+// Calls visit(formula, location) for all formulas of a model except bindings and attributes.
 void visit_formulas(const FlatModel& model, const std::function<void(const Expression&, Location)>& visit) {
   const auto visit_equations = [&](const std::vector<Equation>& equations) {
     for (const Equation& one : equations) visit(one.left, one.at), visit(one.right, one.at);
@@ -52,7 +52,7 @@ class Finish {
  private:
   Variable& variable(int k) { return model_.variables[static_cast<size_t>(k)]; }
 
-  // Functions and subscripts give the same one wherever they stand.
+  // Functions and subscripts generate the same assertion at each occurrence.
   void drop_repeated_assertions() {
     std::unordered_set<const Node*> conditions;
     std::erase_if(model_.assertions, [&](const Assertion& one) {
@@ -60,7 +60,7 @@ class Finish {
     });
   }
 
-  // What when clauses assign is discrete, and assigned in one clause.
+  // Variables assigned in when clauses are discrete, and each is assigned in only one clause.
   void mark_discrete() {
     for (size_t w = 0; w < model_.whens.size(); ++w)
       for (const WhenBranch& branch : model_.whens[w].branches)
@@ -77,7 +77,7 @@ class Finish {
         }
   }
 
-  // Notes derivatives and parameters, each node once.
+  // Records derivatives and parameters, visiting each node once.
   void walk(const Expression& root, Location at) {
     std::vector<const Node*> open{root.get()};
     while (!open.empty()) {
@@ -126,7 +126,7 @@ class Finish {
     e_.symbols->check_parameters();
   }
 
-  // Depends on something that changes between events; relations and the like do not.
+  // Depends on a quantity that changes between events; relations and similar operations do not.
   bool varies_continuously(const Expression& x) {
     const auto found = continuous_.find(x.get());
     if (found != continuous_.end()) return found->second;
@@ -163,7 +163,7 @@ class Finish {
     }
   }
 
-  // Its value is a Real because of what it is made of; numbers fit everywhere.
+  // The value is Real because of its operands; numbers fit any type.
   bool is_real(const Expression& x) {
     const auto found = real_.find(x.get());
     if (found != real_.end()) return found->second;
@@ -209,7 +209,7 @@ class Finish {
     return result;
   }
 
-  // The discrete variable that an equation can determine by this side: itself, its negation or opposite.
+  // The discrete variable that an equation can determine by this side: v, not v, -v.
   int candidate(const Expression& side) {
     const bool is_inverse = side->operation == Operation::not_ || side->operation == Operation::negate;
     const Expression& x = is_inverse ? side->operands[0] : side;
@@ -221,12 +221,12 @@ class Finish {
 
   struct DiscreteEquation {
     size_t number;                  // among the model's equations
-    std::array<int, 2> candidates;  // of its sides; -1: none
+    std::array<int, 2> candidates;  // by side; -1: none
     bool is_directed = false;
   };
 
-  // Every discrete equation has at most two variables that it could determine. Those with one come first, and take
-  // the variable from the others; circles may go either way round.
+  // Every discrete equation can determine at most two variables. Equations with one candidate are directed first and
+  // remove it from the others; cycles may be directed either way.
   void direct_discrete_equations() {
     std::vector<DiscreteEquation> equations;
     std::unordered_map<int, std::vector<size_t>> of_variable;
@@ -280,8 +280,8 @@ class Finish {
     }
   }
 
-  // With as many equations as unknowns, one too few for discrete variables is one too many for the others: a Real
-  // formula that stands for an Integer. Other numbers are reported when the model is solved.
+  // If there are as many equations as unknowns and one is missing for the discrete variables, there is one too many for
+  // the others: a Real formula in place of an Integer. Other mismatches are reported when the model is solved.
   void check_discrete_variables() {
     size_t num_unknowns = 0, num_by_when = 0;
     int missing = -1;
@@ -302,7 +302,7 @@ class Finish {
 
   Elaboration& e_;
   FlatModel& model_;
-  std::vector<int> by_when_;  // of a variable: the when clause that assigns it, from 1; 0: none
+  std::vector<int> by_when_;  // by variable: the when clause that assigns it, from 1; 0: none
   std::unordered_set<const Node*> seen_;
   std::unordered_map<int, Location> derivatives_, parameters_;
   std::unordered_set<int> determined_;  // discrete variables that have an equation

@@ -22,7 +22,7 @@ using syntax::Direction;
 
 namespace {
 
-// Of a type, with nothing assigned.
+// A value of a type, with nothing assigned.
 Value unassigned(Elaboration& e, const ResolvedType& type, std::vector<int> dims, int depth, Location at) {
   if (depth > 50) e.fail(at, "records within records beyond 50 levels; end the circle");
   std::replace(dims.begin(), dims.end(), -1, 0);
@@ -51,7 +51,7 @@ Value unassigned(Elaboration& e, const ResolvedType& type, std::vector<int> dims
   return result;
 }
 
-// The variables of a function: inputs, outputs, locals; keys are their numbers among its elements.
+// The variables of a function: inputs, outputs, locals; keys are their indices among its elements.
 class FunctionStore : public Store {
  public:
   FunctionStore(Elaboration& e, const Definition& function, Environment in)
@@ -81,7 +81,7 @@ class FunctionStore : public Store {
     stages_[static_cast<size_t>(k)] = 2;
   }
 
-  // Once all inputs are known.
+  // Call after all inputs are known.
   void check_input_sizes(Location at) {
     for (size_t k = 0; k < function_.elements.size(); ++k) {
       if (function_.elements[k].direction != Direction::input) continue;
@@ -180,7 +180,7 @@ class FunctionStore : public Store {
   std::vector<int> stages_;  // 0: not initialized, 1: being initialized, 2: done
 };
 
-// The argument of each element of the function; null: not given.
+// The argument for each element of the function; null: not given.
 std::vector<const Argument*> match(const Elaboration& e, const Definition& function,
                                    const std::vector<Argument>& arguments, Location at) {
   std::vector<const Argument*> result(function.elements.size(), nullptr);
@@ -208,7 +208,7 @@ std::vector<const Argument*> match(const Elaboration& e, const Definition& funct
   return result;
 }
 
-// What the function of C or of the language computes.
+// Computes an external function of the C library or of the language.
 void run_external(Elaboration& e, const Environment& in, const Definition& function, FunctionStore& store) {
   const syntax::External& external = *function.external;
   const std::string name = external.name.empty() ? plain(function.name) : plain(external.name);
@@ -254,7 +254,7 @@ void run_external(Elaboration& e, const Environment& in, const Definition& funct
   store.assign(inside, left, *result, e.pool.truth(true));
 }
 
-// Identifies a call: the function and its arguments. Empty: strings or functions are among them.
+// Appends the value to the key of a call, its function and arguments. Strings and functions make the key unusable.
 void append_key(const Value& value, std::vector<const void*>& key, bool& is_known) {
   if (value.kind == Kind::string || value.kind == Kind::function) is_known = false;
   key.push_back(value.definition);
@@ -317,7 +317,7 @@ std::vector<Value> call_once(Elaboration& e, const Environment& in, const Defini
   return outputs;
 }
 
-// How many more dimensions an argument has than its input.
+// The number of dimensions that an argument has in addition to those of its input.
 size_t extra_dims(const Elaboration& e, const Declaration& input, const Value& argument) {
   const size_t wanted = input.dimensions.size() + resolve_type(e, input.type, input.type_at).dimensions.size();
   return argument.dims.size() > wanted ? argument.dims.size() - wanted : 0;

@@ -10,7 +10,7 @@
 
 namespace sfdae::cli {
 
-// What calls with the same arguments have given, and which functions are being expanded.
+// Results of calls by their arguments, and the functions that are being expanded.
 struct FunctionMemory {
   struct Result {
     std::vector<Value> outputs;
@@ -20,7 +20,7 @@ struct FunctionMemory {
   std::vector<const syntax::Definition*> active;
 };
 
-// All outputs. Scalar inputs that get arrays: the function is called for every element.
+// All outputs. If scalar inputs get arrays, the function is called for every element.
 std::vector<Value> call_function(Elaboration& e, const Environment& in, const syntax::Definition& function,
                                  const std::vector<Argument>& arguments, Location at);
 

@@ -53,7 +53,7 @@ class Lexer {
     if (c == '\n') {
       ++at_.line;
       at_.column = 1;
-    } else if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) {  // not within a character of UTF-8
+    } else if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) {  // not a continuation byte of UTF-8
       ++at_.column;
     }
     return c;
@@ -68,7 +68,7 @@ class Lexer {
     result_.version = std::string(text_.substr(mark.size(), end == text_.npos ? text_.npos : end - mark.size()));
   }
 
-  // False if a comment does not end.
+  // False if a comment is not terminated.
   bool skip_blanks() {
     while (!at_end()) {
       const char c = peek();

@@ -17,11 +17,11 @@ enum class TokenKind {
   text,  // a string
   keyword,
   symbol,   // operators and punctuation
-  invalid,  // what is wrong is its text; the last one
+  invalid,  // its text is the error; the last token
   end
 };
 
-// The text of an identifier is decoded; a quoted one ('x' differs from x) begins with one quote.
+// The text of an identifier is decoded; that of a quoted one ('x' differs from x) begins with a single quote.
 struct Token {
   TokenKind kind = TokenKind::end;
   std::string text;
@@ -34,7 +34,7 @@ struct Token {
 
 struct Tokens {
   std::vector<Token> tokens;  // the last one is `end` or `invalid`
-  std::string version;        // of the line "//! base N.N.N"; empty: there is none
+  std::string version;        // from the line "//! base N.N.N"; empty: no such line
 };
 
 Tokens tokenize(std::string_view text);

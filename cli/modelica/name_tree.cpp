@@ -11,9 +11,9 @@ namespace sfdae::cli {
 
 namespace {
 
-constexpr size_t kMaxSteps = 100;  // of one name; assembling recurses
+constexpr size_t kMaxSteps = 100;  // per name; assembling recurses
 
-// "1,2" as numbers; empty: something else.
+// "1,2" as numbers; empty for other texts.
 std::vector<int> subscripts_of(const std::string& text) {
   std::vector<int> result;
   size_t begin = 0;
@@ -111,7 +111,7 @@ Value NameTree::assemble_array(Elaboration& e, const Part& part, Location at, co
     for (size_t k = 0; k < dims.size(); ++k) dims[k] = std::max(dims[k], subscripts[k]);
   }
   check_dims(e, dims, at);
-  // Subscripts are sorted by rows: if none is missing or 0, their number is right.
+  // If no subscript is missing or 0, there are product(dims) elements, sorted by rows.
   if (product(dims) != part.elements.size() ||
       *std::min_element(part.elements.begin()->first.begin(), part.elements.begin()->first.end()) < 1)
     e.fail(at, "an array of which not all elements are declared; declare all or name single ones");

@@ -1,4 +1,5 @@
-// Finds what scalar names such as a.b[1].c make up: exports whose variables are scalars still name whole arrays.
+// Arrays and records assembled from scalar names such as a.b[1].c: exports with scalar variables still use whole
+// arrays.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,11 +15,11 @@ namespace sfdae::cli {
 
 class NameTree {
  public:
-  // name: without quotes; key: what lookup needs.
+  // name: without quotes; key: the argument of lookup.
   void add(const std::string& name, const std::string& key);
   bool empty() const { return root_.members.empty(); }
 
-  // The array or record whose parts have been added, or a part of one that has been. lookup: the value of a key.
+  // The array or record whose parts were added, or a part of a variable that was added. lookup: value of a key.
   using Lookup = std::function<ValuePointer(const std::string& key)>;
   std::optional<Value> find(Elaboration& e, const std::string& name, Location at, const Lookup& lookup) const;
 

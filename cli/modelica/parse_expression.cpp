@@ -126,7 +126,7 @@ class ExpressionParser {
     return make_unary(Operator::not_, at, negation());
   }
 
-  // A sign where the standard wants parentheses (a * -b, x ^ -1) belongs to the operand that follows.
+  // A sign without the parentheses that the standard requires (a * -b, x ^ -1) belongs to the following operand.
   ExpressionPointer signed_primary() {
     if (!in_.at("-") && !in_.at("+")) return primary();
     const Token sign = in_.take();
@@ -202,7 +202,7 @@ class ExpressionParser {
   ExpressionPointer reference() {
     in_.accept(".");
     const Token first = in_.expect_identifier("after '.'");
-    std::string dotted = first.text;  // while it may be the name of a function
+    std::string dotted = first.text;  // a possible function name
     size_t length = 0;
     while (in_.at(".", 2 * length) && in_.peek(2 * length + 1).kind == TokenKind::identifier) ++length;
     if (in_.at("(", 2 * length)) {
@@ -217,7 +217,7 @@ class ExpressionParser {
     return postfix(std::move(result));
   }
 
-  // .'member' and [subscripts]; each nests.
+  // .'member' and [subscripts]; each adds a level of nesting.
   ExpressionPointer postfix(ExpressionPointer base) {
     for (int depth = 0; in_.at("[") || in_.at("."); ++depth) {
       if (depth >= TokenStream::kMaxNesting)
@@ -258,7 +258,7 @@ class ExpressionParser {
     return postfix(std::move(result));
   }
 
-  // for i in 1:3, j in 1:2: makes a comprehension of what has one operand.
+  // for i in 1:3, j in 1:2: turns a call with one operand into a comprehension.
   void iterators(syntax::Expression& result) {
     result.form = Form::comprehension;
     result.names.clear();

@@ -50,7 +50,7 @@ Declaration parse_prefixes(TokenStream& tokens) {
   }
 }
 
-// One name of an element; the dimensions of the type stay with the element for the names that follow.
+// One name of an element; the dimensions of the type remain in the element for the following names.
 void parse_declarator(TokenStream& tokens, Declaration& result) {
   const Token name = tokens.expect_identifier("in a declaration");
   result.name = name.text;
@@ -241,7 +241,7 @@ syntax::Definition parse_definition(TokenStream& tokens) {
 
 namespace {
 
-// annotation(..., experiment(...), ...) of the model: what is in experiment.
+// annotation(..., experiment(...), ...) of the model: reads the contents of experiment.
 void parse_model_annotation(TokenStream& tokens, Model& model) {
   tokens.expect("annotation", "in a model");
   const Location begin = tokens.expect("(", "after 'annotation'");

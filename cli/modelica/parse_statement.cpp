@@ -101,7 +101,7 @@ class StatementParser {
     close(word);
   }
 
-  // i in 1:3, j in 1:2 loop: loops within each other.
+  // i in 1:3, j in 1:2 loop: nested loops.
   void loop(Statement& result) {
     const TokenStream::Nesting nesting(in_);
     result.action = StatementForm::for_;

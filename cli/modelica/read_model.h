@@ -1,9 +1,10 @@
 // Reads flat (Base) Modelica, MCP-0031 of the Modelica Association, in the dialect that OpenModelica exports.
 //
 // Arrays and records become scalars with names such as a[1].b; for-equations, functions (with loops, conditions,
-// recursion and several outputs) and algorithm sections are expanded; if-equations are chosen by constants and
-// parameters, which then become structural, else joined branch by branch. Tables whose data stand in the model become
-// piecewise formulas. What cannot be expanded is refused with its place: clocks, delay, other external functions.
+// recursion and several outputs) and algorithm sections are expanded. A branch of an if-equation is selected if its
+// conditions depend only on constants and parameters, which then become structural; otherwise the branches are joined.
+// Tables whose data are in the model become piecewise formulas. Clocks, delay and other external functions are not
+// supported and are refused with their position.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -18,7 +18,7 @@ struct Argument {
   Location at;
 };
 
-// 'R'(1.0, 'y' = 2.0); what is not given has the value that the definition gives it.
+// 'R'(1.0, 'y' = 2.0); missing fields have the value that the definition gives them.
 Value construct_record(Elaboration& e, const syntax::Definition& definition, std::vector<Argument> arguments,
                        Location at);
 

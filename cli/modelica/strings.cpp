@@ -1,4 +1,4 @@
-// External functions of the standard library that work on strings, where the strings are known.
+// External functions of the standard library on strings, evaluated if the strings are known.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>

@@ -12,7 +12,7 @@ using syntax::Form;
 
 namespace {
 
-// One subscript: positions from 0; or one that is known at run time only.
+// One subscript: positions from 0, or an index that is known only at run time.
 struct Subscript {
   std::vector<size_t> positions;
   bool is_scalar = false;
@@ -41,7 +41,7 @@ Subscript evaluate_subscript(Elaboration& e, const Environment& in, const syntax
     e.fail(x.at, "a subscript is " + shown_type(value) + ", expected an Integer");
   for (const Expression& scalar : value.scalars) {
     if (scalar == nullptr) e.fail(x.at, "a subscript is used before it has been assigned");
-    // false, true count from 1, too
+    // false and true count from 1
     const Expression index =
         value.kind == Kind::boolean ? e.pool.make(Operation::add, {scalar, e.pool.number(1.0)}, x.at) : scalar;
     if (value.is_scalar() && !constant_value(e, index)) {
@@ -87,10 +87,10 @@ void assert_range(Elaboration& e, const Environment& in, const Expression& index
   add_assertion(e, in, std::move(assertion));
 }
 
-// values[index - 1], by halving.
+// values[index - 1], selected by bisection.
 Value choose_by_index(Elaboration& e, const Environment& in, const Expression& index, std::vector<Value>& values,
                       Location at) {
-  std::vector<size_t> ends;  // of the values so far: the index of the last one that each stands for
+  std::vector<size_t> ends;  // by value: the largest index that selects it
   for (size_t k = 1; k <= values.size(); ++k) ends.push_back(k);
   while (values.size() > 1) {
     size_t count = 0;

@@ -1,4 +1,4 @@
-// One declared name of a model and what has been made of it; parts of Symbols.
+// One declared name of a model and the variables created for it; parts of Symbols.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,27 +10,27 @@ namespace sfdae::cli {
 struct Symbols::Leaf {
   int first = 0;
   std::vector<int> dims;        // of the declaration itself
-  std::vector<int> outer_dims;  // of the arrays of records around it
-  size_t outer_position = 0;    // which of those records it is in
+  std::vector<int> outer_dims;  // of the enclosing arrays of records
+  size_t outer_position = 0;    // index of the enclosing record in those
   std::vector<std::pair<const std::vector<syntax::Modification>*, bool>> modifications;  // with: of the package
 };
 
-// = expression of one declaration or modification.
+// The binding `= expression` of one declaration or modification.
 struct Symbols::Binding {
   Value target;  // scalars: variables
   const syntax::Expression* expression = nullptr;
-  bool is_of_package = false;   // written in a record or type: sees constants only
+  bool is_of_package = false;   // written in a record or type: only constants are visible
   std::vector<int> outer_dims;  // as in Leaf
   size_t outer_position = 0;
   Location at;
 };
 
-// What instantiating one declaration, or a field of a record, needs.
+// Arguments for the instantiation of one declaration, or of a field of a record.
 struct Symbols::Instance {
   std::string name;
   const syntax::Declaration* declaration = nullptr;
   bool is_field = false;                                   // of a record: what the declaration says is of the package
-  bool has_binding = false;                                // a record around it has one
+  bool has_binding = false;                                // an enclosing record has one
   std::vector<const syntax::Modification*> modifications;  // from outside, for this field
   std::vector<int> outer_dims;
   size_t outer_position = 0;

@@ -174,7 +174,7 @@ double Symbols::value_of_parameter(int index, Location at) {
 
 namespace {
 
-// Searches circles of parameters in depth-first order.
+// Searches cycles of parameters in depth-first order.
 class ParameterCircles {
  public:
   ParameterCircles(const Elaboration& e) : e_(e), states_(e.model.variables.size(), 0) {}
@@ -184,7 +184,7 @@ class ParameterCircles {
   }
 
  private:
-  // The parameters in a formula, each once; formulas share parts.
+  // The parameters in a formula, each once, visiting shared parts once.
   static std::vector<int> parameters_in(const Expression& root, const std::vector<Variable>& variables) {
     std::vector<int> result;
     std::unordered_map<const Node*, bool> seen;

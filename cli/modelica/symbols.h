@@ -1,5 +1,5 @@
-// The variables of a model by name: declared, given attributes and bound when they are first needed, so that the
-// order in the file means nothing.
+// The variables of a model by name: declared, given attributes and bound when they are first needed, so that the order
+// in the file does not matter.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,22 +18,22 @@ class Symbols : public Scope {
   explicit Symbols(Elaboration& e);
   ~Symbols() override;
 
-  // All variables with their attributes, then all bindings; those of variables become equations.
+  // Declares all variables with their attributes, then binds them; bindings of variables become equations.
   void declare_all();
   void bind_all();
 
   ValuePointer find(const std::string& name, Location at) override;
-  // What functions see: constants of the package.
+  // The scope of functions: constants of the package.
   Scope& package();
 
-  // der of a variable, of its derivative.
+  // The first and second derivative of a variable.
   Expression derivative_of_variable(int index, Location at);
   Expression second_derivative(int index, Location at);
 
-  // The number that constants and parameters give; none: something varies, or is computed from initial equations.
-  // Parameters that are used become structural.
+  // The number given by constants and parameters; none if something varies or is computed from initial equations. The
+  // parameters used become structural.
   std::optional<double> value_of(const Expression& expression, Location at);
-  // Fails if parameters are defined by each other in a circle.
+  // Fails if the definitions of parameters are cyclic.
   void check_parameters();
 
   int add_variable(Variable variable);
@@ -43,7 +43,7 @@ class Symbols : public Scope {
  private:
   enum class Stage { none, running, done };
   struct Symbol;
-  // Scalars that one declaration has made, in one record: index offset of the array of records around it.
+  // Scalars of one declaration in one record: index offset in the enclosing array of records.
   struct Leaf;
   struct Binding;
   struct Instance;
@@ -71,7 +71,7 @@ class Symbols : public Scope {
   std::unordered_map<std::string, Symbol*> by_name_;
   std::unordered_map<std::string, int> variable_names_;
   std::vector<Symbol*> symbol_of_variable_;
-  std::unordered_map<int, int> derivative_variables_;  // of a variable: the one that equals its derivative
+  std::unordered_map<int, int> derivative_variables_;  // by variable: the one that equals its derivative
   std::unordered_map<const Node*, std::optional<double>> values_;
   std::vector<Stage> parameter_stages_;
   std::unique_ptr<PackageScope> package_;

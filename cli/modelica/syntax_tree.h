@@ -1,4 +1,4 @@
-// What the parser makes of a file: names are not resolved, nothing is expanded.
+// The parsed file: names are not resolved, nothing is expanded.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -50,7 +50,7 @@ enum class Form {
   list,           // { operands }
   matrix,         // [ rows ], each a list
   range,          // first : last or first : step : last
-  tuple,          // ( operands ), at least two or none; null where one is left out
+  tuple,          // ( operands ), at least two or none; null for an omitted one
   end,            // the last index
   all             // : as a subscript or dimension
 };
@@ -84,7 +84,7 @@ struct Declaration {
   Prefix prefix = Prefix::none;
   Direction direction = Direction::none;
   std::string type;                           // dotted
-  std::vector<ExpressionPointer> dimensions;  // behind the name, then those behind the type
+  std::vector<ExpressionPointer> dimensions;  // after the name, then those after the type
   std::string name, comment;
   std::vector<Modification> modifications;
   ExpressionPointer binding;
@@ -96,7 +96,7 @@ enum class StatementForm { equation, assignment, call, if_, for_, when, while_, 
 
 struct Statement;
 
-// A branch of if, when; the body of for and while.
+// A branch of if or when; the body of for or while.
 struct Branch {
   ExpressionPointer condition;  // none: else; the range of a for loop
   std::vector<Statement> body;
@@ -105,8 +105,8 @@ struct Branch {
 struct Statement {
   StatementForm action = StatementForm::equation;
   Location at;
-  ExpressionPointer left, right;  // of an equation or assignment; left alone: a call
-  std::string iterator;           // of a for loop
+  ExpressionPointer left, right;  // of an equation or assignment; only left: a call
+  std::string iterator;           // for a for loop
   std::vector<Branch> branches;
 };
 
@@ -134,9 +134,9 @@ struct Definition {
   std::string name;
   Location at;
   Declaration alias;                  // type name = alias.type[dimensions](modifications)
-  std::vector<Literal> literals;      // of an enumeration
-  std::vector<Declaration> elements;  // of a record or function
-  std::vector<Statement> body;        // of a function
+  std::vector<Literal> literals;      // for an enumeration
+  std::vector<Declaration> elements;  // for a record or function
+  std::vector<Statement> body;        // for a function
   bool has_body = false, is_partial = false, is_impure = false;
   std::optional<External> external;
 };

@@ -14,7 +14,7 @@ namespace {
 
 enum class Beyond { hold, extend, repeat, forbid };
 
-// What holds for u < end, after the ends of the pieces before; the last one has no end.
+// The value for u < end and after the ends of the previous pieces; the last piece has no end.
 struct Piece {
   double end = 0.0;
   Expression value;
@@ -52,7 +52,7 @@ class Table {
     return interpolate(abscissas(0, true), y, u);
   }
 
-  // 0 before the start; then shifted.
+  // 0 before the start; then shifted in time.
   Expression of_time(const Expression& t) {
     const Expression start = scalar_field("startTime"),
                      shift = object_->find("shiftTime") ? scalar_field("shiftTime") : start;
@@ -153,7 +153,7 @@ class Table {
     return operate(e_, operation, {a, b}, {call_.at});
   }
 
-  // pieces[first] to pieces[last - 1], by halving.
+  // Selects among pieces[first] to pieces[last - 1] by bisection.
   Expression choose_piece(const std::vector<Piece>& pieces, size_t first, size_t last, const Expression& u) {
     if (last - first == 1) return pieces[first].value;
     const size_t middle = (first + last) / 2;

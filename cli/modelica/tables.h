@@ -1,4 +1,4 @@
-// Tables of the standard library (ModelicaStandardTables), whose data stands in the model, as piecewise formulas.
+// Tables of the standard library (ModelicaStandardTables) whose data are in the model, as piecewise formulas.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace sfdae::cli {
 
-// An external object: what its constructor is called with, by name.
+// An external object: the arguments of its constructor, by name.
 Value construct_external_object(Elaboration& e, const syntax::Definition& object,
                                 const std::vector<Argument>& arguments, Location at);
 
-// What an external function of that name gives; none: it is no function of tables that is known. Breakpoints make
-// events, so that no step runs over them.
+// The value of an external table function; none if the name is unknown. Breakpoints become events, so that no step
+// crosses them.
 std::optional<Value> call_table_function(Elaboration& e, const Environment& in, const Call& call);
 
 }  // namespace sfdae::cli

@@ -1,4 +1,4 @@
-// The tokens of a file, taken one after the other by the parser.
+// The tokens of a file, consumed in order by the parser.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@ namespace sfdae::cli {
 
 class TokenStream {
  public:
-  // Tokens @ 17, which say where something stood in the user's model, are left out.
+  // Omits tokens @ 17, which give positions in the user's model.
   TokenStream(std::string file, Tokens tokens);
 
   const Token& peek(size_t ahead = 0) const;
@@ -23,7 +23,7 @@ class TokenStream {
 
   Token take();
   bool accept(std::string_view word);
-  // where: what is being read, for the message.
+  // where: the construct being read, for the message.
   Location expect(std::string_view word, std::string_view where);
   Token expect_identifier(std::string_view where);
   // Skips ( ... ).
@@ -34,7 +34,7 @@ class TokenStream {
   void warn(Location at, const std::string& text) { warnings_.push_back({at, text}); }
   std::vector<syntax::Warning>& warnings() { return warnings_; }
 
-  // Expressions, statements and modifications within each other: a limit keeps the stack from running over.
+  // Nesting of expressions, statements and modifications; its limit prevents stack overflow.
   class Nesting {
    public:
     explicit Nesting(TokenStream& stream);

@@ -16,7 +16,7 @@ enum class Kind { real, integer, boolean, enumeration, string, record, function 
 
 struct RecordValue;
 
-// A string; not exact: parts of it are known at run time only, it can only be shown.
+// A string; not exact: parts of it are known only at run time, so it can only be shown.
 struct Text {
   std::string text;
   bool is_exact = true;
@@ -24,7 +24,7 @@ struct Text {
 
 struct Value {
   Kind kind = Kind::real;
-  const syntax::Definition* definition = nullptr;  // of enumerations, functions and records that are declared
+  const syntax::Definition* definition = nullptr;  // for enumerations, functions and declared records
   std::vector<int> dims;                           // none: a scalar
   std::vector<Expression> scalars;                 // null: not assigned yet
   std::vector<Text> texts;
@@ -33,7 +33,7 @@ struct Value {
   bool is_scalar() const { return dims.empty(); }
   bool is_numeric() const { return kind == Kind::real || kind == Kind::integer; }
   bool has_scalars() const { return kind <= Kind::enumeration; }
-  // Of elements, if dims are right.
+  // The number of elements if dims are right.
   size_t size() const;
 };
 
@@ -44,7 +44,7 @@ struct RecordValue {
   const Value* find(const std::string& name) const;
 };
 
-// Not a pair: one is asked for what Value can do before it knows that itself.
+// Not a std::pair, whose instantiation would require a complete Value.
 struct Field {
   Field(std::string n, Value v) : name(std::move(n)), value(std::move(v)) {}
   std::string name;

@@ -107,7 +107,7 @@ class WhenBody {
     for (const Statement& each : body) statement(in, each, actions);
   }
 
-  // What the branches from the first on assign, chosen by their conditions.
+  // The assignments of the branches from the first on, chosen by their conditions.
   void choice(const Environment& in, const Statement& one, size_t first, Actions& actions) {
     for (size_t k = first; k < one.branches.size(); ++k) {
       const syntax::Branch& branch = one.branches[k];
@@ -130,7 +130,7 @@ class WhenBody {
     std::map<int, std::pair<const Action*, const Action*>> assigned;
     for (const Action& one : yes) {
       if (one.kind == Action::Kind::assign) assigned[one.variable].first = &one;
-      else actions.push_back(one);  // guarded already
+      else actions.push_back(one);  // already guarded
     }
     for (const Action& one : no) {
       if (one.kind == Action::Kind::assign) assigned[one.variable].second = &one;

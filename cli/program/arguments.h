@@ -21,11 +21,11 @@ struct Arguments {
   std::string csv, json, html, plot;     // paths; "": not wanted
   int jobs = 0;                          // threads of a sweep; 0: as many as there are processors
   bool is_quiet = false;
-  bool lists_names = false;  // of check
-  bool shows_page = false;   // in the browser
+  bool lists_names = false;  // for check
+  bool shows_page = false;   // for the browser
 };
 
-// The command line, or the exit code where it is not one; then what there was to say has been printed.
+// The command line, or an exit code if it is invalid or needs no run; messages have been printed then.
 std::variant<Arguments, int> parse_arguments(int count, char** arguments);
 
 }  // namespace sfdae::cli

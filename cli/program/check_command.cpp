@@ -1,4 +1,4 @@
-// sfdae check: reads, counts, and reports what is wrong.
+// sfdae check: reads a model, counts variables and equations, and reports errors.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <memory>
@@ -55,7 +55,7 @@ std::string names_text(const FlatModel& model) {
   return text;
 }
 
-// Where numbers cancel, tools that go by the pattern of the equations reduce the index wrongly.
+// Reports a structural index that is too low because numbers cancel: purely structural tools reduce the index wrongly.
 std::string structure_text(const FlatModel& model, const Result& result) {
   const std::optional<int> structural = structural_index(model), index = differentiation_index(result);
   if (!structural || !index || result.outcome != Outcome::solved) return "";

@@ -16,7 +16,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Its process, if it could be started; no input, no output but errors.
+// The process id, if the program could be started; input and output are discarded, errors go to a file.
 std::optional<pid_t> spawned(const std::string& path, std::vector<std::string>& arguments, const std::string& errors,
                              short flags) {
   std::string name = path;

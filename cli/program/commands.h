@@ -1,4 +1,4 @@
-// What the program does, one function for each command. They return exit codes and throw ProgramError and ModelError.
+// The commands of the program, one function each. They return exit codes and throw ProgramError and ModelError.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -10,11 +10,11 @@ namespace sfdae::cli {
 enum ExitCode {
   solved = 0,
   not_solved = 1,    // the integration ended early, or some instances of a sweep are not solved
-  wrong_use = 2,     // arguments, or a model that cannot be read or is none
+  wrong_use = 2,     // invalid arguments, or a model that cannot be read or is invalid
   not_analyzed = 3,  // the index could not be determined
   not_started = 4,   // no consistent initial values
   not_written = 5,   // results could not be written
-  interrupted = 130  // as shells have it for SIGINT
+  interrupted = 130  // as shells report SIGINT
 };
 
 // Ends the program with a message.

@@ -1,4 +1,4 @@
-// A page with everything in it. page.html, curves.js and reports.js are part of the program.
+// A self-contained page. page.html, curves.js and reports.js are compiled into the program.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "program/page.h"
 
@@ -16,10 +16,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 std::string escaped(const std::string& text) { return replaced(replaced(text, "&", "&amp;"), "<", "&lt;"); }
 
-// JSON has '<' within strings only; without it no text can end the element that it stands in.
+// JSON contains '<' only in strings; escaping it prevents texts from closing the enclosing element.
 std::string embedded(const std::string& json) { return replaced(json, "<", "\\u003c"); }
 
-// Text before and after the first place where `what` stands.
+// The page with the first occurrence of `what` replaced.
 std::string with(const std::string& page, const std::string& what, const std::string& by) {
   const std::size_t at = page.find(what);
   return page.substr(0, at) + by + page.substr(at + what.size());
@@ -28,7 +28,7 @@ std::string with(const std::string& page, const std::string& what, const std::st
 }  // namespace
 
 std::string html_text(const Presentation& presentation) {
-  // In this order no text that is filled in can contain what is looked for next before its place.
+  // In this order, no inserted text can contain a later placeholder before its place.
   std::string page = with(page_html, "{{script}}", page_script);
   page = with(page, "{{data}}", embedded(json_text(presentation)));
   return with(page, "{{title}}", escaped(presentation.model.name) + " - sfdae");

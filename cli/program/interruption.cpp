@@ -12,7 +12,7 @@ namespace {
 std::atomic<bool> interruption{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-// The next signal does what it does by default.
+// Restores the default action for the next signal.
 extern "C" void note_interruption(int signal) {
   interruption.store(true);
   std::signal(signal, SIG_DFL);

@@ -118,7 +118,7 @@ std::string json_text(const Presentation& presentation) {
                   {"events", events_json(result)},
                   {"time", presentation.trajectory.t},
                   {"variables", variables_json(presentation.trajectory)}};
-  // Numbers that are none become null; text that is no UTF-8 is mended.
+  // NaN and infinities become null; invalid UTF-8 is replaced.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

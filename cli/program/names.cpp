@@ -16,7 +16,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Quotes belong to names in the file, not here; the shell often takes them away.
+// Names are quoted in the file but not here, since shells often remove quotes.
 std::string without_quotes(const std::string& name) {
   if (name.size() >= 2 && name.front() == '\'' && name.back() == '\'') return name.substr(1, name.size() - 2);
   return name;
@@ -76,7 +76,7 @@ double parse_value(const std::string& text, const std::string& assignment) {
 
 // start + i step up to stop, with 15 digits: 0.5:0.1:2 means 0.8, not 0.8000000000000002.
 std::vector<double> parse_range(const std::vector<std::string>& parts, const std::string& assignment) {
-  constexpr double max_count = 1e7;  // more than anyone waits for
+  constexpr double max_count = 1e7;  // far beyond a feasible sweep
   const double start = parse_value(parts.front(), assignment), stop = parse_value(parts.back(), assignment);
   const double step = parts.size() == 3 ? parse_value(parts[1], assignment) : 1.0;
   const double count = step != 0.0 ? std::floor((stop - start) / step * (1.0 + 1e-12) + 1e-9) + 1.0 : 0.0;
@@ -157,7 +157,7 @@ std::map<std::string, bool> wanted_variables(const std::vector<std::string>& nam
   for (const Variable& variable : model.variables)
     wanted[variable.name] = names.empty() && variable.variability >= Variability::discrete;
   for (const std::string& list : names) {
-    // A name may have commas itself.
+    // A name may itself contain commas.
     const bool is_name = wanted.contains(without_quotes(list));
     for (const std::string& text : is_name ? std::vector<std::string>{list} : split(list, ',')) {
       const auto named = wanted.find(without_quotes(text));
@@ -183,8 +183,8 @@ Trajectory selected(const FlatModel& model, const Result& result, const std::map
   for (std::size_t j = 0; j < all.names.size(); ++j) column_of[all.names[j]] = j;
   Trajectory chosen;
   chosen.t = all.t;
-  std::vector<std::size_t> columns;  // of `all`; else as many as there are
-  std::vector<double> constants;     // instead of a column
+  std::vector<std::size_t> columns;  // of `all`; all.names.size(): no column
+  std::vector<double> constants;     // values without a column
   for (const Variable& variable : model.variables) {
     if (!wanted.at(variable.name)) continue;
     const auto column = column_of.find(variable.name);

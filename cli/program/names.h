@@ -21,14 +21,14 @@ struct ParameterChoice {
 // variable that can be set, each once.
 std::vector<ParameterChoice> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model);
 
-// Those that have exactly one value each; throws ProgramError.
+// The assignments if each has exactly one value; throws ProgramError otherwise.
 std::map<std::string, double> single_values(const std::vector<ParameterChoice>& assignments);
 
-// Whether each variable of the model is wanted: one of the names, or matching one of the patterns, separated by commas
-// outside brackets. No names: all but constants and parameters. Throws ProgramError if a name fits nothing.
+// Tells for each variable of the model whether it is selected by one of the names or patterns, separated by commas
+// outside brackets. No names: all but constants and parameters. Throws ProgramError if a name matches no variable.
 std::map<std::string, bool> wanted_variables(const std::vector<std::string>& names, const FlatModel& model);
 
-// A column for every variable that is wanted, in order of the model; NaN where nothing is known.
+// A column for every selected variable, in the order of the model; NaN for unknown values.
 Trajectory selected(const FlatModel& model, const Result& result, const std::map<std::string, bool>& wanted);
 
 }  // namespace sfdae::cli

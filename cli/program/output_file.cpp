@@ -25,7 +25,7 @@ bool write_all(int descriptor, std::string_view text) {
   return true;
 }
 
-// That of a file made as usual, or of the one that is replaced.
+// The mode of a newly created file, or of the file that is replaced.
 mode_t mode_for(const std::string& target) {
   struct stat status {};
   if (::stat(target.c_str(), &status) == 0) return status.st_mode & 07777;
@@ -52,7 +52,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
     return;
   }
   if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0) fail();
-  // The ending stays: programs tell formats by it.
+  // The extension is kept, because programs recognize formats by it.
   const std::string ending = std::filesystem::path(target_).extension().string();
   std::string pattern = target_ + ".XXXXXX" + ending;
   descriptor_ = ::mkostemps(pattern.data(), static_cast<int>(ending.size()), O_CLOEXEC);

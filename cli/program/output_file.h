@@ -7,8 +7,8 @@
 
 namespace sfdae::cli {
 
-// Made beside its target, so that what cannot be written is known before the work begins, and renamed to it at the
-// end. What is no regular file (a device, a pipe) is written directly, and "-" is standard output.
+// Created in the folder of its target, so that failures show before the work begins, and renamed to it at the end.
+// Devices and pipes are written directly, and "-" is standard output.
 class OutputFile {
  public:
   // Throws ProgramError if nothing can be written there.
@@ -17,7 +17,7 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
 
-  // Where to write if another program does it. After that commit() with no text.
+  // The path for another program that writes the file; call commit() without text afterwards.
   const std::string& temporary_path() const { return temporary_; }
   const std::string& path() const { return path_; }
 

@@ -18,7 +18,7 @@ namespace sfdae::cli {
 
 namespace {
 
-constexpr std::size_t max_curves = 12;  // of a panel: more cannot be told apart
+constexpr std::size_t max_curves = 12;  // per panel: more are indistinguishable
 
 // The curves of a panel, columns of the trajectory.
 struct Panel {
@@ -38,14 +38,14 @@ std::vector<Panel> panels_of(const Trajectory& trajectory) {
   return panels;
 }
 
-// As long as fits beside others.
+// Shortened to fit next to others.
 std::string shortened(const std::string& name) {
   constexpr std::size_t max_length = 48;
   if (name.size() <= max_length) return name;
   return name.substr(0, max_length / 2) + "..." + name.substr(name.size() - max_length / 2);
 }
 
-// A string of gnuplot: within single quotes only they mean something.
+// A gnuplot string: only quotes are special within single quotes.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -76,7 +76,7 @@ std::string data_block(const Trajectory& trajectory, const std::vector<Panel>& p
   return text + "END_OF_DATA\n";
 }
 
-// What plot.gp needs to know.
+// Definitions that plot.gp needs.
 std::string definitions(const Trajectory& trajectory, const std::vector<Panel>& panels) {
   std::string titles, units, firsts, lasts;
   std::size_t column = 2;
@@ -93,7 +93,7 @@ std::string definitions(const Trajectory& trajectory, const std::vector<Panel>& 
          "]\narray first" + count + firsts + "]\narray last" + count + lasts + "]\n";
 }
 
-// Closed and removed at the end.
+// A temporary file, closed and removed in the destructor.
 class TemporaryFile {
  public:
   TemporaryFile() : descriptor_(::mkostemp(path_.data(), O_CLOEXEC)) {}

@@ -9,11 +9,11 @@
 
 namespace sfdae::cli {
 
-// Throws ProgramError unless the path ends in .svg, .png or .pdf and there is gnuplot.
+// Throws ProgramError unless the path ends in .svg, .png or .pdf and gnuplot is installed.
 void require_plotter(const std::string& path);
 
-// One panel for each unit, with the first curves of it. Returns a warning if there are more, else "". Throws
-// ProgramError if gnuplot fails.
+// One panel per unit, with its first curves. Returns a warning if curves were omitted, else "". Throws ProgramError if
+// gnuplot fails.
 std::string draw_plot(const Trajectory& trajectory, const std::string& title, OutputFile& file);
 
 }  // namespace sfdae::cli

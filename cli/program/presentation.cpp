@@ -10,10 +10,10 @@ namespace sfdae::cli {
 
 namespace {
 
-// What is found by substitution follows from constraints, too.
+// Unknowns found by substitution follow from constraints, too.
 bool has_constraints(const Result& result) { return result.characteristics.algebraic + result.num_eliminated > 0; }
 
-// What has to be differentiated until no constraint is hidden any more.
+// Tells which equations have to be differentiated until no constraint is hidden.
 std::string meaning_of_index(const Result& result) {
   const Characteristics& values = result.characteristics;
   if (!has_constraints(result)) return "These are ordinary differential equations: there are no constraints.";
@@ -58,7 +58,7 @@ std::string name_of(Outcome outcome) {
 
 std::vector<ParameterValue> parameter_values(const Presentation& presentation) {
   std::map<std::string, double> values = presentation.result.parameters;
-  // Those computed from initial equations are constant columns.
+  // Parameters computed from initial equations are constant columns.
   const Trajectory& trajectory = presentation.result.trajectory;
   if (!trajectory.t.empty())
     for (std::size_t j = 0; j < trajectory.names.size(); ++j)

@@ -1,4 +1,4 @@
-// What is shown of a solution, and how: as text for people, CSV, JSON, a page.
+// Presentation of a solution: text for people, CSV, JSON, a page.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,7 @@ namespace sfdae::cli {
 struct Presentation {
   const FlatModel& model;
   const Result& result;                 // its trajectory has all variables
-  const Trajectory& trajectory;         // of the variables that are wanted
+  const Trajectory& trajectory;         // only the selected variables
   std::map<std::string, double> given;  // by --set
 };
 
@@ -30,24 +30,24 @@ std::vector<ParameterValue> parameter_values(const Presentation& presentation);
 // "solved", "not started", ...
 std::string name_of(Outcome outcome);
 
-// The differentiation index of the model, unless states have been replaced; none where the equations leave something
-// undetermined or follow from others.
+// The differentiation index of the model, unless states have been replaced; none if the equations are underdetermined
+// or redundant.
 std::optional<int> differentiation_index(const Result& result);
 
-// What the index means here, in sentences; none if it was not determined.
+// Sentences that explain the index of this model; none if it was not determined.
 std::vector<std::string> index_in_words(const Result& result);
 
-// How safe the rank decisions are, in a sentence; "" without decisions.
+// A sentence on the margins of the rank decisions; "" without decisions.
 std::string safety_in_words(const Result& result);
 
-// Both, as lines.
+// Both texts, as lines.
 std::string index_text(const Result& result);
 
-// "stage", "constraints", ...: what a decision was about, in a word.
+// The subject of a decision in a word: "stage", "constraints", ...
 std::string subject_of(const Decision& decision);
 std::string verdict_of(const Decision& decision);
 
-// One line: what was solved, how far, in how many steps.
+// One line: the problem, the time reached, the number of steps.
 std::string headline(const Presentation& presentation);
 
 // For people: the headline, the index, statistics, first and last values.
@@ -56,18 +56,18 @@ std::string summary_text(const Presentation& presentation);
 // For people: the index, the library's report with its rank decisions, initial values.
 std::string analysis_text(const Presentation& presentation);
 
-// Rows of cells, as many in each, as lines with columns one below the other.
+// Rows of equally many cells as lines with aligned columns.
 std::string aligned(const std::vector<std::vector<std::string>>& rows);
 
 // A row of names, then a row for each output.
 std::string csv_text(const Trajectory& trajectory);
 
-// A field of CSV, quoted where it has to be.
+// A field of CSV, quoted if necessary.
 std::string csv_field(const std::string& text);
 
 std::string json_text(const Presentation& presentation);
 
-// A page for the browser that needs nothing else.
+// A self-contained page for the browser.
 std::string html_text(const Presentation& presentation);
 
 }  // namespace sfdae::cli

@@ -1,4 +1,4 @@
-// A line on the terminal that says how far the work is.
+// A progress bar on the terminal.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace sfdae::cli {
 
-// Writes to standard error, ten times a second at most, and wipes its line at the end.
+// Writes to standard error, at most ten times a second, and erases its line at the end.
 class ProgressBar {
  public:
   explicit ProgressBar(bool is_shown) : is_shown_(is_shown) {}
@@ -15,7 +15,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
 
-  // fraction: of the work, 0 to 1. details: what follows the bar.
+  // fraction: completed part of the work, 0 to 1. details: text after the bar.
   void show(double fraction, const std::string& details);
 
  private:

@@ -1,4 +1,4 @@
-// What commands have in common: reading the model, messages, exit codes.
+// Functions shared by the commands: reading the model, messages, exit codes.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,15 +13,15 @@ namespace sfdae::cli {
 // Throws ModelError.
 FlatModel read_model_of(const Arguments& arguments);
 
-// To standard error, unless the program is to be quiet.
+// Writes warnings to standard error, unless the program is to be quiet.
 void print_warnings(const Arguments& arguments, const std::vector<std::string>& warnings);
 
 ExitCode exit_code_of(Outcome outcome);
 
-// Why a model is not solved, to standard error; nothing if it is.
+// Writes the reason why a model is not solved to standard error; nothing if it is solved.
 void print_reason(const FlatModel& model, const Result& result);
 
-// The time that a run starts or ends at.
+// Start and stop time of a run.
 double start_of(const Settings& settings, const FlatModel& model);
 double stop_of(const Settings& settings, const FlatModel& model);
 

@@ -1,4 +1,4 @@
-// sfdae solve and sfdae analyze: one run, and where its results go.
+// sfdae solve and sfdae analyze: one run and its results.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdlib>
 #include <memory>
@@ -18,7 +18,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Opened before the work begins; none: not wanted.
+// Output files, opened before the work begins; none: not requested.
 struct Outputs {
   std::unique_ptr<OutputFile> csv, json, html, plot;
 
@@ -40,7 +40,7 @@ bool has_files(const Arguments& arguments) {
   return !arguments.csv.empty() || !arguments.json.empty() || !arguments.html.empty() || !arguments.plot.empty();
 }
 
-// Files first: standard output may be closed early. Tables and curves only if there are values.
+// Files first, because standard output may be closed early. Tables and curves only if there are values.
 void write_files(const Arguments& arguments, Outputs& outputs, const Presentation& presentation) {
   const Trajectory& trajectory = presentation.trajectory;
   if (outputs.csv && !trajectory.t.empty()) outputs.csv->commit(csv_text(trajectory));
@@ -51,7 +51,7 @@ void write_files(const Arguments& arguments, Outputs& outputs, const Presentatio
   if (!warning.empty()) print_warnings(arguments, {warning});
 }
 
-// Without a screen, a browser for terminals would wait for what nobody can type.
+// Requires a screen: a text-mode browser would block on the terminal.
 void show_page(const Arguments& arguments) {
   const std::string opener = find_program("xdg-open");
   const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
@@ -70,7 +70,7 @@ void write_standard_output(const Arguments& arguments, const Presentation& prese
   }
 }
 
-// A run with a progress bar, which Ctrl-C ends.
+// A run with a progress bar that Ctrl-C can interrupt.
 Result run(const Arguments& arguments, const FlatModel& model, Settings settings) {
   ProgressBar bar(!arguments.is_quiet && is_standard_error_terminal());
   const double start = start_of(settings, model), stop = stop_of(settings, model);

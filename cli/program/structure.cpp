@@ -16,7 +16,7 @@ struct Pattern {
   std::size_t num_unknowns = 0;
 };
 
-// Formulas share parts: each is visited once.
+// Shared parts of formulas are visited once.
 void collect(const Equation& equation, const std::vector<std::size_t>& unknown_of,
              std::map<std::size_t, int>& orders) {
   std::unordered_set<const Node*> seen;
@@ -46,7 +46,7 @@ Pattern pattern_of(const FlatModel& model) {
     if (is_unknown(model.variables[v])) unknown_of[v] = pattern.num_unknowns++;
   for (const Equation& equation : model.equations) {
     const Node& left = *equation.left;
-    // Those of discrete variables hold between events.
+    // Equations of discrete variables hold between events.
     if (left.operation == Operation::variable &&
         model.variables[static_cast<std::size_t>(left.index)].variability == Variability::discrete)
       continue;
@@ -68,8 +68,8 @@ class Matching {
       for (const auto& [unknown, order] : orders) highest_[unknown] = std::max(highest_[unknown], order);
   }
 
-  // Differentiates what keeps the equation from being matched, until it can be. A pattern that can be matched at all
-  // ends with fewer than as many rounds as there are equations.
+  // Differentiates the unmatched equations until this equation can be matched. If a matching exists, there are fewer
+  // rounds than equations.
   bool add(std::size_t equation) {
     for (std::size_t round = 0; round <= pattern_.orders.size(); ++round) {
       if (add_as_it_is(equation)) return true;
@@ -91,7 +91,7 @@ class Matching {
   }
 
  private:
-  // Depth is at most the number of equations.
+  // The recursion depth is at most the number of equations.
   bool augment(std::size_t equation) {
     seen_equations_[equation] = 1;
     for (const auto& [unknown, order] : pattern_.orders[equation]) {
@@ -107,11 +107,11 @@ class Matching {
 
   const Pattern& pattern_;
   std::vector<int> differentiations_, highest_;
-  std::vector<std::size_t> equation_of_;  // as many as there are equations: none
+  std::vector<std::size_t> equation_of_;  // the number of equations: none
   std::vector<int> seen_equations_, seen_unknowns_;
 };
 
-// Whether equations can be matched with unknowns at all, derivatives or not.
+// Tells whether equations can be matched with unknowns at all, with or without derivatives.
 bool has_matching(Pattern pattern) {
   for (auto& orders : pattern.orders)
     for (auto& [unknown, order] : orders) order = 0;

@@ -1,4 +1,4 @@
-// What the pattern of the equations says, whatever the numbers are: which unknowns and derivatives stand where.
+// Structural analysis: the pattern of unknowns and derivatives in the equations, independent of numerical values.
 //
 // [P88] C. C. Pantelides: The consistent initialization of differential-algebraic systems. SIAM J. Sci. Stat. Comput.
 //       9, 213-231, 1988.
@@ -12,8 +12,8 @@
 
 namespace sfdae::cli {
 
-// The index that tools find which reduce it symbolically, by [P88]; the true one may be lower or, where numbers cancel,
-// higher. None: the continuous equations cannot be matched with the continuous unknowns.
+// The structural index by [P88], which symbolic index reduction finds; the true index may be lower or, if numbers
+// cancel, higher. None: the continuous equations cannot be matched with the continuous unknowns.
 std::optional<int> structural_index(const FlatModel& model);
 
 }  // namespace sfdae::cli

@@ -9,7 +9,7 @@ namespace sfdae::cli {
 
 namespace {
 
-constexpr std::size_t max_rows = 30;  // of a table of values, about a screen
+constexpr std::size_t max_rows = 30;  // per table of values, about a screen
 
 std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width > text.size() ? width - text.size() : 0, ' ');
@@ -79,7 +79,7 @@ std::string headline(const Presentation& presentation) {
 
 std::string summary_text(const Presentation& presentation) {
   std::string text = headline(presentation) + "\n";
-  // What a model says that ends itself; why something failed goes to standard error.
+  // The message of a model that terminates itself; reasons for failures go to standard error.
   if (presentation.result.outcome == Outcome::solved && !presentation.result.message.empty())
     text += "  " + presentation.result.message + "\n";
   return text + after_empty_line(index_text(presentation.result)) + values_text(presentation.trajectory);

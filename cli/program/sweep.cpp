@@ -27,7 +27,7 @@ std::optional<std::size_t> number_from_environment(const char* name) {
 }  // namespace
 
 Grid::Grid(std::vector<ParameterChoice> assignments) : assignments_(std::move(assignments)) {
-  constexpr std::size_t max_count = 10'000'000;  // more than memory and patience hold
+  constexpr std::size_t max_count = 10'000'000;  // far beyond available memory and time
   for (const ParameterChoice& assignment : assignments_) {
     if (assignment.values.size() > max_count / count_)
       throw ProgramError(wrong_use, "--set: more than 1e7 combinations of values");
@@ -46,7 +46,7 @@ std::vector<double> Grid::values(std::size_t instance) const {
 }
 
 Share share_of_process() {
-  // Of Slurm only srun sets the number of tasks of the step: a batch script is no process of several.
+  // Only srun of Slurm sets the number of tasks of the step; a batch script is a single process.
   constexpr const char* variables[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                           {"PMI_RANK", "PMI_SIZE"},
                                           {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};

@@ -17,7 +17,7 @@ class Grid {
   explicit Grid(std::vector<ParameterChoice> assignments);
   std::size_t count() const { return count_; }
   const std::vector<ParameterChoice>& assignments() const { return assignments_; }
-  // Values of one combination, as the assignments.
+  // Values of one combination, in the order of the assignments.
   std::vector<double> values(std::size_t instance) const;
 
  private:
@@ -25,12 +25,12 @@ class Grid {
   std::size_t count_ = 1;
 };
 
-// Which instances a process of several computes: every size-th, from rank on.
+// The instances that one of several processes computes: every size-th, from rank on.
 struct Share {
   std::size_t rank = 0, size = 1;
 };
 
-// As mpirun (Open MPI, MPICH) or srun says in the environment; else all.
+// The share from the environment that mpirun (Open MPI, MPICH) or srun sets; else all instances.
 Share share_of_process();
 
 struct Instance {
@@ -41,14 +41,14 @@ struct Instance {
   std::string message;
   std::vector<std::string> warnings;
   long steps = 0;
-  Trajectory trajectory;  // of the variables that are wanted
+  Trajectory trajectory;  // only the selected variables
 };
 
 using SolveInstance = std::function<Instance(std::size_t number)>;
 
-// Those of the share, in order of their numbers. Threads take them one by one; each result depends on its number only.
-// `finished` is called now and then with how many are done, from one thread at a time. After an interruption those not
-// begun are left out.
+// The instances of the share, ordered by number. Threads take them one by one; each result depends on its number only.
+// `finished` is called with the number of completed instances, by one thread at a time. After an interruption,
+// instances that have not been started are left out.
 std::vector<Instance> run_sweep(std::size_t count, Share share, int jobs, const SolveInstance& solve_instance,
                                 const std::function<void(std::size_t)>& finished);
 

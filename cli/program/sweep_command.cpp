@@ -22,7 +22,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// out.csv of process 3 is out.rank3.csv.
+// Adds the rank to a path: out.csv of process 3 is out.rank3.csv.
 std::string path_of_rank(const std::string& path, Share share) {
   if (share.size == 1 || path.empty() || path == "-") return path;
   std::filesystem::path part(path);
@@ -71,7 +71,7 @@ std::string table_head(const Grid& grid, const std::vector<std::string>& names) 
   return text + "\n";
 }
 
-// A row for each output; one with empty cells for an instance without any.
+// A row for each output; one row with empty cells for an instance without outputs.
 std::string table_rows(const Instance& instance, std::size_t columns) {
   std::string front = std::to_string(instance.number + 1), text;
   for (const double value : instance.given) front += "," + full_text(value);
@@ -86,7 +86,7 @@ std::string table_rows(const Instance& instance, std::size_t columns) {
   return text;
 }
 
-// For people: the first variables only, and the first instances.
+// For people: only the first variables and the first instances.
 std::string table_text(const std::vector<Instance>& instances, const Grid& grid,
                        const std::vector<std::string>& names) {
   constexpr std::size_t max_columns = 6, max_rows = 200;
@@ -158,7 +158,7 @@ void print_warnings_of(const std::vector<Instance>& instances) {
                  counted(known.size() - max_warnings, "more", "more").c_str());
 }
 
-// For people: how many are solved, and the reasons of those that are not.
+// For people: the number of solved instances, and the reasons for the others.
 int report(const std::vector<Instance>& instances, std::size_t expected, bool is_quiet) {
   constexpr std::size_t max_reasons = 10;
   if (!is_quiet) print_warnings_of(instances);

@@ -11,7 +11,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Sums of numbers that cancel but for rounding are zero.
+// Sums of numbers that cancel up to roundoff are zero.
 constexpr double rounding = 1e-14;
 
 class Search {
@@ -67,7 +67,7 @@ class Search {
     use(equation, {a, b});
   }
 
-  // What contains a changed root may have become simple, too.
+  // Marks the equation as used and revisits equations with a changed root, which may have become simpler.
   void use(int equation, const std::vector<int>& changed) {
     used_[at(equation)] = 1;
     has_found_ = true;
@@ -117,7 +117,7 @@ Alias Aliases::find(int variable) const {
   }
   if (path.empty()) return parents_[at(variable)];
   Alias result = parents_[at(path.back())];
-  for (std::size_t k = path.size() - 1; k-- > 0;) {  // compressed: the path becomes a star
+  for (std::size_t k = path.size() - 1; k-- > 0;) {  // path compression
     const Alias step = parents_[at(path[k])];
     result = {result.root, step.sign * result.sign, step.sign * result.offset + step.offset};
     parents_[at(path[k])] = result;

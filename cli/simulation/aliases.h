@@ -1,4 +1,4 @@
-// Variables that are others, but for sign and a constant, and variables that are constant.
+// Variables that equal others up to sign and a constant, and variables that are constant.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@ namespace sfdae::cli {
 // Unions of variables of type Real under v = sign root + offset.
 class Aliases {
  public:
-  // rank: of two variables the one with the higher one becomes the root.
+  // rank: of two variables, the one with the higher rank becomes the root.
   explicit Aliases(const std::vector<int>& rank);
 
   Alias find(int variable) const;
@@ -25,9 +25,9 @@ class Aliases {
   const std::vector<int>& rank_;
 };
 
-// Finds all aliases that follow from residuals with at most two variables, which may have been more before others
-// were found, and adds them to those known. used[i]: residual i has been used, or follows from the others. Returns
-// whether there were any. Throws ModelError where they contradict.
+// Finds all aliases that follow from residuals with at most two variables, counted after substitution of the aliases
+// found so far, and adds them to the known ones. used[i]: residual i has been used, or follows from the others. Returns
+// whether any were found. Throws ModelError if they contradict each other.
 bool find_aliases(const System& system, const std::vector<Residual>& residuals, Aliases& aliases,
                   std::vector<char>& used, std::vector<std::string>& warnings);
 

@@ -11,7 +11,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Relative rounding error of values computed from others.
+// Relative rounding error of computed values.
 constexpr double rounding_of_values = 1e-12;
 
 // Warns of a constant, a parameter or a constant input outside of its limits.

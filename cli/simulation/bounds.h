@@ -11,7 +11,7 @@
 
 namespace sfdae::cli {
 
-// Adds min and max of the variable to system.checked. If its value is known already, it is checked now.
+// Adds min and max of the variable to system.checked. A value that is already known is checked at once.
 void add_bounds(System& system, const Parameters& parameters, Import& import, int variable,
                 std::vector<std::string>& warnings);
 

@@ -46,7 +46,7 @@ class Classification {
     return node.index;
   }
 
-  // Equations of discrete quantities alone come first: der(x) = n does not determine n where another one does.
+  // Purely discrete equations come first: der(x) = n does not determine n if another equation does.
   std::vector<int> matched(const std::vector<std::vector<int>>& candidates) const {
     std::vector<int> order(equations_.size());
     std::iota(order.begin(), order.end(), 0);

@@ -1,4 +1,4 @@
-// Which equations determine discrete variables, and whether there are as many others as continuous unknowns.
+// Separates equations that determine discrete variables, and checks that the others match the continuous unknowns.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,14 +18,14 @@ struct ClassifiedEquations {
   std::vector<DiscreteAssignment> discrete;  // in no particular order
 };
 
-// What determines a variable.
+// How a variable is determined.
 enum class Determined {
   elsewhere,   // a value, or a when clause
   discretely,  // an equation, at events
   continuously
 };
 
-// determined: of every variable. Throws ModelError where equations and unknowns do not fit.
+// determined: one entry per variable. Throws ModelError if equations and unknowns do not match.
 ClassifiedEquations classify(System& system, const std::vector<ImportedEquation>& equations,
                              const std::vector<Determined>& determined);
 

@@ -15,7 +15,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Rows by differences are accurate to about 1e-6 of themselves.
+// Finite-difference rows have a relative accuracy of about 1e-6.
 constexpr double dependent = 1e-5, zero_row = 1e-10;
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -29,7 +29,7 @@ std::vector<int> numbers_of(const System& system, const std::vector<int>& unknow
   return result;
 }
 
-// unknown = number, where left = right is linear in one unknown alone: the guess is right then, and can be kept.
+// Replaces left = right by unknown = number if it is linear in one unknown alone, whose start value can then be fixed.
 void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condition& condition) {
   std::map<int, double> coefficients;
   double constant = 0.0;
@@ -46,7 +46,7 @@ void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condi
   std::erase_if(coefficients, [](const auto& entry) { return entry.second == 0.0; });
   if (coefficients.size() != 1) return;
   const auto [variable, coefficient] = *coefficients.begin();
-  const double value = 0.0 - constant / coefficient;  // never -0
+  const double value = 0.0 - constant / coefficient;  // avoids -0
   if (at(variable) >= number_of.size() || number_of[at(variable)] < 0 || !std::isfinite(value)) return;
   condition.unknown = number_of[at(variable)];
   condition.value = value;
@@ -111,7 +111,7 @@ std::vector<Condition> possible_conditions(const System& system, const std::vect
   for (int j : order) {
     const int v = unknowns[at(j)];
     const Formula start = system.starts.formulas[at(v)];
-    const int unknown = system.formulas.is_number(start) ? j : -1;  // else free parameters are in it
+    const int unknown = system.formulas.is_number(start) ? j : -1;  // else it depends on free parameters
     result.push_back({unknown, system.starts.numbers[at(v)], 1.0, system.values[at(v)], start,
                       text_of_start(system, v, start), system.model.variables[at(v)].at});
   }
@@ -122,7 +122,7 @@ bool IndependentRows::add(const std::vector<double>& row, double scale) {
   const double size = norm(row);
   if (!(size > zero_row * scale) || Q_.size() == row.size()) return false;
   std::vector<double> rest = row, l(Q_.size() + 1, 0.0);
-  for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to rounding
+  for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to machine precision
     for (std::size_t i = 0; i < Q_.size(); ++i) {
       const double factor = dot(rest, Q_[i]);
       l[i] += factor;

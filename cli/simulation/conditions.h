@@ -9,7 +9,7 @@
 
 namespace sfdae::cli {
 
-// An unknown has a value, or left = right.
+// An initial condition: unknown = value, or left = right.
 struct Condition {
   int unknown = -1;  // number among the unknowns; -1: an equation
   double value = 0.0;
@@ -19,19 +19,19 @@ struct Condition {
   Location at;
 };
 
-// All conditions that the model gives: fixed start values, then initial equations. unknowns: variables of the model.
+// All conditions given by the model: fixed start values, then initial equations. unknowns: variables of the model.
 std::vector<Condition> given_conditions(const System& system, const std::vector<int>& unknowns);
 
-// Conditions that may complete those that are too few: start values, the preferred ones first.
+// Candidates to complete too few conditions: start values, the preferred ones first.
 std::vector<Condition> possible_conditions(const System& system, const std::vector<int>& unknowns);
 
-// The Euclidean norm, also of numbers whose squares underflow.
+// The Euclidean norm, robust against underflow of the squares.
 double norm(const std::vector<double>& x);
 
 // Rows accepted one by one if they are independent of those before. A = L Q with orthonormal rows of Q.
 class IndependentRows {
  public:
-  // scale: rows that are smaller than this, times a rounding level, are zero.
+  // scale: rows smaller than a rounding level times this scale are zero.
   bool add(const std::vector<double>& row, double scale);
   int size() const { return static_cast<int>(Q_.size()); }
 

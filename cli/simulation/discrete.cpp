@@ -10,7 +10,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Discrete variables that depend on each other take few values.
+// Limit on the sweeps over interdependent discrete variables, which take few values.
 constexpr int max_sweeps = 100;
 
 }  // namespace

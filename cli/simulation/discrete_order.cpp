@@ -1,4 +1,4 @@
-// Order of discrete equations.
+// Evaluation order of discrete equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/discrete_order.h"
 

@@ -5,8 +5,7 @@
 
 namespace sfdae::cli {
 
-// Sorts system.at_events.discrete so that variables are assigned before they are used, as far as they do not depend on
-// each other.
+// Sorts system.at_events.discrete so that variables are assigned before they are used, except in algebraic loops.
 void sort_discrete(System& system);
 
 }  // namespace sfdae::cli

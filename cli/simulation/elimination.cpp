@@ -14,7 +14,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Coefficients that are as small or large as these are no safe divisors.
+// Coefficients beyond these limits are not safe divisors.
 constexpr double smallest_divisor = 1e-100, largest_divisor = 1e100;
 
 struct Candidate {
@@ -22,8 +22,8 @@ struct Candidate {
   std::vector<int> solvable;  // variables that it can define
 };
 
-// Sorting with tearing [CK06]: an equation with one open variable defines it; where there is none, a variable of an
-// equation with few of them is kept as an unknown.
+// Sorting with tearing [CK06]: an equation with one open variable defines it; if there is none, a variable of an
+// equation with few open variables remains an unknown.
 class Sorting {
  public:
   Sorting(const System& system, const std::vector<Residual>& residuals, const std::vector<char>& used)
@@ -36,7 +36,7 @@ class Sorting {
       if (used[at(i)] == 0) add(i);
   }
 
-  // keeps: variables may be kept where no equation has one open variable alone.
+  // keeps: tears if no equation has exactly one open variable.
   std::vector<SolvedUnknown> run(bool keeps) {
     while (!queue_.empty()) {
       const auto [count, equation] = queue_.top();
@@ -94,7 +94,7 @@ class Sorting {
     close(variable);
   }
 
-  // Keeps the variable that most other equations wait for.
+  // Tears a variable: first those that the equation cannot define, then the one in the most equations.
   void tear(int equation) {
     const Candidate& candidate = candidates_[at(equation)];
     const auto weight = [&](int v) {

@@ -10,14 +10,14 @@ namespace sfdae::cli {
 
 namespace {
 
-// Discrete variables may count a little at an event, but not for ever.
+// Discrete variables may count a few steps at an event, but not endlessly.
 constexpr int max_iterations = 500;
-// Switches and equations that depend on each other: first all switches follow at once; then one by one, which finds
-// the mode of complementarity problems with P-matrices (Murty's method of least index).
+// Interdependent switches and equations: first, all switches change at once; then one by one, which finds the mode of
+// complementarity problems with P-matrices (Murty's least-index method).
 constexpr int max_at_once = 20, max_settling = 400;
-// Of the search for states that can stay, in units of nominal values.
+// Search for states that can be kept, in units of nominal values.
 constexpr int reweightings = 15;
-constexpr double same_value = 1e-12;  // of discrete values, relative to the largest one met at the event
+constexpr double same_value = 1e-12;  // for discrete values, relative to the largest one at the event
 constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
 
 }  // namespace
@@ -48,7 +48,7 @@ bool EventIteration::attempt(Mode& mode, sfdae::Point& point, const std::vector<
   return true;
 }
 
-// Where new constraints make states jump, those stay that are continuous even then.
+// If new constraints make states jump, states that are continuous at impulses are kept if possible.
 void EventIteration::solve(Values& values, sfdae::Point& point) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
   const sfdae::Point before = point;
@@ -68,7 +68,7 @@ void EventIteration::solve(Values& values, sfdae::Point& point) {
   modes_.to_values(point, values);
 }
 
-// After reinit: the other states stay where the constraints allow it.
+// After reinit: keeps the other states if the constraints allow it.
 void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
   const bool is_solved = attempt(*mode, point, with_states(fixed, system_.is_state)) ||
@@ -82,8 +82,8 @@ void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, c
   modes_.to_values(point, values);
 }
 
-// As few states as possible change where those that reinit sets have changed: weights that follow the changes made
-// (iteratively reweighted least squares) drive most changes to zero.
+// Finds states that can be kept after reinit has set others: weights that follow the changes (iteratively reweighted
+// least squares) drive most changes to zero.
 std::vector<int> EventIteration::states_to_keep(Mode& mode, const sfdae::Point& point,
                                                 const std::vector<int>& fixed) {
   const std::size_t n = point.x.size();
@@ -125,9 +125,8 @@ std::string EventIteration::changing(const Values& before, const Values& values)
   return text;
 }
 
-// Values that when clauses assign may depend on unknowns of equations, and these have been solved since. Returns
-// whether discrete variables change by more than rounding errors; else they stay. largest: largest absolute values so
-// far.
+// Reevaluates discrete variables, since values from when clauses may depend on unknowns solved after them. Returns
+// whether they change by more than rounding errors; if not, they are kept. largest: largest absolute values so far.
 bool EventIteration::discrete_values_follow(Values& values, std::vector<double>& largest) {
   const std::vector<double> solved = values.variable;
   if (!discrete_.update(values)) return false;
@@ -145,7 +144,7 @@ bool EventIteration::discrete_values_follow(Values& values, std::vector<double>&
   return false;
 }
 
-// With pre() as it is: discrete variables, equations and switches that agree with each other.
+// With pre() fixed: makes discrete variables, equations and switches agree with each other.
 void EventIteration::settle(Values& values, sfdae::Point& point) {
   Values before = values;
   std::vector<double> largest(values.variable.size(), 0.0);
@@ -185,7 +184,7 @@ void EventIteration::check_assertions(Values& values) {
   }
 }
 
-// Returns whether values of the integration were set anew.
+// Returns whether values of the integration were reset.
 bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& result) {
   std::vector<int> fixed(point.x.size(), 0);
   bool is_reinitialized = false;
@@ -243,7 +242,7 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
-    // The solver of the integration may have solved equations here, even if those before hold again.
+    // The solver may have solved other equations here, even if the original ones hold again.
     result.needs_start = has_solved_ || modes_.equations_key(values) != key;
     return result;
   }

@@ -1,5 +1,5 @@
-// What happens at an event: all equations are solved with pre() as it is, then pre() becomes what was found, until
-// nothing changes (Modelica Language Specification 3.6, section 8.6 and appendix B).
+// Event iteration: all equations are solved with pre() fixed, then pre() takes the new values, until nothing changes
+// (Modelica Language Specification 3.6, section 8.6 and appendix B).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,10 +14,10 @@
 namespace sfdae::cli {
 
 struct EventResult {
-  bool needs_start = false;  // the integration has to start anew
+  bool needs_start = false;  // the integration has to be restarted
   bool is_terminated = false;
   std::string message;             // of terminate
-  std::vector<std::string> acted;  // when clauses
+  std::vector<std::string> acted;  // descriptions of when clauses
 };
 
 class EventIteration {
@@ -25,12 +25,12 @@ class EventIteration {
   EventIteration(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches, Discrete& discrete,
                  std::vector<std::string>& warnings);
 
-  // In: values and point before the event, switches that change there changed already, samples that are due set.
-  // key: of the equations that have been integrated. Throws Failure.
+  // In: values and point before the event, with the switches and samples of the event already set. key: identifies the
+  // equations that have been integrated. Throws Failure.
   EventResult run(Values& values, sfdae::Point& point, const std::vector<double>& key);
 
-  // After initial values have been found: what becomes active as pre() takes the values found. Relations hold as they
-  // stand, those of time are not yet what they are afterwards. Throws Failure.
+  // After initialization: executes what becomes active when pre() takes the initial values. Relations are taken
+  // literally; those of time do not yet have their values after the start. Throws Failure.
   EventResult run_at_start(Values& values, sfdae::Point& point);
 
   // Checks assertions; those that are warnings are reported once. Throws Failure.
@@ -57,7 +57,7 @@ class EventIteration {
   std::vector<double> solved_key_;
   bool has_solved_ = false;  // equations, at this event
   bool is_at_start_ = false;
-  std::vector<char> is_reported_;  // of reactions: assertions that are warnings
+  std::vector<char> is_reported_;  // by reaction: assertions that are warnings
   bool has_warned_of_jump_ = false;
 };
 

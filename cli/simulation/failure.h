@@ -1,4 +1,4 @@
-// Why a simulation ends early, but for mistakes of the model (ModelError).
+// Reason for the early end of a simulation, except errors of the model (ModelError).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -9,7 +9,7 @@
 namespace sfdae::cli {
 
 std::size_t Formulas::Hash::operator()(const FormulaNode& node) const {
-  // Seed: the golden ratio; multiplier: one of those of MurmurHash3's finalizer, which spread bits well.
+  // Seed: the golden ratio; multiplier: from MurmurHash3's finalizer, which spreads bits well.
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
   const auto mix = [&](std::uint64_t part) {
     hash = (hash ^ part) * 0xff51afd7ed558ccdu;
@@ -59,7 +59,7 @@ Formula Formulas::apply(Operation operation, Formula a, Formula b, Formula c) {
   }
   if (all_numbers) {
     const double value = applied(operation, values[0], values[1], values[2]);
-    if (std::isfinite(value)) return number(value);  // what is not defined stays: it may never be evaluated
+    if (std::isfinite(value)) return number(value);  // undefined values may never be evaluated
   }
   const Formula simple = simplified(operation, a, b, c);
   if (simple >= 0) return simple;

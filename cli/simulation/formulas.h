@@ -1,5 +1,5 @@
-// All expressions of a model as one graph of numbered formulas: equal formulas are one, operands have smaller numbers
-// than what they are used in, what is constant has been computed. Parameters are numbers in it.
+// All expressions of a model as a graph of numbered formulas: equal formulas share a number, operands have smaller
+// numbers than the formulas that use them, constants have been evaluated. Parameters are numbers in it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,17 +17,17 @@ using Formula = int;
 
 inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// What the value of a formula depends on.
+// Quantities that the value of a formula depends on.
 enum Dependence : unsigned {
   on_numbers = 0,
   on_continuous = 1,  // time, unknowns of type Real and their derivatives
-  on_discrete = 2,    // what changes at events only
+  on_discrete = 2,    // quantities that change only at events
   on_free = 4,        // parameters that the initial equations determine
-  on_derivative = 8   // of an unknown
+  on_derivative = 8   // derivatives of unknowns
 };
 
-// The operations of expressions, but for no_event. A relation, floor or div with index >= 0 is frozen: it has the value
-// of the switch of that number, and no operands.
+// Operations are those of expressions, without no_event. A relation, floor or div with index >= 0 is frozen: it has the
+// value of the switch of that number, and no operands.
 struct FormulaNode {
   Operation operation = Operation::number;
   int index = -1;
@@ -40,7 +40,7 @@ struct FormulaNode {
 
 class Formulas {
  public:
-  // of_variable: what the value of each variable depends on.
+  // of_variable: dependence of each variable.
   explicit Formulas(std::vector<unsigned> of_variable) : of_variable_(std::move(of_variable)) {}
 
   Formula number(double value);
@@ -68,10 +68,10 @@ class Formulas {
   }
   bool depends(Formula formula, unsigned on) const { return (nodes_[at(formula)].dependence & on) != 0; }
 
-  // All formulas that these consist of, in ascending order.
+  // All formulas contained in these, in ascending order.
   std::vector<Formula> parts(const std::vector<Formula>& of) const;
 
-  // Sets the flags of variables whose derivatives occur in these.
+  // Sets the flags of variables whose derivatives occur in these formulas.
   void mark_differentiated(const std::vector<Formula>& in, std::vector<char>& flags) const;
 
   int add_variable(unsigned dependence);  // its index
@@ -83,7 +83,7 @@ class Formulas {
 
   Formula leaf(Operation operation, int index, unsigned dependence);
   Formula interned(const FormulaNode& node);
-  Formula simplified(Operation operation, Formula a, Formula b, Formula c);  // -1: as it stands
+  Formula simplified(Operation operation, Formula a, Formula b, Formula c);  // -1: no simpler form
   Formula simplified_sum(Operation operation, Formula a, Formula b);
   Formula simplified_product(Operation operation, Formula a, Formula b);
   Formula simplified_logic(Operation operation, Formula a, Formula b, Formula c);
@@ -95,12 +95,13 @@ class Formulas {
   mutable int last_mark_ = 0;
 };
 
-// Formulas with other formulas in place of variables.
+// Substitutes formulas for variables.
 class Substitution {
  public:
   explicit Substitution(Formulas& formulas) : formulas_(formulas) {}
 
-  // derivative: -1 if der of it occurs nowhere. Formulas that contain it must not have been asked for before.
+  // derivative: -1 if der of it does not occur. Formulas that contain the variable must not have been substituted
+  // before.
   void replace(int variable, Formula by, Formula derivative) { by_[variable] = {by, derivative}; }
 
   Formula operator()(Formula formula);

@@ -19,7 +19,7 @@ Formula Import::operator()(const Expression& expression, Context context) {
 
 namespace {
 
-// The operands of what changes at events only change at events only, or their zeros are events.
+// Operands of a quantity that changes only at events also change only at events, or their zeros are events.
 Context of_operands(Operation operation, Context context) {
   const bool is_stepwise = is_rounding(operation) || is_relation(operation) || operation == Operation::equal ||
                            operation == Operation::not_equal;
@@ -45,7 +45,7 @@ Formula Import::imported(const Node& node, Context given) {
     case Operation::sample: return sample(node, operand(0), operand(1));
     case Operation::no_event:
       return (*this)(node.operands.at(0), context == Context::instant ? context : Context::literal);
-    case Operation::choose: {  // a branch that is never taken need not make sense
+    case Operation::choose: {  // a branch that is never taken may be invalid
       const Formula condition = operand(0);
       if (formulas.is_number(condition)) return operand(formulas[condition].value != 0.0 ? 1 : 2);
       const Formula yes = operand(1), no = operand(2);
@@ -76,7 +76,7 @@ Formula Import::derivative(const Node& node) {
     return system_.formulas.number(0.0);
   if (it.type != Type::real || it.variability == Variability::discrete)
     throw ModelError(system_.model.file, node.at, "der of " + it.name + ", which changes at events only");
-  if (it.is_input) return variable(node);  // says what is wrong
+  if (it.is_input) return variable(node);  // reports the error
   return system_.formulas.derivative(node.index);
 }
 
@@ -93,7 +93,7 @@ Formula Import::relation(const Node& node, Formula a, Formula b, Context context
   return frozen(node, it, node.operation);
 }
 
-// sign makes no events by itself (Modelica Language Specification 3.6, section 3.7.1).
+// sign generates no events by itself (Modelica Language Specification 3.6, section 3.7.1).
 Formula Import::sign(const Node& node, Formula a, Context context) {
   Formulas& formulas = system_.formulas;
   if (context != Context::stepwise || !formulas.depends(a, on_continuous)) return formulas.apply(node.operation, a);
@@ -127,7 +127,7 @@ double Import::size_of(const Node& node) const {
   return size > 0.0 ? size : 1.0;
 }
 
-// Free parameters vary while initial values are found.
+// Free parameters vary during initialization.
 Formula Import::jump(const Node& node, Switch::Kind kind, Formula argument, Context context) {
   Formulas& formulas = system_.formulas;
   if (context == Context::instant || !formulas.depends(argument, on_continuous | on_free))

@@ -1,4 +1,5 @@
-// Expressions of the model as formulas: parameters become numbers, relations that make events become switches.
+// Imports expressions of the model as formulas: parameters become numbers, relations that generate events become
+// switches.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,12 +13,12 @@
 
 namespace sfdae::cli {
 
-// What relations of continuous quantities are.
+// Treatment of relations between continuous quantities.
 enum class Context {
   events,    // switches
-  stepwise,  // switches, and so is sign: a value is needed that changes at events only
-  literal,   // as they stand, since within noEvent; but what jumps to other integers is a switch
-  instant    // as they stand, in what is evaluated at events only
+  stepwise,  // switches, and so is sign: the value needed may change only at events
+  literal,   // literal, inside noEvent; but operations that jump between integers are switches
+  instant    // literal, in formulas that are evaluated only at events
 };
 
 class Import {

@@ -1,4 +1,4 @@
-// The state at the start: discrete and continuous values that agree with each other.
+// Consistent discrete and continuous values at the start.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@ namespace sfdae::cli {
 
 class InitialState {
  public:
-  // modes: with free parameters as unknowns.
+  // modes: with the free parameters among the unknowns.
   InitialState(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches, Discrete& discrete)
       : system_(system), modes_(modes), calls_(calls), switches_(switches), discrete_(discrete) {}
 

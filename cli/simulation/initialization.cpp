@@ -11,17 +11,17 @@ namespace sfdae::cli {
 namespace {
 
 constexpr int max_iterations = 50, max_halvings = 12;
-// Changes in units of scales: the step of finite differences, the change after which the iteration may end, and the
-// largest residual that is no contradiction.
+// Changes in units of scales: the finite-difference step, the change below which the iteration may end, and the largest
+// residual that does not count as a contradiction.
 constexpr double difference = 1e-6, converged = 1e-10, contradiction = 1e-6;
 constexpr double unit_roundoff = 1.1e-16;
-// Rounding errors of T2, times 1e10 since rows are zero below 1e-10 of their level (IndependentRows), times 100 for
+// Rounding errors of T2, times 1e10 because rows below 1e-10 of their level are zero (IndependentRows), times 100 for
 // safety.
 constexpr double level_of_roundoff = 1e12 * unit_roundoff;
-// Guesses at which equations are singular are moved by these, in units of nominal values.
+// Shifts of starting values at which the equations are singular, in units of nominal values.
 constexpr double nudges[] = {0.0, 1e-3, 0.1, 0.7};
 
-// Also if the residual is not defined.
+// True also if the residual is undefined.
 bool contradicts(double residual, double size) {
   return !std::isfinite(residual) || std::fabs(residual) > contradiction * size;
 }
@@ -71,7 +71,7 @@ std::string Initialization::undefined(const Values& values, const sfdae::Point& 
          "equations.";
 }
 
-// Fixed values stay if they can. A guess where equations are singular, or conditions not defined, is moved a little.
+// Keeps fixed values if possible. Starting values at which equations are singular or conditions undefined are shifted.
 void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point) {
   modes_.to_point(values, point);
   std::vector<int> fixed(point.x.size(), 0), none(point.x.size(), 0);
@@ -105,8 +105,8 @@ void Initialization::find_start(Mode& mode, Values& values, sfdae::Point& point)
   throw Failure(outcome_of(first_status, Phase::initialization), first_status, "initial values: " + first_message);
 }
 
-// B: columns of D^-1 T2, orthonormalized. An error of T2 counts 1 / |D^-1 T2| times in the columns of B. Exact zeros,
-// as of unknowns that no constraint connects, have none.
+// B: columns of D^-1 T2, orthonormalized. Errors of T2 are amplified by 1 / |D^-1 T2| in the columns of B. Exact zeros,
+// as for unknowns without constraints, have no errors.
 sfdae::Matrix Initialization::basis(Mode& mode, const sfdae::Point& point, std::vector<double>& roundoff) {
   sfdae::Matrix T2;
   calls_.run(mode, Phase::initialization, "initial values", [&] {
@@ -242,8 +242,8 @@ void Initialization::add_difference_rows(Mode& mode, const Values& values, const
   const std::vector<int> none(point.x.size(), 0);
   for (int i : conditions) result.levels[at(i)] = 0.0;
   for (int k = 0; k < result.B.columns(); ++k) {
-    // The step is the geometric mean of those for the scale and for the nominal value: a small start value may be the
-    // size of the solution, or a bad guess of a large one.
+    // The step is the geometric mean of those for the scale and for the nominal value: a small start value may have the
+    // size of the solution, or be a bad initial guess of a large one.
     double step = 0.0;
     for (int j = 0; j < result.B.rows(); ++j) step += std::pow(result.B(j, k), 2) * nominal(j) / scale(j);
     step = difference * std::sqrt(step);
@@ -305,7 +305,7 @@ bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& poi
   return false;
 }
 
-// Start values complete conditions that are too few.
+// Adds start values if there are too few conditions.
 Initialization::Linearization Initialization::completed(Mode& mode, const Values& values, const sfdae::Point& point,
                                                         const Linearization& linearization) {
   IndependentRows rows = selected(linearization).rows;
@@ -361,7 +361,7 @@ void Initialization::solve(Values& values, sfdae::Point& point, const std::vecto
         if (contradicts(linearization.residuals[at(i)], linearization.sizes[at(i)]))
           worst += (worst.empty() ? "" : "; ") + place(system_.model, conditions_[at(i)].at) + ": " +
                    conditions_[at(i)].text + " is off by " + to_text(linearization.residuals[at(i)]);
-      if (worst.empty()) break;  // rounding allows no better
+      if (worst.empty()) break;  // rounding errors allow no better
       throw Failure(Outcome::not_started, SFDAE_NO_CONSISTENT_VALUES,
                     "no initial values were found near the start values; " + worst +
                         ". Give better start values, or check the initial equations.");

@@ -11,36 +11,36 @@
 
 namespace sfdae::cli {
 
-// In one mode: damped Newton iterations on the manifold of consistent values, until they improve nothing any more. Its
-// tangent space has an orthonormal basis B in units of the scales D of the unknowns, x = consistent(x + D B z);
-// conditions that are independent there determine z.
+// Initialization in one mode: damped Newton iterations on the manifold of consistent values, until they yield no
+// improvement. Its tangent space has an orthonormal basis B in units of the scales D of the unknowns, x = consistent(x
+// + D B z); conditions that are independent there determine z.
 class Initialization {
  public:
-  // modes: with free parameters as unknowns.
+  // modes: with the free parameters among the unknowns.
   Initialization(const System& system, Modes& modes, LibraryCalls& calls);
 
-  // In: guess; discrete values as they are. Out: consistent values that fulfil the conditions. more: conditions of
+  // In: initial guess and discrete values. Out: consistent values that satisfy the conditions. more: conditions from
   // when clauses that act initially. Throws Failure.
   void solve(Values& values, sfdae::Point& point, const std::vector<Condition>& more);
 
-  // What the last solve() had to decide.
+  // Decisions of the last solve().
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   struct Linearization {
     sfdae::Matrix B;                        // n x (d + u)
-    std::vector<std::vector<double>> rows;  // of each condition
-    std::vector<double> residuals, sizes;   // sizes: of the quantities compared
-    std::vector<double> roundoff;           // of each unknown: level below which entries are rounding errors of T2
-    std::vector<double> levels;             // sizes relative to which rows are zero
+    std::vector<std::vector<double>> rows;  // one per condition
+    std::vector<double> residuals, sizes;   // sizes: magnitudes of the compared quantities
+    std::vector<double> roundoff;           // by unknown: level below which entries are rounding errors of T2
+    std::vector<double> levels;             // magnitudes relative to which rows are zero
   };
   struct Selection {
     IndependentRows rows;
     std::vector<int> chosen, dropped;  // conditions; those after the given ones are start values that complete them
-    std::vector<double> residuals;     // of the chosen ones
+    std::vector<double> residuals;     // for the chosen ones
   };
 
-  // The first condition that is not defined at a point, in words; empty if all are.
+  // Describes the first condition that is undefined at a point; empty if all are defined.
   std::string undefined(const Values& values, const sfdae::Point& point);
   void find_start(Mode& mode, Values& values, sfdae::Point& point);
   bool make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);

@@ -10,13 +10,13 @@ namespace sfdae::cli {
 
 namespace {
 
-// Events that follow each other within this part of the interval, so many of them, accumulate.
+// Events within this part of the interval after the previous one are close; max_close_events of them accumulate.
 constexpr double close_events = 1e-9;
-constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
+constexpr int max_close_events = 1000, max_close_changes = 20;  // in total, and for one relation
 constexpr long default_max_steps = 100000;
-// A zero that a step cannot pass is reached, relative to the nominal size. (Chosen.)
+// A zero that steps cannot cross counts as reached within this multiple of the nominal size. (Chosen.)
 constexpr double reached = 1e-10;
-// A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
+// A contradiction this soon after the start of a piece, relative to its first step, existed at the start.
 constexpr double at_start = 1e-4;
 
 bool uses_derivatives(const System& system) {
@@ -30,7 +30,7 @@ bool uses_derivatives(const System& system) {
 
 std::string at_place(const System& system, Location at) { return " (" + place(system.model, at) + ")"; }
 
-// What happened to a switch that now has the value.
+// Describes the change of a switch to this value.
 std::string change_in_words(const System& system, int number, double value) {
   const Switch& it = system.switches[at(number)];
   const std::string what = it.kind != Switch::Kind::relation ? " jumps"
@@ -86,7 +86,7 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
         const std::vector<int> ends = branches_that_end(at);
         if (failure.status() != SFDAE_NOT_FINITE || ends.empty()) throw;
         if (!happens(at, ends, "")) return;
-        if (is_started_) throw;  // the equations are the same
+        if (is_started_) throw;  // with the same equations
         continue;
       }
       if (repair(at, before, is_first_step_)) {
@@ -109,8 +109,7 @@ void Integration::run_to_end(Values& values, sfdae::Point& point) {
   finish(at);
 }
 
-// An output or event within rounding of the time reached happens there, at its own time: an internal step may end a
-// little before.
+// Moves to an output or event that is due up to roundoff: an internal step may end slightly before it.
 void Integration::move_to_due(Reached& at, double t) const {
   if (t <= at.values.t || !rounding_.is_due(t, at.values.t)) return;
   at.values.t = at.point.t = std::min(t, parts_.settings.stop);
@@ -121,7 +120,7 @@ void Integration::add_row(Reached& at) {
   parts_.output.add(at.values);
 }
 
-// Outputs are due whether the target, a step of the method or an event without effect ended the step there.
+// Outputs are due even if a step of the method or an event without effect ended the step there.
 void Integration::add_due_output(Reached& at) {
   std::optional<double> last;
   for (; next_output_ <= parts_.settings.num_outputs; ++next_output_) {
@@ -160,7 +159,7 @@ void Integration::start(Reached& at) {
     return mode_->solver.start(at.point, parts_.settings.stop);
   };
   int status = parts_.calls.attempt(*mode_, begin);
-  if (status == SFDAE_CHARACTERISTICS_CHANGED)  // known from another time: analyzed anew
+  if (status == SFDAE_CHARACTERISTICS_CHANGED)  // known from another time: analyze again
     status = parts_.calls.attempt(*mode_, [&] {
       mode_->solver.analyze_at(at.point, parts_.settings.stop);
       return begin();
@@ -200,8 +199,8 @@ int Integration::step(Reached& at, double target) {
   return status;
 }
 
-// Equations may end with the branch that they stand in, as sqrt(x) does while x > 0. No step leads beyond the zero
-// then, and steps get smaller until they end just before it. Returns the directions of the roots reached, or nothing.
+// Equations may end with their branch, such as sqrt(x) while x > 0. Steps cannot cross the zero then and shrink until
+// they end just before it. Returns the directions of the roots reached, or nothing.
 std::vector<int> Integration::branches_that_end(Reached& at) {
   std::vector<double> g(cli::at(parts_.switches.num_roots()));
   if (!is_started_ || g.empty()) return {};
@@ -219,8 +218,8 @@ std::vector<int> Integration::branches_that_end(Reached& at) {
   return std::any_of(result.begin(), result.end(), [](int it) { return it != 0; }) ? result : std::vector<int>();
 }
 
-// An output within an internal step comes before its end, which is looked at, too: what repair() finds there is not
-// within reach of interpolation any more after the next step.
+// For an output within an internal step, the end of the step is checked, too: repair() could not reach a contradiction
+// there by interpolation after the next step.
 double Integration::end_of_step(const Reached& at) const {
   const double end = parts_.switches.num_roots() > 0 ? mode_->solver.statistics().t_internal : at.values.t;
   return rounding_.is_due(end, at.values.t) ? parts_.settings.stop : end;
@@ -229,14 +228,14 @@ double Integration::end_of_step(const Reached& at) const {
 void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {
   values = at.values;
   point.x.resize(at.point.x.size());
-  const sfdae::Statistics steps = mode_->solver.statistics();  // nothing is known before the last step
+  const sfdae::Statistics steps = mode_->solver.statistics();  // no values before the last step
   point.t = std::clamp(t, std::min(steps.t_internal - steps.last_step, at.values.t), at.values.t);
   parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(t), [&] { return mode_->solver.interpolate(point); });
   parts_.modes.to_values(point, values);
 }
 
-// Where a switch contradicts its argument although no event was found: the argument was zero at the start of the
-// piece, or stayed zero for some time. Goes back to where that begins, which is an event.
+// Handles a switch that contradicts its argument although no event was found: the argument was zero at the start of the
+// piece, or stayed zero for some time. Goes back to the beginning of the contradiction, which is an event.
 bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   if (parts_.switches.num_roots() == 0 || at.values.t == before.t) return false;
   Values high = at.values;
@@ -291,7 +290,7 @@ std::optional<double> Integration::next_time_event(Values& values) {
   return next;
 }
 
-// Right after the start: samples that begin there, and relations of time that hold from there on.
+// Right after the start: handles samples and relations of time that begin there.
 bool Integration::settle_at_start(Reached& at) {
   const double t0 = at.values.t;
   for (std::size_t i = 0; i < next_sample_.size(); ++i) {
@@ -308,8 +307,8 @@ bool Integration::settle_at_start(Reached& at) {
   return happens(at, {}, "");
 }
 
-// Whether the function of a root moved away from zero since the start of the piece, and came back; else it was on the
-// wrong side at the start already, by rounding.
+// Tells whether a root function moved away from zero since the start of the piece and came back; otherwise rounding
+// errors put it on the wrong side at the start.
 bool Integration::was_elsewhere(const Reached& at, int root) {
   if (!is_first_step_ || at.values.t == start_) return true;
   Values middle = at.values;
@@ -320,8 +319,8 @@ bool Integration::was_elsewhere(const Reached& at, int root) {
   return std::fabs(g[cli::at(root)]) > 2.0 * std::fabs(roots_at_start_[cli::at(root)]);
 }
 
-// A relation that passes zero to where it is already was elsewhere in between, too little to be noticed: that is an
-// event of its own, without which what waits for the relation to become true would be lost.
+// A relation whose function crosses zero toward its present value was different in between, unnoticed. This is an event
+// of its own; without it, actions that wait for the relation to become true would be lost.
 void Integration::recover_lost_changes(Reached& at, const std::vector<int>& roots) {
   bool has_lost = false;
   Values lost = at.values;
@@ -340,8 +339,8 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
   if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
 }
 
-// The row before an event. The event is found at the zero or just after it, where an operation of the branch that ends,
-// such as sqrt(x) while x > 0, may be undefined: values a little earlier then replace the limit.
+// The row before an event. At the zero or just after it, an operation of the ending branch, such as sqrt(x) while x >
+// 0, may be undefined: values slightly earlier then replace the limit.
 void Integration::add_row_before(const Reached& at, const Values& before) {
   Values row = before;
   double back = rounding_.of(before.t);
@@ -382,7 +381,7 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   return !result.is_terminated;
 }
 
-// Whether event functions changed by the event: what was found out about their signs is void.
+// Tells whether the event changed event functions, which invalidates their recorded signs.
 bool Integration::roots_jump(Values before, Values after) {
   const std::size_t count = cli::at(parts_.switches.num_roots());
   std::vector<double> g_before(count), g_after(count);

@@ -1,4 +1,4 @@
-// The solution from start to stop: steps, outputs and events.
+// Integration from start to stop: steps, outputs and events.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@ namespace sfdae::cli {
 
 class Integration {
  public:
-  // The parts of a simulation.
+  // Components of a simulation.
   struct Parts {
     const System& system;
     const Settings& settings;  // without NaN
@@ -28,7 +28,7 @@ class Integration {
 
   explicit Integration(const Parts& parts);
 
-  // From consistent values. Throws Failure.
+  // Starts from consistent values. Throws Failure.
   void run(Values& values, sfdae::Point& point);
 
  private:
@@ -65,20 +65,20 @@ class Integration {
   Parts parts_;
   TimeRounding rounding_;
   std::shared_ptr<Mode> mode_;
-  std::vector<double> key_;  // of its equations
-  Values root_values_;       // with what event functions are evaluated
+  std::vector<double> key_;  // identifies its equations
+  Values root_values_;       // arguments of the event functions
   std::vector<double> roots_at_start_, distances_at_start_;
   std::vector<long> next_sample_;
-  sfdae::Statistics baseline_{};  // of the mode before the piece under way
+  sfdae::Statistics baseline_{};  // of the mode, before the current piece
   bool is_piece_open_ = false;    // its statistics have not been added
   bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false, has_warned_ = false;
-  double start_ = 0.0;  // of the piece under way
+  double start_ = 0.0;  // of the current piece
   long next_output_ = 1, num_steps_ = 0;
-  // Events that follow each other closely up to the last one.
+  // Closely spaced events up to the last one.
   struct CloseEvents {
     double last;
     int count = 0;
-    std::vector<int> changes;  // of each switch
+    std::vector<int> changes;  // by switch
   } close_events_;
   bool is_over_ = false;  // terminate() acted
 };

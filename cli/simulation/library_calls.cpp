@@ -11,8 +11,8 @@ namespace sfdae::cli {
 
 namespace {
 
-// Systems whose analysis takes so long that somebody may want to stop it are larger than this; below, a thread costs
-// more than it is worth.
+// Number of unknowns above which an analysis may take long enough to be stopped; below, a thread costs more than it
+// gains.
 constexpr int large = 60;
 constexpr std::chrono::milliseconds polling_interval{20};
 
@@ -23,7 +23,7 @@ void LibraryCalls::check_stop(double t, double h, int order) const {
     throw Failure(Outcome::stopped, SFDAE_STOPPED, "stopped at t = " + to_text(t));
 }
 
-// Progress is asked on the thread of the caller, while the library works on another one.
+// Polls the progress callback on the caller's thread while the library works on another one.
 int LibraryCalls::run_while_polling(Mode& mode, const std::function<int()>& call) {
   std::future<int> result = std::async(std::launch::async, call);
   bool is_stopped = false;
@@ -61,7 +61,7 @@ int LibraryCalls::run(Mode& mode, Phase phase, const std::string& where, const s
   return status;
 }
 
-// Event functions are those of switches with roots; floor and trunc have two (Switches).
+// Event functions belong to switches with roots; floor and trunc have two (Switches).
 std::string LibraryCalls::with_relations(const std::string& text) const {
   static const std::regex event_function("\\bg\\[([0-9]+)\\] of the event function");
   std::smatch match;
@@ -78,7 +78,7 @@ std::string LibraryCalls::with_relations(const std::string& text) const {
 }
 
 std::string LibraryCalls::translated(const std::string& given) const {
-  // Numbers of equations are those of the mode; their names are places in the file.
+  // Equation numbers refer to the mode; equation names are positions in the file.
   static const std::regex number_before_name("\\bequation [0-9]+ \\(");
   const std::string text = with_relations(std::regex_replace(given, number_before_name, "equation ("));
   static const std::regex number("\\b(?:component |x\\[)([0-9]+)\\b\\]?");

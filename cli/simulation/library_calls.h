@@ -1,4 +1,4 @@
-// Calls of the library that progress can stop, with messages in the words of the model.
+// Calls of the library that can be stopped by the progress callback, with messages in terms of the model.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,11 +17,11 @@ class LibraryCalls {
  public:
   LibraryCalls(const System& system, const Settings& settings) : system_(system), settings_(settings) {}
 
-  // The status of a call of the mode's solver, failures included; message() then says why. Throws Failure if progress
-  // stops it, or if what was asked for makes no sense to the library.
+  // Returns the status of a call of the mode's solver, including failures; message() explains it. Throws Failure if the
+  // progress callback stops it, or if the library rejects the arguments.
   int attempt(Mode& mode, const std::function<int()>& call);
 
-  // The same, but throws Failure for all failures. where: what was done, for the message.
+  // The same, but throws Failure for all failures. where: description of the action, for the message.
   int run(Mode& mode, Phase phase, const std::string& where, const std::function<int()>& call);
 
   const std::string& message() const { return message_; }
@@ -29,14 +29,14 @@ class LibraryCalls {
   // The mode of the last call; nullptr before.
   const std::shared_ptr<Mode>& last_mode() const { return last_mode_; }
 
-  // Throws Failure if progress says so.
+  // Throws Failure if the progress callback requests a stop.
   void check_stop(double t, double h, int order) const;
 
-  // A text of the library with names of unknowns in place of numbers; it has the lines of equations (Modes::recorded),
-  // whose numbers are left out.
+  // A text of the library with names of unknowns in place of numbers. Equation numbers are omitted; equations are
+  // identified by their lines in the file (Modes::recorded).
   std::string translated(const std::string& given) const;
 
-  // The unknowns of the modes in use.
+  // Sets the unknowns of the modes in use.
   void set_unknowns(const std::vector<int>& unknowns) { unknowns_ = unknowns; }
 
  private:

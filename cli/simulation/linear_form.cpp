@@ -7,7 +7,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Sums of shared sums have more terms than formulas; beyond this nobody is helped by knowing them.
+// Limit of terms: sums of shared sums have more terms than formulas, and long ones are of no use.
 constexpr std::size_t max_terms = 2000;
 
 }  // namespace
@@ -51,7 +51,7 @@ LinearForm linear_form(const Formulas& formulas, Formula formula) {
   return result;
 }
 
-// Coefficients of x that are 1 or -1 need no division.
+// Coefficients 1 and -1 need no division.
 Formula solved(Formulas& formulas, const LinearForm& form, double coefficient) {
   const bool is_unit = std::fabs(coefficient) == 1.0;
   const double scale = is_unit ? -coefficient : 1.0;

@@ -14,12 +14,12 @@ struct LinearForm {
   double constant = 0.0;
   std::map<int, double> coefficients;              // of variables of type Real; numbers
   std::vector<std::pair<double, Formula>> others;  // anything else
-  bool is_whole = true;                            // false: too long, and cut off
+  bool is_whole = true;                            // false: too long, and truncated
 };
 
 LinearForm linear_form(const Formulas& formulas, Formula formula);
 
-// x from 0 = coefficient x + form.
+// Solves 0 = coefficient x + form for x.
 Formula solved(Formulas& formulas, const LinearForm& form, double coefficient);
 
 }  // namespace sfdae::cli

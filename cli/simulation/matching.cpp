@@ -14,7 +14,7 @@ class Search {
   Search(const std::vector<std::vector<int>>& candidates, int num_variables)
       : candidates_(candidates), equation_of(at(num_variables), -1), visited_(at(num_variables), -1) {}
 
-  // Breadth first, so that long chains need no deep recursion.
+  // Breadth-first, so that long chains do not need deep recursion.
   bool match(int equation) {
     std::vector<int> reached{equation}, via(candidates_.size(), -1);
     for (std::size_t k = 0; k < reached.size(); ++k)

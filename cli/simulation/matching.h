@@ -1,4 +1,4 @@
-// Largest matching of equations with variables that they contain.
+// Maximum matching of equations with the variables that they contain.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

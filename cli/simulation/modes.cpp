@@ -14,7 +14,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// Kept solvers; a model with more modes meets few of them again.
+// Number of cached solvers; a model with more modes rarely returns to one of them.
 constexpr std::size_t max_modes = 64;
 
 }  // namespace
@@ -29,14 +29,14 @@ int Mode::make_consistent(sfdae::Point& point, const std::vector<int>& fixed) {
 
 namespace {
 
-// The library records no rounding: what is rounded is evaluated outside of the recorded equations, as discrete
-// variables are.
+// The library records no rounding operations: rounded values are evaluated outside the recorded equations, like
+// discrete variables.
 bool is_leaf(const FormulaNode& node) {
   if ((node.dependence & (on_continuous | on_free)) != 0 || (node.dependence & on_discrete) == 0) return false;
   return node.operands[0] < 0 || is_rounding(node.operation);
 }
 
-// The formulas that residuals consist of, with leaves but without the operands of these; in ascending order.
+// The formulas contained in residuals, with leaves but without their operands; in ascending order.
 std::vector<Formula> recorded_parts(const System& system) {
   std::vector<Formula> stack, result;
   std::vector<char> is_found(at(system.formulas.size()), 0);
@@ -57,7 +57,7 @@ std::vector<Formula> recorded_parts(const System& system) {
   return result;
 }
 
-// Flags of all formulas: the value can only be a whole number.
+// Flags of all formulas: the value is always a whole number.
 std::vector<char> whole_numbers(const System& system) {
   const Formulas& formulas = system.formulas;
   std::vector<char> result(at(formulas.size()), 0);
@@ -96,7 +96,7 @@ Modes::Modes(const System& system, const sfdae::Options& options, bool has_free)
   if (unknowns_.empty()) unknowns_.push_back(-1);
   const std::vector<Formula> parts = recorded_parts(system);
   const std::vector<char> is_whole = whole_numbers(system);
-  std::unordered_set<Formula> calculated;  // operands of what is not a relation
+  std::unordered_set<Formula> calculated;  // operands of operations other than relations
   for (Formula part : parts) {
     const Operation operation = system.formulas[part].operation;
     if (is_relation(operation) || operation == Operation::equal || operation == Operation::not_equal) continue;
@@ -112,7 +112,8 @@ Modes::Modes(const System& system, const sfdae::Options& options, bool has_free)
   for (Formula leaf : parameters_) leaves_.add(leaf);
 }
 
-// What has many values is a parameter, what chooses branches makes a mode. Integers that are only compared do that.
+// Quantities with many values are parameters; those that choose branches, such as Integers in comparisons only, define
+// modes.
 bool Modes::is_parameter(Formula formula, bool is_calculated_with, bool is_whole) const {
   const FormulaNode& node = system_.formulas[formula];
   if (node.operands[0] >= 0) return is_calculated_with || !is_whole;  // rounded
@@ -140,7 +141,7 @@ std::string Modes::parameter_name(Formula formula) const {
 std::vector<double> Modes::equations_key(const Values& values) {
   leaves_.evaluate(values);
   std::vector<double> result;
-  for (int i = 0; i < leaves_.size(); ++i)  // keys are compared, and NaN differs from itself
+  for (int i = 0; i < leaves_.size(); ++i)  // keys are compared, and NaN != NaN
     result.push_back(std::isnan(leaves_[i]) ? std::numeric_limits<double>::infinity() : leaves_[i]);
   return result;
 }
@@ -175,7 +176,7 @@ std::shared_ptr<Mode> Modes::at_values(const Values& values) {
   for (std::size_t i = 0; i < wanted.size(); ++i)
     if (mode->parameters[i] != wanted[i]) {
       const std::string name = parameter_name(parameters_[i]);
-      double known = 0.0;  // not there: it occurs in branches alone that are not taken in this mode
+      double known = 0.0;  // absent if it occurs only in branches not taken in this mode
       const bool occurs = sfdae_get_parameter(mode->solver.get(), name.c_str(), &known) == SFDAE_OK;
       if (occurs) mode->solver.set_parameter(name, wanted[i]);
       mode->parameters[i] = wanted[i];

@@ -13,12 +13,12 @@ namespace sfdae::cli {
 
 namespace {
 
-// Violations of bounds by less than this, relative to the variable's size, are rounding and error of integration.
+// Smaller violations of bounds, relative to the variable's size, are rounding and integration errors.
 constexpr double bound_tolerance = 1e-6;
 // Whole numbers up to this are exact.
 constexpr double largest_integer = 9007199254740992.0;
 
-// Why a value is none of an Integer; empty if it is not finite.
+// Explains why a value is not an Integer; empty if it is not finite.
 std::string why_no_integer(double value) {
   if (!std::isfinite(value)) return "";
   return value == std::floor(value) ? ", beyond 2^53, up to which Integers are exact"
@@ -59,7 +59,7 @@ void Output::add(Values& values, double t) {
   check_values(values);
   Trajectory& trajectory = result_.trajectory;
   trajectory.t.push_back(t);
-  for (int v : columns_) trajectory.values.push_back(values.variable[at(v)] + 0.0);  // -0 becomes 0
+  for (int v : columns_) trajectory.values.push_back(values.variable[at(v)] + 0.0);  // turns -0 into 0
   check_bounds(values);
 }
 
@@ -76,7 +76,7 @@ bool Output::is_defined(Values& values) const {
 
 void Output::check_values(const Values& values) const {
   int wrong = -1;
-  std::size_t fewest_parts = 0;  // what a wrong value enters is wrong, too
+  std::size_t fewest_parts = 0;  // wrong values propagate: the one with the fewest parts is the cause
   for (int v : columns_) {
     if (is_defined(v, values)) continue;
     const std::size_t num_parts = system_.formulas.parts({system_.values[at(v)]}).size();
@@ -92,7 +92,7 @@ void Output::check_values(const Values& values) const {
                     cause(wrong, values));
 }
 
-// The first operation that is not defined and the equation that gives the variable, if they are known.
+// The first undefined operation and the equation that gives the variable, if known.
 std::string Output::cause(int variable, const Values& values) const {
   const FlatModel& model = system_.model;
   const Location defined_at = system_.defined_at[at(variable)];

@@ -1,4 +1,4 @@
-// Rows of the trajectory, and what is watched along it.
+// Rows of the trajectory, with checks of the values.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,7 +20,7 @@ class Output {
   // The same with another time in the row.
   void add(Values& values, double t);
 
-  // Fills in eliminated variables; returns whether add() accepts the values.
+  // Computes eliminated variables; returns whether add() accepts the values.
   bool is_defined(Values& values) const;
 
  private:

@@ -90,13 +90,13 @@ void Parameters::find(int variable) {
   values_[index(variable)] = value;
 }
 
-// The guess of a free parameter.
+// The initial guess of a free parameter.
 double Parameters::guess(int variable) {
   double& value = values_[index(variable)];
   if (!std::isnan(value)) return value;
   const Variable& it = model_.variables[index(variable)];
   const Expression& formula = it.start ? it.start : it.binding;
-  value = 0.0;  // also where guesses depend on each other
+  value = 0.0;  // for mutually dependent guesses
   const double found = formula ? evaluate(*formula) : 0.0;
   if (std::isfinite(found)) value = found;
   return value;
@@ -140,7 +140,7 @@ double Parameters::evaluate(const Node& node) {
   const bool outer = depends_on_free_;
   depends_on_free_ = false;
   const double value = evaluate_operation(node);
-  if (!depends_on_free_) evaluated_[&node] = value;  // guesses become known later
+  if (!depends_on_free_) evaluated_[&node] = value;  // guessed values become known later
   depends_on_free_ = depends_on_free_ || outer;
   return value;
 }
@@ -148,7 +148,7 @@ double Parameters::evaluate(const Node& node) {
 double Parameters::evaluate_operation(const Node& node) {
   const auto operand = [&](std::size_t k) { return evaluate(*node.operands.at(k)); };
   switch (node.operation) {
-    case Operation::choose: {  // a branch that is not taken need not be defined
+    case Operation::choose: {  // a branch that is not taken may be undefined
       const double condition = operand(0);
       return std::isnan(condition) ? condition : operand(condition != 0.0 ? 1 : 2);
     }

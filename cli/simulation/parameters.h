@@ -12,28 +12,28 @@
 
 namespace sfdae::cli {
 
-// Bindings are evaluated in the order in which they depend on each other. Throws ModelError for cyclic, missing or
-// undefined values and for values that cannot be set.
+// Bindings are evaluated in the order of their dependence. Throws ModelError for cyclic, missing or undefined values
+// and for values that cannot be set.
 class Parameters {
  public:
-  // given: values instead of those of the model, by name; of parameters, of inputs, of start values.
+  // given: values by name that replace those of the model, for parameters, inputs and start values.
   Parameters(const FlatModel& model, const std::map<std::string, double>& given, std::vector<std::string>& warnings);
 
   bool is_known(int variable) const { return states_[index(variable)] == State::known; }
-  // The initial equations determine it, or it follows from such parameters by its binding.
+  // Free: determined by the initial equations. Derived: given by a binding with free parameters.
   bool is_free(int variable) const { return states_[index(variable)] == State::free; }
   bool is_derived(int variable) const { return states_[index(variable)] == State::derived; }
 
-  // Of what is known; the guess of what is free or derived.
+  // The value if known; the initial guess if free or derived.
   double value(int variable) const { return values_[index(variable)]; }
 
-  // Of an expression of constants and parameters; free ones have their guess.
+  // The value of an expression of constants and parameters; free ones have their initial guesses.
   double value(const Expression& expression);
 
-  // The start value of any variable, if it has one; what depends on free parameters is a guess.
+  // The start value of any variable, if it has one; only an initial guess if it depends on free parameters.
   std::optional<double> start(int variable);
 
-  // Start values that are given instead of those of the model.
+  // Start values that replace those of the model.
   const std::map<int, double>& given_starts() const { return given_starts_; }
 
  private:
@@ -54,8 +54,8 @@ class Parameters {
   std::vector<double> values_;
   std::map<int, double> given_starts_;
   std::unordered_map<const Node*, double> evaluated_;
-  bool depends_on_free_ = false;  // what is being evaluated
-  Location at_;                   // of what is being evaluated
+  bool depends_on_free_ = false;  // for the current evaluation
+  Location at_;                   // position of the current evaluation
 };
 
 }  // namespace sfdae::cli

@@ -95,7 +95,7 @@ class Preparation {
 
   static double scale_of(double start) { return start != 0.0 ? std::fabs(start) : 1.0; }
 
-  // A number, unless free parameters determine it.
+  // A number, unless it depends on free parameters.
   Formula start_formula(int v) {
     const Variable& variable = model().variables[at(v)];
     const Expression& start = parameters_.is_free(v) && !variable.start ? variable.binding : variable.start;
@@ -125,7 +125,7 @@ class Preparation {
     system_.at_events.discrete = std::move(classified.discrete);
   }
 
-  // Initial equations of discrete variables say what pre() of them is.
+  // Initial equations of discrete variables define their pre().
   void import_conditions() {
     const Formulas& formulas = system_.formulas;
     const auto target = [&](Formula side) {
@@ -145,7 +145,7 @@ class Preparation {
     add_discrete_starts();
   }
 
-  // Start values of discrete variables that free parameters determine.
+  // Start values of discrete variables that depend on free parameters.
   void add_discrete_starts() {
     std::vector<char> has_equation(model().variables.size(), 0);
     for (const DiscreteAssignment& assignment : system_.at_events.initial) has_equation[at(assignment.variable)] = 1;
@@ -216,7 +216,7 @@ class Preparation {
       if (used[i] == 0) add_residual(residuals_[i]);
   }
 
-  // With constants in place, products become linear and more aliases show.
+  // Substitutes aliases: with constants inserted, products become linear and reveal more aliases.
   void put_in(const Aliases& aliases, const std::vector<char>& used) {
     Formulas& formulas = system_.formulas;
     Substitution by(formulas);
@@ -229,7 +229,7 @@ class Preparation {
       if (used[i] == 0) residuals_[i].formula = by(residuals_[i].formula);
   }
 
-  // What is said of an alias holds for its root, as far as that says nothing itself.
+  // Attributes of an alias apply to its root unless the root has its own.
   void share_attributes(const Aliases& aliases) {
     system_.aliases.assign(model().variables.size(), {});
     std::vector<int> quality(model().variables.size(), -1);
@@ -272,7 +272,7 @@ class Preparation {
     return alias.sign > 0.0 ? formula : system_.formulas.negate(formula);
   }
 
-  // The value of an alias by that of its root.
+  // The value of an alias in terms of its root.
   Formula value_of(const Alias& alias, Formula root) {
     return system_.formulas.add(with_sign_of(alias, root), system_.formulas.number(alias.offset));
   }
@@ -376,7 +376,7 @@ class Preparation {
         "reinit of " + model().variables[at(reaction.variable)].name + ", whose derivative occurs nowhere");
   }
 
-  // Equations with one derivative and nothing algebraic.
+  // Finds equations with one derivative and no algebraic variables.
   void find_integrals() {
     system_.is_continuous_at_impulses.assign(model().variables.size(), 0);
     for (const Residual& residual : system_.residuals) {
@@ -400,7 +400,7 @@ class Preparation {
   Substitution substitution_{system_.formulas};
   std::vector<Determined> determined_;
   std::vector<Residual> residuals_;
-  std::vector<char> is_state_outside_;  // of every variable: its derivative occurs in what is no residual
+  std::vector<char> is_state_outside_;  // by variable: its derivative occurs outside the residuals
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// From a flat model to the system that is solved: imported, classified, reduced.
+// Prepares a flat model for the solution: import, classification, reduction.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sfdae::cli {
 
-// Throws ModelError. The model has to live as long as the system. reduce_above: as in Settings.
+// Throws ModelError. The model must outlive the system. reduce_above: as in Settings.
 std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings,
                                  int reduce_above);
 

@@ -81,7 +81,7 @@ void Recording::record(const std::vector<int>& unknown_of, const sfdae::Expressi
     else if (leaf != leaves_.end()) result = sfdae::parameter(t, leaf->second.name, leaf->second.value);
     else if (node.operation == Operation::time) result = t;
     else if (node.operation == Operation::variable) {
-      const int j = unknown_of[at(node.index)];  // none: a free parameter that has been found
+      const int j = unknown_of[at(node.index)];  // none: a free parameter with a known value
       result = j >= 0 ? x[j] : sfdae::Expression(values_.variable[at(node.index)]);
     } else if (node.operation == Operation::derivative) {
       result = xdot[unknown_of[at(node.index)]];
@@ -129,7 +129,7 @@ sfdae::Expression Recording::operation(const FormulaNode& node) const {
     case Operation::max: return max(a, b);
     case Operation::and_: return choose(a, b, 0.0);
     case Operation::or_: return choose(a, 1.0, b);
-    // Relations are 1 or 0. choose asks whether its first operand is greater than 0.
+    // Relations are 1 or 0. choose tests whether its first operand is greater than 0.
     case Operation::less: return choose(b - a, 1.0, 0.0);
     case Operation::less_equal: return choose(a - b, 0.0, 1.0);
     case Operation::greater: return choose(a - b, 1.0, 0.0);
@@ -138,7 +138,7 @@ sfdae::Expression Recording::operation(const FormulaNode& node) const {
     case Operation::not_equal: return choose(abs(a - b), 1.0, 0.0);
     default: break;
   }
-  // Roundings of what varies are switches (Import), those of discrete quantities are leaves (Modes).
+  // Rounding operations on continuous quantities are switches (Import), those on discrete ones are leaves (Modes).
   throw Failure(Outcome::not_analyzed, SFDAE_OK,
                 "an operation (number " + std::to_string(static_cast<int>(node.operation)) +
                     ") of quantities that vary between events cannot be recorded; please report this model");

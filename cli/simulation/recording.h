@@ -13,19 +13,19 @@
 
 namespace sfdae::cli {
 
-// A formula of discrete quantities that is not recorded with its operands.
+// A discrete formula that is not recorded with its operands.
 struct DiscreteLeaf {
   double value = 0.0;
-  std::string name;  // of the parameter; empty: a number in this mode
+  std::string name;  // the name of the parameter; empty: a number in this mode
 };
 
-// Records residuals for fixed values of all that is discrete, unless it is a parameter. Branches that are not taken
-// leave no trace.
+// Records residuals for fixed values of all discrete quantities that are not parameters. Branches that are not taken
+// are not recorded.
 class Recording {
  public:
   Recording(const System& system, const Values& values, const std::unordered_map<Formula, DiscreteLeaf>& leaves);
 
-  // unknown_of: the number of each variable of the model among x, -1 for none.
+  // unknown_of: by variable of the model, its number among x, -1 for none.
   void record(const std::vector<int>& unknown_of, const sfdae::Expression& t, sfdae::ConstExpressions x,
               sfdae::ConstExpressions xdot, sfdae::Expressions residuals);
 

@@ -15,8 +15,8 @@ namespace sfdae::cli {
 namespace {
 
 constexpr int default_outputs = 500;
-// So many steps at least, where event functions depend on time and unknowns: they are looked at at a few points of
-// each step.
+// Minimum number of steps if event functions depend on time and unknowns: they are sampled at a few points of each
+// step.
 constexpr double steps_with_events = 100.0;
 
 Settings resolved(Settings settings, const Experiment& experiment, const FlatModel& model) {
@@ -45,7 +45,7 @@ sfdae::Options options_of(const System& system, const Settings& settings, const 
   sfdae::Options options;
   options.rtol = settings.tolerance;
   options.method = settings.method;
-  options.max_index = 12;  // the highest: formulas have all derivatives
+  options.max_index = 12;  // the highest allowed: formulas have all derivatives
   for (int v : unknowns)
     options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.sizes.nominal[at(v)] : 1.0));
   if (settings.progress)
@@ -65,7 +65,7 @@ std::vector<int> with_free(const System& system) {
   return unknowns;
 }
 
-// What the library found out about the mode it worked on last, where that is about the model.
+// The library's analysis of the last mode, unless it has only the dummy unknown.
 void describe(const LibraryCalls& calls, Result& result) {
   if (!calls.last_mode() || calls.last_mode()->has_dummy) return;
   const sfdae::Solver& solver = calls.last_mode()->solver;
@@ -78,7 +78,7 @@ void describe(const LibraryCalls& calls, Result& result) {
   }
 }
 
-// A value given for a variable whose start value is not fixed is a guess, which initial values may be far from.
+// A value given for a variable whose start value is not fixed is only an initial guess; the initial value may differ.
 void warn_of_changed_guesses(const System& system, const Parameters& parameters, const Values& values,
                              std::vector<std::string>& warnings) {
   constexpr double relative = 1e-6, of_scale = 1e-9;  // errors of initial values

@@ -13,13 +13,13 @@ namespace sfdae::cli {
 
 namespace {
 
-// Each round lowers the index by one where all constraints are explicit, and the last finds nothing: 12 is the highest
-// strangeness index that the library would be left with otherwise. Bodies take three rounds.
+// Each round lowers the index by one if all constraints are explicit, and the last finds nothing: 12 is the highest
+// strangeness index that the library could solve otherwise. Systems of bodies take three rounds.
 constexpr int max_rounds = 13;
-// A state is eliminated by its coefficient only if it is no smaller than this part of the largest one, in nominal
-// values: errors of the others grow by no more than its inverse, which leaves 13 of 16 digits.
+// A state is eliminated only if its coefficient is at least this part of the largest one, in nominal values: errors of
+// the others are amplified by at most its inverse, which leaves 13 of 16 digits.
 constexpr double safe_pivot = 1e-3;
-// Formulas of more parts are left to the library; the last link of a chain of 20 pendulums has 122.
+// Formulas with more parts are left to the library; the last link of a chain of 20 pendulums has 122.
 constexpr std::size_t most_parts = 100000;
 
 class StateElimination {
@@ -51,7 +51,7 @@ class StateElimination {
       if (reducible_.used[i] == 0) reducible_.residuals[i].formula = by(reducible_.residuals[i].formula);
   }
 
-  // x' = k v + c: elsewhere k v + c stands for x', so that x' occurs once.
+  // x' = k v + c: substitutes k v + c for x' elsewhere, so that x' occurs once.
   void define_derivatives() {
     std::vector<std::pair<int, int>> found;  // state, residual
     for (std::size_t i = 0; i < reducible_.residuals.size(); ++i) {
@@ -77,7 +77,7 @@ class StateElimination {
     for (std::size_t k = 0; k < found.size(); ++k) reducible_.residuals[at(found[k].second)].formula = kept[k];
   }
 
-  // Of what constraints are made of: states and time alone.
+  // A constraint contains only states and time.
   bool is_of_states(const std::vector<Formula>& parts) const {
     return std::all_of(parts.begin(), parts.end(), [&](Formula part) {
       const FormulaNode& node = formulas_[part];
@@ -85,7 +85,7 @@ class StateElimination {
     });
   }
 
-  // x = value where the constraint 0 = g gives it; x: -1 if it gives none.
+  // Solves the constraint 0 = g for a state x, if possible; variable: -1 if not.
   ExplicitState explicit_state(Formula g) {
     LinearForm form = linear_form(formulas_, g);
     if (!form.is_whole) return {};
@@ -110,7 +110,7 @@ class StateElimination {
     return {best, solved(formulas_, form, coefficient), -1};
   }
 
-  // Constraints of this round, each with those before it put in.
+  // Constraints of this round, with the results of the previous ones substituted.
   std::vector<ExplicitState> found_in_constraints() {
     Substitution algebraic(formulas_);
     std::vector<char> defines(reducible_.residuals.size(), 0);
@@ -125,7 +125,7 @@ class StateElimination {
       if (formulas_.depends(reducible_.residuals[i].formula, on_derivative | on_discrete | on_free)) continue;
       const Formula g = with(values, algebraic(reducible_.residuals[i].formula));
       const std::vector<Formula> parts = formulas_.parts({g});
-      // What jumps is left to the library, which reports what it does to states.
+      // Discontinuous constraints are left to the library, which reports jumps of states.
       if (formulas_.depends(g, on_discrete | on_free) || parts.size() > most_parts || !is_of_states(parts)) continue;
       const ExplicitState one = explicit_state(g);
       if (one.variable < 0) continue;
@@ -136,7 +136,7 @@ class StateElimination {
     return found;
   }
 
-  // The values may need each other, those found later those found before never.
+  // Repeats the substitution, because a value may contain variables that were found later, but never earlier ones.
   Formula with(const std::unordered_map<int, Formula>& values, Formula g) {
     for (;;) {
       Substitution by(formulas_);
@@ -186,8 +186,8 @@ class StateElimination {
   System& system_;
   Formulas& formulas_;
   const Reducible& reducible_;
-  std::vector<Formula> derivative_;  // of states: what stands for them; -1: they stand for themselves
-  std::vector<char> is_kept_;        // of variables: reinit sets them
+  std::vector<Formula> derivative_;  // by state: its replacement; -1: none
+  std::vector<char> is_kept_;        // by variable: set by reinit
   std::vector<ExplicitState> result_;
 };
 

@@ -1,4 +1,4 @@
-// Which switches change at times that are known in advance.
+// Detection of switches that change at times known in advance.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/switch_times.h"
 

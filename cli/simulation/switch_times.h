@@ -5,8 +5,8 @@
 
 namespace sfdae::cli {
 
-// Finds switches whose argument is linear in time and constant otherwise, between events, and those that need a root
-// function.
+// Finds switches whose argument is linear in time with coefficients that are constant between events, and switches that
+// need a root function.
 void find_switch_times(System& system);
 
 }  // namespace sfdae::cli

@@ -9,11 +9,11 @@ namespace sfdae::cli {
 
 namespace {
 
-// Relative to the size of an argument: what an event that was located to rounding, and the solution of equations there,
-// leave of zero. A diode that is off, of 1e-6 S, makes arguments of 1e-8 of currents that are rounding, 1e-14: by
-// 1e-10 a bridge switched on and off without end. What is held wrongly is found after the next step.
+// Arguments below this part of their size are zero at an event, whose location and solution have rounding errors. A
+// diode with an off conductance of 1e-6 S turns rounding errors of 1e-14 in currents into arguments of 1e-8; with
+// 1e-10, a bridge switched on and off endlessly. A switch held wrongly is found after the next step.
 constexpr double held = 1e-7;
-// What is clearly not zero on the solution, relative to the largest value met and to the nominal size.
+// Limits above which an argument is nonzero on the solution, relative to its largest value and to the nominal size.
 constexpr double clear_of_largest = 1e-13, clear_of_nominal = 1e-14;
 
 double lower_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k > 0.0 ? k : k - 1.0; }
@@ -54,19 +54,19 @@ double Switches::literal(const Switch& it, double g) const {
   }
 }
 
-// When a switch by time leaves the value that it has. A relation that has its value after the zero keeps it.
+// The time at which a time switch leaves this value. A relation that has its value after the zero does not change.
 std::optional<double> Switches::time_of_change(int number, double value) const {
   const Switch& it = system_.switches[at(number)];
   if (it.kind == Switch::Kind::relation && applied(it.operation, it.slope, 0.0, 0.0) == value) return std::nullopt;
   const double target = it.kind == Switch::Kind::relation ? 0.0
                         : it.slope > 0.0                  ? upper_bound(it, value)
                                                           : lower_bound(it, value);
-  const double t = (target - offset(number)) / it.slope + 0.0;  // -0 becomes 0
+  const double t = (target - offset(number)) / it.slope + 0.0;  // turns -0 into 0
   return std::isfinite(t) ? std::optional(t) : std::nullopt;
 }
 
-// The value of a switch by time after t, independent of its present value. A change that time_of_change() calls due has
-// happened then: a switch that changed neither now nor later would be wrong to the end.
+// The value of a time switch after t, independent of its present value. A change that is due by time_of_change() has
+// happened: a switch that changed neither now nor later would remain wrong.
 double Switches::value_after(int number, double t) const {
   const Switch& it = system_.switches[at(number)];
   const double after = t + rounding_.of(t, offset(number) / it.slope);
@@ -77,7 +77,7 @@ double Switches::value_after(int number, double t) const {
   return it.slope > 0.0 ? value + 1.0 : value - 1.0;
 }
 
-// How far the argument is from where the value holds; 0: it holds.
+// Distance of the argument from the range in which the value holds; 0: it holds.
 double Switches::outside(const Switch& it, double g, double value) const {
   if (literal(it, g) == value) return 0.0;
   if (it.kind == Switch::Kind::relation) return std::fabs(g);
@@ -113,7 +113,7 @@ bool Switches::update(Values& values, bool only_first) {
     const double defined = it.is_by_time ? value_after(s, values.t) : literal(it, g);
     const double wanted = is_undefined ? std::numeric_limits<double>::quiet_NaN() : defined;
     const bool has_passed = passed_at_[at(s)] == values.t;
-    // Arguments that are constant between events have no errors of location.
+    // Arguments that are constant between events have no location errors.
     const double tolerance = has_passed && it.has_root ? held * sizes_[at(s)] : 0.0;
     if (are_same(wanted, value) || (!it.is_by_time && outside(it, g, value) < tolerance)) continue;
     set(s, wanted, values);

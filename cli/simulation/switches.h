@@ -1,4 +1,4 @@
-// Values of switches: relations, floor and trunc keep theirs between events.
+// Values of switches: relations, floor and trunc are constant between events.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,12 +15,12 @@ class Switches {
   // interval: length of the simulation.
   Switches(const System& system, double interval);
 
-  // As arguments say, to the letter: for initial values.
+  // Sets switches from their arguments literally, for initial values; returns whether one changed.
   bool set_literally(Values& values);
 
-  // At events. Switches by time have the value that holds after t. Those that have changed at this t already keep their
-  // value while their argument is where they change, but for rounding. Returns whether one changed. only_first: at most
-  // one changes, the first.
+  // Updates the switches at an event. Time switches get their value after t. A switch that has already changed at this
+  // t keeps its value while its argument is zero up to roundoff. Returns whether one changed. only_first: at
+  // most one changes, the first.
   bool update(Values& values, bool only_first = false);
 
   // Functions whose zeros are events.
@@ -28,25 +28,25 @@ class Switches {
   void evaluate_roots(Values& values, double* g);
   bool roots_need_derivatives() const { return needs_derivatives_; }
 
-  // The switch of a root has the value that holds after its function has risen (+1) or fallen (-1).
+  // Gives the switch of a root the value that holds after its function has risen (+1) or fallen (-1).
   void pass(int root, int direction, Values& values);
   void set(int number, double value, Values& values);
-  // After reinit: switches whose arguments have moved take their values from them.
+  // After reinit: updates switches whose arguments have changed.
   void forget_moved(Values& before, Values& after);
   int switch_of(int root) const { return roots_[at(root)].number; }
 
-  // A switch that contradicts its argument clearly, which is an event that its root function did not show: -1 for
-  // none. Learns the sizes of arguments where is_solution. at_start: distances() at the start of the piece; what was
-  // as far on the wrong side there was rounding.
+  // The number of a switch that clearly contradicts its argument, an event missed by its root function; -1 for none.
+  // Learns the magnitudes of arguments if is_solution. at_start: distances() at the start of the piece; distances that
+  // were as large there are rounding errors.
   int contradiction(Values& values, bool is_solution, const std::vector<double>& at_start);
 
-  // How far the argument of each switch is from where its value holds, 0: it holds.
+  // Distance of the argument of each switch from the range in which its value holds; 0: it holds.
   std::vector<double> distances(Values& values);
 
   // The value that a switch should have.
   double wanted(Values& values, int number);
 
-  // The next time at which one by time leaves its value. Not after t: it is due, and update() changes it.
+  // The next time at which a time switch changes. If not after t, the change is due, and update() makes it.
   std::optional<double> next_time(Values& values);
 
  private:
@@ -66,7 +66,7 @@ class Switches {
   Tape arguments_;  // g of every switch, then offsets of those by time
   std::vector<Root> roots_;
   std::vector<double> sizes_;
-  std::vector<double> passed_at_;  // when each switch changed last; NaN: not yet
+  std::vector<double> passed_at_;  // time of the last change of each switch; NaN: none yet
   bool needs_derivatives_ = false;
 };
 

@@ -1,4 +1,4 @@
-// A flat model, prepared for the solution: numbers in place of parameters, few unknowns, everything as formulas.
+// A flat model prepared for the solution: numbers in place of parameters, few unknowns, all expressions as formulas.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,18 +11,18 @@
 
 namespace sfdae::cli {
 
-// A value that stays between events: that of a relation g op 0, or of floor(g) or trunc(g).
+// A value that is constant between events: that of a relation g op 0, or of floor(g) or trunc(g).
 struct Switch {
   enum class Kind { relation, floor, truncate };
   Kind kind = Kind::relation;
   Operation operation = Operation::less;  // of a relation
   Formula g = -1;
-  // g = slope t + offset with an offset that is known between events: the time of the next event is known.
+  // g = slope t + offset with an offset that is constant between events: the time of the next event is known.
   bool is_by_time = false;
   double slope = 0.0;
   Formula offset = -1;
-  bool has_root = false;  // else, and unless by time, g is constant between events
-  double nominal = 1.0;   // size of what is compared
+  bool has_root = false;  // else, unless is_by_time, g is constant between events
+  double nominal = 1.0;   // magnitude of the compared quantities
   std::string text;
   Location at;
 };
@@ -41,7 +41,7 @@ struct DiscreteAssignment {
   Location at;
 };
 
-// What happens at an event while `active` is 1; reinit: variable := value.
+// An action at an event while `active` is 1; reinit: variable := value.
 struct Reaction {
   Action::Kind kind = Action::Kind::reinit;
   Formula active = -1, value = -1;
@@ -57,14 +57,14 @@ struct Residual {
   Location at;
 };
 
-// An initial condition left = right; of an unknown alone if variable >= 0.
+// An initial condition left = right; the value of an unknown if variable >= 0.
 struct InitialCondition {
   Formula left = -1, right = -1;
   Location at;
   std::string text;
 };
 
-// v = sign root + offset, a root is itself. Constants have the root -1.
+// v = sign root + offset; a root is its own alias. Constants have the root -1.
 struct Alias {
   int root = -1;
   double sign = 1.0, offset = 0.0;
@@ -76,26 +76,26 @@ struct CheckedVariable {
   Formula min = -1, max = -1;
 };
 
-// What happens at events beside reactions.
+// Discrete equations, evaluated at events in addition to reactions.
 struct DiscreteEquations {
   std::vector<DiscreteAssignment> discrete;  // in the order of their evaluation
-  bool has_loop = false;                     // they have to be evaluated repeatedly
-  std::vector<DiscreteAssignment> initial;   // values of pre(variable) initially
+  bool has_loop = false;                     // an algebraic loop, evaluated repeatedly
+  std::vector<DiscreteAssignment> initial;   // initial values of pre(variable)
   std::vector<Formula> when_conditions;      // one for each virtual variable after those of the model
 };
 
-// Of every variable.
+// Magnitudes by variable.
 struct Sizes {
   std::vector<double> nominal;
-  std::vector<double> scale;  // the same, but start values below 1 count, too, where the model has no nominal value
+  std::vector<double> scale;  // as nominal; without a nominal value of the model, start values below 1 also count
 };
 
-// Of every variable.
+// Start values by variable.
 struct Starts {
   std::vector<char> are_given;    // the model gives a start value
-  std::vector<double> numbers;    // 0 if it has none; roots know those of their aliases
-  std::vector<Formula> formulas;  // the same; numbers have guesses of the free parameters in them
-  std::vector<Formula> own;       // its own
+  std::vector<double> numbers;    // if none: 0, enumerations 1; roots use those of aliases
+  std::vector<Formula> formulas;  // as formulas; numbers contain initial guesses of free parameters
+  std::vector<Formula> own;       // without those of aliases
 };
 
 struct System {
@@ -105,10 +105,11 @@ struct System {
   const FlatModel& model;
   Formulas formulas;
   std::vector<int> unknowns;         // variables of the model that the library solves for
-  std::vector<Residual> residuals;   // in unknowns, what is discrete, and free parameters
-  std::vector<Formula> values;       // of every variable, in the same; -1: an unused free parameter of another type
-  std::vector<Location> defined_at;  // of every variable: the equation that gives it, if that is known
-  std::vector<Alias> aliases;        // of every variable of type Real
+  std::vector<Residual> residuals;   // in unknowns, discrete quantities and free parameters
+  std::vector<Formula> values;       // by variable, in the same quantities; -1: an unused free parameter of another
+                                     // type
+  std::vector<Location> defined_at;  // by variable: the equation that gives it, if known
+  std::vector<Alias> aliases;        // by variable of type Real
   std::vector<int> free_parameters;
 
   std::vector<Switch> switches;
@@ -117,11 +118,11 @@ struct System {
   std::vector<Reaction> reactions;
   std::vector<InitialCondition> initial_conditions;
   int num_eliminated = 0;
-  int num_replaced_states = 0;  // differentiated variables of the model that others stand for; this lowers the index
+  int num_replaced_states = 0;  // differentiated variables of the model that were replaced; this lowers the index
   Sizes sizes;
   Starts starts;
-  std::vector<char> is_state;  // of every variable: its derivative occurs
-  // Of every variable: x' = f(states, t), so that x is continuous while forces and velocities jump.
+  std::vector<char> is_state;  // by variable: its derivative occurs
+  // By variable: x' = f(states, t), so that x is continuous when forces and velocities jump.
   std::vector<char> is_continuous_at_impulses;
   std::vector<CheckedVariable> checked;
 

@@ -77,7 +77,7 @@ double Tape::read(const Instruction& instruction, const Values& values) {
 
 namespace {
 
-// Numbers as terms of the chain rule.
+// Numbers as terms for the chain rule.
 struct NumberAlgebra {
   using Term = double;
   static double number(double value) { return value; }

@@ -64,7 +64,7 @@ const char* sign_of(Operation operation) {
   }
 }
 
-// How strongly an operation binds its operands.
+// Operator precedence.
 int strength(Operation operation) {
   switch (operation) {
     case Operation::or_: return 1;
@@ -153,7 +153,7 @@ std::string to_text(const Expression& expression, const FlatModel& model) {
 
 namespace {
 
-// The formula as an expression; null if it has more levels or contains something without a name.
+// The formula as an expression; null if it has more levels or contains an unnamed quantity.
 Expression expression_of(const Formulas& formulas, Formula formula, const FlatModel& model, int levels) {
   const FormulaNode& formula_node = formulas[formula];
   const bool is_name = formula_node.operation == Operation::variable ||

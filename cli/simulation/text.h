@@ -1,4 +1,4 @@
-// Expressions and places of a model in messages.
+// Expressions and positions of a model as text for messages.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace sfdae::cli {
 
-// As a user would write it; what is long is cut off.
+// In the syntax of the model; long texts are truncated.
 std::string to_text(const Expression& expression, const FlatModel& model);
 
 std::string to_text(const Formulas& formulas, Formula formula, const FlatModel& model);
 
-// "file:line", or "file" where the line is unknown.
+// "file:line", or "file" if the line is unknown.
 std::string place(const FlatModel& model, Location at);
 
 std::string to_text(double number);  // 6 digits

@@ -9,7 +9,7 @@ namespace sfdae::cli {
 
 namespace {
 
-// What the chain rule makes formulas with.
+// Constructs formulas for the chain rule.
 struct Terms {
   using Term = Formula;
 
@@ -26,7 +26,7 @@ struct Terms {
 
 }  // namespace
 
-// Operands have smaller numbers than what they are used in: they come first.
+// Operands have smaller numbers than the formulas that use them, so they come first.
 Formula TimeDerivative::operator()(Formula formula) {
   for (Formula part : formulas_.parts({formula}))
     if (known_.count(part) == 0) known_[part] = of_part(part);

@@ -12,11 +12,11 @@ namespace sfdae::cli {
 
 class TimeDerivative {
  public:
-  // of_variable: the derivative of a variable that varies continuously.
+  // of_variable: the derivative of a continuous variable.
   TimeDerivative(Formulas& formulas, std::function<Formula(int)> of_variable)
       : formulas_(formulas), of_variable_(std::move(of_variable)) {}
 
-  // Between events, where what is discrete is constant. The formula contains no derivatives.
+  // Derivative between events, where discrete quantities are constant. The formula must contain no derivatives.
   Formula operator()(Formula formula);
 
  private:

@@ -16,7 +16,7 @@ class WhenImport {
 
   void add(const When& when) {
     Formulas& formulas = system_.formulas;
-    std::map<int, std::vector<std::pair<Formula, Formula>>> values;  // of variables: in which branch, which
+    std::map<int, std::vector<std::pair<Formula, Formula>>> values;  // by variable: branch condition and value
     Formula none_before = formulas.number(1.0);
     for (const WhenBranch& branch : when.branches) {
       const Formula rises = rises_of(branch), active = formulas.both(none_before, rises);
@@ -69,12 +69,12 @@ class WhenImport {
     system_.reactions.push_back(reaction);
   }
 
-  // So that what acted can be reported: an assignment to nothing.
+  // Adds an assignment to no variable, so that the action can be reported.
   void add_text(const WhenBranch& branch, Formula active, Location at) {
     Reaction reaction;
     reaction.kind = Action::Kind::assign;
     reaction.active = active;
-    reaction.at = at;  // a condition may stand elsewhere: a variable is where it was named first
+    reaction.at = at;  // the condition may be on another line, since a variable has the position of its first use
     const Location of_condition = branch.conditions.empty() ? at : branch.conditions.front()->at;
     if (of_condition.line > at.line) reaction.at = of_condition;
     for (const Expression& condition : branch.conditions)

@@ -1,5 +1,5 @@
-// When clauses as formulas of discrete variables: v = e where a branch acts, else v = pre(v). Each condition is a
-// virtual Boolean variable, whose pre() tells when it becomes true.
+// When clauses as formulas of discrete variables: v = e if a branch acts, else v = pre(v). Each condition is a virtual
+// Boolean variable, whose pre() tells when it becomes true.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /** @file
- * sfdae - branches: singular points of solutions, what they are, and how to go on after them.
+ * sfdae - singular points of solutions (folds, bifurcations): their kinds, and continuation after them.
  *
- * Where constraints lose rank, or differential equations vanish, an integration ends with
- * SFDAE_CHARACTERISTICS_CHANGED. A solution may end there (a fold: it turns around), or go on smoothly while others
- * branch off, as with a mechanism whose bars come to lie in one line. sfdae_get_singular_point says which, as far as
- * the solution in front of the point tells; sfdae_pass_singular_points lets an integration go on where that can be
- * confirmed.
+ * An integration ends with SFDAE_CHARACTERISTICS_CHANGED if constraints lose rank or differential equations vanish. The
+ * solution may end there (a fold: it turns around), or continue smoothly while other branches cross, as in a mechanism
+ * whose bars become collinear. sfdae_get_singular_point tells which, as far as the solution before the point determines
+ * it; sfdae_pass_singular_points lets an integration continue if a smooth continuation is confirmed.
  *
  * sfdae.h has the conventions. This header is not included by it.
  */
@@ -20,27 +19,27 @@
 extern "C" {
 #endif
 
-/* What the solution does at a singular point. */
-#define SFDAE_SINGULAR_UNDETERMINED 0 /**< numbers do not decide */
+/* Behavior of the solution at a singular point. */
+#define SFDAE_SINGULAR_UNDETERMINED 0 /**< not decided numerically */
 #define SFDAE_SINGULAR_FOLD 1         /**< it turns around: x' is unbounded, and no solution continues */
-#define SFDAE_SINGULAR_CROSSING 2     /**< what is differentiated is smooth up to it; branches may cross there */
-#define SFDAE_SINGULAR_UNBOUNDED 3    /**< what is differentiated grows without bound */
+#define SFDAE_SINGULAR_CROSSING 2     /**< differential variables are smooth up to it; branches may cross there */
+#define SFDAE_SINGULAR_UNBOUNDED 3    /**< differential variables grow without bound */
 
-/* Which part of the strangeness-free system loses rank. */
-#define SFDAE_PART_UNDETERMINED 0 /**< not separated: linear problems, minimal extensions, or numbers do not tell */
+/* The part of the strangeness-free system that loses rank. */
+#define SFDAE_PART_UNDETERMINED 0 /**< not separated: linear problems, minimal extensions, or not decided */
 #define SFDAE_PART_CONSTRAINTS 1  /**< A2 */
-#define SFDAE_PART_DIFFERENTIAL 2 /**< E T2: as many equations no longer determine derivatives */
+#define SFDAE_PART_DIFFERENTIAL 2 /**< E T2: fewer equations determine derivatives */
 #define SFDAE_PART_BOTH 3
 
 /** A singular point that an integration has met. */
 typedef struct sfdae_singular_point {
   size_t size;
-  double t;        /**< where, as accurately as sfdae_get_change says */
+  double t;        /**< time, as accurate as that of sfdae_get_change */
   int kind;        /**< SFDAE_SINGULAR_ ... */
   int part;        /**< SFDAE_PART_ ... */
-  int component;   /**< of x, from 0: the one that tells a fold, or grows; else -1 */
-  double exponent; /**< that component goes as |t - t*| to this power, about 1/2 in a fold; else 0 */
-  int passed;      /**< 1: the integration went on after it */
+  int component;   /**< of x, from 0: the one that shows the fold, or grows; else -1 */
+  double exponent; /**< that component behaves as |t - t*| to this power, about 1/2 at a fold; else 0 */
+  int passed;      /**< 1: the integration continued after it */
   double t_before; /**< the last point before it */
   double t_after;  /**< the first point after it; t_before if it was not passed */
   long count;      /**< singular points passed since sfdae_start */
@@ -49,27 +48,27 @@ typedef struct sfdae_singular_point {
 SFDAE_API int sfdae_singular_point_init(sfdae_singular_point* point, size_t size);
 
 /** The singular point met last since sfdae_start, whether it ended a call or was passed; SFDAE_NOT_STARTED if there was
- * none. kind comes from the points that the integration came through, of which a restored checkpoint has none. */
+ * none. `kind` is determined from earlier points of the integration, which a restored checkpoint does not contain. */
 SFDAE_API int sfdae_get_singular_point(const sfdae_solver* solver, sfdae_singular_point* result);
 
-/** Lets integrations go on after singular points, up to max_points of them from sfdae_start on (>= 0; 0, the default,
- * ends them at the first one). Where the solution is smooth in front of such a point, polynomials fitted to what is
- * differentiated there are extrapolated a little beyond it and made consistent, hidden constraints included. The
+/** Lets integrations continue after singular points, up to max_points of them from sfdae_start on (>= 0; 0, the
+ * default, ends them at the first one). If the solution is smooth before such a point, polynomials fitted to the
+ * differential variables are extrapolated slightly beyond it and made consistent, hidden constraints included. The
  * point is passed if
  *
- *  - there are such values with the known characteristic values, no farther from the polynomials than the errors
- *    expected of these, within some ten tolerances;
- *  - x' by the equations there agrees with that of the polynomials accordingly.
+ *  - there are such values with the known characteristic values, no farther from the polynomials than their expected
+ *    errors, within about ten tolerances;
+ *  - x' of the equations there agrees with that of the polynomials to the same accuracy.
  *
- * If not, the call ends with SFDAE_CHARACTERISTICS_CHANGED as it does without; the message says why. Nothing else is
- * checked: energy, for example, is yours to look at. Branches that touch each other to second order, within
- * tolerances, cannot be told apart: tight tolerances help. After the point the integration starts anew, with errors
- * of extrapolation of about the tolerances. Outputs between t_before and t_after are those of the polynomials, and
- * straight lines for components that are not smooth (multipliers may have a pole there).
+ * If not, the call ends with SFDAE_CHARACTERISTICS_CHANGED as without this function; the message gives the reason.
+ * Nothing else is checked, for example no energy balance. Branches that touch each other to second order, within
+ * tolerances, cannot be distinguished: tight tolerances help. The integration restarts after the point, with
+ * extrapolation errors of about the tolerances. Outputs between t_before and t_after are evaluated from the
+ * polynomials, and by linear interpolation for components that are not smooth (multipliers may have a pole there).
  *
- * Steps are shorter near singular points, and steps of Radau take more time, with this than without. Counts from the
- * next step on and survives sfdae_start and sfdae_set_options; it holds for instances of ensembles; checkpoints do
- * not contain it. Nothing is passed while events are searched or sensitivities are carried along. */
+ * This setting shortens steps near singular points and makes Radau steps slower. It takes effect with the next step,
+ * survives sfdae_start and sfdae_set_options and applies to instances of ensembles; checkpoints do not contain it. No
+ * point is passed while events are located or sensitivities are computed. */
 SFDAE_API int sfdae_pass_singular_points(sfdae_solver* solver, long max_points);
 
 #ifdef __cplusplus

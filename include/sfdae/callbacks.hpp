@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// From the functions of a C++ problem to the callbacks of a C problem, and from options to options. Nothing here is
-// for users; included by sfdae.hpp.
+// Conversion of C++ problems, callbacks and options to those of C. Internal; included by sfdae.hpp.
 #ifndef SFDAE_CALLBACKS_HPP
 #define SFDAE_CALLBACKS_HPP
 
@@ -19,7 +18,7 @@
 
 namespace sfdae::detail {
 
-/// As the length of a vector; illegal counts are left to the C functions.
+/// A count as the length of a vector; the C functions check illegal counts.
 inline std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }
 
 /// Throws Error unless `found` is n.
@@ -37,7 +36,7 @@ const T* entries(const std::vector<T>& values, int n, const char* name, const ch
   return values.data();
 }
 
-/// What the C callbacks get as `user`: on the heap, so that it stays in place when the Solver moves.
+/// The `user` object of the C callbacks: on the heap, so that its address does not change when the Solver moves.
 struct CallbackState {
   template <class AnyProblem>
   CallbackState(AnyProblem p, Monitor m)
@@ -51,8 +50,8 @@ struct CallbackState {
   CallbackState(const CallbackState&) = delete;
   CallbackState& operator=(const CallbackState&) = delete;
 
-  /// No exception may cross the frames of the library: it waits here, the value returned stops the call. Those of an
-  /// ensemble come from several threads.
+  /// No exception may cross the frames of the library: it is stored here, and the value returned stops the call.
+  /// Exceptions of an ensemble come from several threads.
   template <class Call>
   int guarded(Call call) noexcept {
     try {
@@ -64,7 +63,7 @@ struct CallbackState {
     }
   }
 
-  /// Throws the exception that waits, if one does.
+  /// Throws the stored exception, if any.
   void rethrow() {
     if (exception) std::rethrow_exception(std::exchange(exception, nullptr));
   }
@@ -80,7 +79,7 @@ struct CallbackState {
   sfdae_solver* solver = nullptr;
 };
 
-/// What views are called where they are refused.
+/// Names of views in error messages.
 constexpr const char* name_of(MatrixFunction LinearProblem::*function) {
   return function == &LinearProblem::E ? "E" : "A";
 }
@@ -100,7 +99,7 @@ constexpr const char* name_of(VelocityVectorFunction MultibodyProblem::*function
   return function == &P::forces ? "f" : function == &P::constraint_curvature ? "gamma" : "eta";
 }
 
-/// Where a matrix of m rows and n columns goes, or the entries of its pattern.
+/// A view of a matrix of m rows and n columns, or of the entries of its pattern, to be written.
 inline MatrixRef view(double* values, const CallbackState& state, const SparsityPattern& pattern, int matrices,
                       const char* name) {
   if (values == nullptr) return {values, 0, state.num_unknowns, name};
@@ -273,7 +272,7 @@ void fill_conditions(const AnyProblem& problem, AnyCProblem& c) {
   c.branches = conditions.branches->data();
 }
 
-/// As C wants names, which it copies; the array of them is kept in the state. Throws Error unless there are n, or none.
+/// Names as a C array, which C copies; the state owns the array. Throws Error unless there are n, or none.
 inline const char* const* names_in_c(const std::vector<std::string>& given, int n, const char* name, const char* what,
                                      CallbackState& state) {
   state.names.clear();
@@ -281,7 +280,7 @@ inline const char* const* names_in_c(const std::vector<std::string>& given, int 
   return entries(state.names, n, name, what);
 }
 
-/// Where the parts of a pattern go. Throws Error unless col_start has n + 1 numbers, or nothing is given.
+/// Passes a pattern to C. Throws Error unless col_start has n + 1 numbers, or nothing is given.
 inline void fill_pattern(const SparsityPattern& pattern, int n, const char* name, int& count, const int*& col_start,
                          const int*& row_index) {
   if (pattern.col_start.empty() && pattern.row_index.empty()) return;

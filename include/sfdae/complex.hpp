@@ -2,9 +2,9 @@
 
 // Complex problems as real ones of twice the size, for C++17 and later. Not included by sfdae.hpp.
 //
-// Complex unknown j is the real unknowns 2 j (real part) and 2 j + 1 (imaginary part), equations go the same way:
-// vectors are arrays of std::complex<double> as they lie in memory, and entry a of a matrix is the block [re a, -im
-// a; im a, re a]. Characteristic values d, a, u, v are those of the real problem, twice those of the complex one.
+// Complex unknown j is the real unknowns 2 j (real part) and 2 j + 1 (imaginary part), and equations likewise: vectors
+// have the memory layout of arrays of std::complex<double>, and entry a of a matrix is the block [re a, -im a; im a, re
+// a]. Characteristic values d, a, u, v are those of the real problem, twice those of the complex one.
 #ifndef SFDAE_COMPLEX_HPP
 #define SFDAE_COMPLEX_HPP
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Ensembles for C++17 and later: what goes into and comes out of Solver::solve_ensemble; see sfdae_solve_ensemble for
-// the meaning of everything here. Included by sfdae.hpp.
+// Ensembles for C++17 and later: input and results of Solver::solve_ensemble; see sfdae_solve_ensemble for their
+// meaning. Included by sfdae.hpp.
 #ifndef SFDAE_ENSEMBLE_HPP
 #define SFDAE_ENSEMBLE_HPP
 
@@ -20,8 +20,8 @@ namespace sfdae {
 
 using EnsembleProgress = sfdae_ensemble_progress;
 
-/// Called whenever an instance has ended, by any of the threads but never by two at a time; true stops all. An
-/// exception stops all, too, and is passed on.
+/// Called when an instance has ended, by any of the threads but never by two at a time; true stops all. An exception
+/// stops all, too, and is passed on.
 using EnsembleMonitor = std::function<bool(const EnsembleProgress&)>;
 
 /// N instances of a problem with n unknowns, see sfdae_ensemble.
@@ -51,7 +51,7 @@ class EnsembleSolution {
 
   /// n values at an output of an instance, both from 0; NaN where it was not reached.
   ConstVectorRef x(int instance, int output) const { return {x_.data() + place(instance, output), unknowns_}; }
-  /// Those of x'; they have to have been wanted.
+  /// The same for x', which must have been requested.
   ConstVectorRef xdot(int instance, int output) const { return {xdot_.data() + place(instance, output), unknowns_}; }
   /// All of them, n x outputs x instances.
   std::vector<double>& x() noexcept { return x_; }
@@ -75,7 +75,7 @@ class EnsembleSolution {
 
 namespace detail {
 
-/// What the monitor in C gets as `user`.
+/// The `user` object of the monitor in C.
 struct EnsembleMonitorState {
   const EnsembleMonitor& monitor;
   std::exception_ptr exception;

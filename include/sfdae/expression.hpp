@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Expressions of recorded equations for C++17 and later: operators and functions on those of expression.h, which
-// has the meaning of everything here. Included by sfdae.hpp.
+// explains them. Included by sfdae.hpp.
 //
-// Formulas can be templates that serve numbers and expressions alike:
+// Formulas can be templates for both numbers and expressions:
 //
 //     template <class Number>
 //     Number energy(const Number& x, const Number& v) {
@@ -42,7 +42,7 @@ class Expression {
   Expression(double number = 0.0) noexcept : c_(sfdae_number(number)) {}
   Expression(const sfdae_expression& expression) noexcept : c_(expression) {}
 
-  /// There is no value yet to branch on.
+  /// Not convertible: an expression has no value to branch on.
   template <class T, class = std::enable_if_t<std::is_same_v<T, bool>>>
   explicit operator T() const noexcept {
     static_assert(!std::is_same_v<T, bool>,
@@ -96,11 +96,11 @@ inline Expression modulo(const Expression& a, const Expression& b) noexcept { re
 inline Expression min(const Expression& a, const Expression& b) noexcept { return sfdae_min(a.c(), b.c()); }
 inline Expression max(const Expression& a, const Expression& b) noexcept { return sfdae_max(a.c(), b.c()); }
 
-/// a if c > 0, else b; the other one need not be defined.
+/// a if c > 0, else b; the operand not chosen need not be defined.
 inline Expression choose(const Expression& c, const Expression& a, const Expression& b) noexcept {
   return sfdae_choose(c.c(), a.c(), b.c());
 }
-/// a if c > 0, else b, for formulas that serve numbers as well.
+/// a if c > 0, else b, for formulas of numbers.
 inline double choose(double c, double a, double b) noexcept { return c > 0.0 ? a : b; }
 
 /// 1 if it holds, else 0; for choose. Both operands of && and || are recorded.
@@ -124,11 +124,12 @@ inline Expression operator&&(const Expression& a, const Expression& b) noexcept 
 inline Expression operator||(const Expression& a, const Expression& b) noexcept { return sfdae_or(a.c(), b.c()); }
 inline Expression operator!(const Expression& a) noexcept { return sfdae_not(a.c()); }
 
-/// The derivative of a formula by t, an unknown, the derivative of an unknown or a parameter, see sfdae_derivative.
+/// The partial derivative of a formula with respect to t, an unknown, the derivative of an unknown or a parameter, see
+/// sfdae_derivative.
 inline Expression derivative(const Expression& a, const Expression& variable) noexcept {
   return sfdae_derivative(a.c(), variable.c());
 }
-/// The total derivative along time of a formula in t and x, see sfdae_time_derivative.
+/// The total time derivative of a formula in t and x, see sfdae_time_derivative.
 inline Expression time_derivative(const Expression& a) noexcept { return sfdae_time_derivative(a.c()); }
 
 /// The value at a of the spline of degree 1, 3, 5 or 7 through points (x, y), see sfdae_table.
@@ -152,7 +153,7 @@ inline Expression parameter(const Expression& t, const std::string& name, double
 
 }  // namespace sfdae
 
-// Formulas may say std::sin. The functions of namespace sfdae serve expressions alone, as these do.
+// Formulas may use std::sin. These functions, like those of namespace sfdae, are for expressions only.
 namespace std {
 
 template <class T>

@@ -7,8 +7,9 @@
  *         -> sfdae_start_hybrid -> sfdae_advance_hybrid ... -> sfdae_destroy_hybrid, then the solvers
  *
  * A mode is a problem with its solver: equations, options, parameters, index. All modes have the same unknowns. An
- * ideal diode, for example, has the modes "conducts" (u = 0) and "blocks" (i = 0); the first is left when i falls
- * below zero, the second when u rises above it. A mode is analyzed when it is entered first; later it only starts.
+ * ideal diode, for example, has the modes "conducts" (u = 0) and "blocks" (i = 0); the first is left when i falls below
+ * zero, the second when u rises above it. A mode is analyzed when it is first entered; later entries reuse the
+ * analysis.
  *
  * sfdae.h has the conventions. This header is not included by it.
  */
@@ -28,41 +29,40 @@ typedef struct sfdae_hybrid sfdae_hybrid;
 /** Creates a hybrid system without modes. On failure *hybrid is NULL. */
 SFDAE_API int sfdae_create_hybrid(sfdae_hybrid** hybrid);
 
-/** Frees the hybrid system and sets *hybrid to NULL; its solvers stay, and are free again. NULL and *hybrid == NULL are
- * allowed. SFDAE_BUSY from a callback, which changes nothing. */
+/** Frees the hybrid system and sets *hybrid to NULL; its solvers remain, and can be used elsewhere. NULL and *hybrid ==
+ * NULL are allowed. SFDAE_BUSY from a callback, which changes nothing. */
 SFDAE_API int sfdae_destroy_hybrid(sfdae_hybrid** hybrid);
 
-/** What the last call on this hybrid system had to say, as sfdae_message; what a solver says begins with its mode. */
+/** The message of the last call on this hybrid system, as sfdae_message; messages of a solver begin with its mode. */
 SFDAE_API const char* sfdae_get_hybrid_message(const sfdae_hybrid* hybrid);
 
 /* ---- Modes and transitions ------------------------------------------------------------------- */
 
-/** Adds a mode, which is to be solved by `solver`; modes count from 0. Two modes may have the same equations with other
- * values of parameters: create two solvers. The solver has to live as long as the hybrid system: until then
- * sfdae_destroy refuses it. Its options, parameters and breakpoints can be changed as ever; what ends its integration
- * ends that of the hybrid system, too. All modes have as many unknowns, with the same meaning.
+/** Adds a mode, solved by `solver`; modes count from 0. Two modes may have the same equations with other values of
+ * parameters: create two solvers. The solver has to live as long as the hybrid system: until then sfdae_destroy refuses
+ * it. Its options, parameters and breakpoints can be changed as usual; a change that ends its integration also ends
+ * that of the hybrid system. All modes have the same number of unknowns, with the same meaning.
  * name: for messages and the report, copied; NULL: none. *mode (may be NULL): the number of the mode.
  * SFDAE_ILLEGAL_ARGUMENT: another number of unknowns, a solver that is a mode already, that has events or sensitivities
  * of its own; a name that another mode has. */
 SFDAE_API int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name, int* mode);
 
-/* When a transition happens. */
-#define SFDAE_TRANSITION_CONDITION 0 /**< as soon as function > 0, clearly; also where the mode begins */
-#define SFDAE_TRANSITION_ZERO 1      /**< where function passes zero, as `direction` says: an event */
+/* Kinds of transitions. */
+#define SFDAE_TRANSITION_CONDITION 0 /**< as soon as function > 0, clearly; also at the start of a mode */
+#define SFDAE_TRANSITION_ZERO 1      /**< function passes zero in `direction`: an event */
 #define SFDAE_TRANSITION_TIME 2      /**< at `time`, if the mode began before */
 
-/** Writes values after a transition at t from one mode to another to `after`, n values, in which it finds those before.
+/** Writes the values after a transition at t from one mode to another to `after`, n values, initially those before.
  * Returns 0, or any other value to end the integration. */
 typedef int (*sfdae_jump_function)(double t, int from, int to, const double* before, double* after, void* user);
 
 /** A transition from a mode to another one, or to itself. Call sfdae_transition_init first, then set members.
  *
- * A condition counts where function exceeds what it changes by if x moves by its tolerances, or t by some roundings:
- * what is not known that well is no reason to leave a mode. It is looked at where the mode begins, too: a mode may be
- * left at once. If it does not hold there, it counts as soon as the function has risen by that much above the value
- * it had there, if this was positive; so a condition that is zero where its mode begins counts if it rises. An event
- * is one of sfdae_set_events of its mode: a zero where the mode begins is none. Where several transitions are due,
- * the one added first counts. */
+ * A condition holds if function exceeds its uncertainty: its change if x changes by the tolerances, or t by a few
+ * rounding errors. It is also checked at the start of the mode, which may be left at once. If it does not hold there,
+ * it holds as soon as the function exceeds its value at the start, if this was positive, by the uncertainty; so a
+ * condition that is zero at the start of its mode holds when it rises. An event is one of sfdae_set_events of its mode:
+ * a zero at the start of the mode is none. If several transitions are due, the one added first happens. */
 typedef struct sfdae_transition {
   size_t size;                   /**< set by sfdae_transition_init */
   int from, to;                  /**< modes */
@@ -72,77 +72,76 @@ typedef struct sfdae_transition {
   double time;                   /**< _TIME: finite */
   sfdae_event_function
       guard; /**< NULL (default), or writes one number: no transition unless it is > 0 at the event */
-  /** NULL (default): values after it are those of sfdae_jump for the mode `to`. Else they are what this writes, made
-   * consistent as the options of the solver of `to` say. */
+  /** NULL (default): values after it are those of sfdae_jump for the mode `to`. Else this function writes them, and
+   * they are made consistent by the options of the solver of `to`. */
   sfdae_jump_function jump;
-  void* user; /**< handed to the functions */
+  void* user; /**< passed to the functions */
 } sfdae_transition;
 /** Sets every member to its default. size: sizeof(sfdae_transition). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_transition_init(sfdae_transition* transition, size_t size);
 
 /** Adds a transition, which is copied; they count from 0. *number (may be NULL): that of the transition. An integration
- * under way ends. SFDAE_ILLEGAL_ARGUMENT names what is wrong: a mode that there is not, a function that is missing. */
+ * under way ends. SFDAE_ILLEGAL_ARGUMENT for a missing mode or function, which the message names. */
 SFDAE_API int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transition, int* number);
 
 /* ---- Sliding --------------------------------------------------------------------------------- */
 
-/** Adds a switch: mode `below` holds where g(t, x) < 0, mode `above` where g > 0. Where both lead toward the surface
- * g = 0 the system moves along it, in a mode that is added here, until one of them leads away again [Filippov 1988].
+/** Adds a switch: mode `below` holds for g(t, x) < 0, mode `above` for g > 0. If both lead toward the surface g = 0,
+ * the system slides along it (sliding mode, which is added here), until one of them leads away again [Filippov 1988].
  *
- * Along the surface those equations that the modes have in common hold as they are, the others F_below, F_above as
- * (1 - s) F_below + s F_above = 0, and g = 0: one unknown more, s, from 0 to 1, the part of the mode above, which stays
- * inside. The index is higher by one as a rule. Equations that differ contain x' with the same factors in both modes;
- * those without x', an unknown with the same factor. What else is in them may be anything: friction that depends on
- * the normal force, say.
+ * Along the surface the equations common to both modes hold unchanged, the others, F_below and F_above, as (1 - s)
+ * F_below + s F_above = 0, and g = 0: one more unknown, s, from 0 to 1, the weight of the mode above, which is
+ * internal. The index is usually higher by one. Equations that differ must contain x' with the same factors in both
+ * modes; those without x', an unknown with the same factor. The rest of them is arbitrary, for example friction that
+ * depends on the normal force.
  *
- * At g = 0 the rate of g is looked at in both modes. Where the other mode leads on, or its values are beyond the
- * surface by a jump, it is entered as by a condition. Sliding is left where s is clearly outside of 0 ... 1. Where
- * the modes lead away from the surface to both sides, nothing says where to go: starts in the sliding mode and your
+ * At g = 0 the rate of g is evaluated in both modes. If the other mode leads on, or its values are beyond the surface
+ * by a jump, it is entered as by a condition. Sliding ends when s is clearly outside of 0 ... 1. If the modes lead away
+ * from the surface to both sides, the continuation is not determined: starts in the sliding mode and user-defined
  * transitions to it are refused (SFDAE_NO_CONSISTENT_VALUES).
  *
  * below, above: modes with recorded equations (any of the create functions), nothing prescribed, no sliding modes.
- * surface: writes g as residual[0]; it contains t and x, no x'; called once. Its parameters have the values that the
- * mode
- *   below gives to those of the same name, or the mode above, else their own. user is handed to it.
+ * surface: writes g as residual[0]; it contains t and x, no x'; called once. Its parameters have the values of those of
+ * the same name in the mode below, or else above, or else their own. user is passed to it.
  * name: of the sliding mode, as that of sfdae_add_mode. *mode (may be NULL): its number.
  *
- * The sliding mode has the options of the solver of `below` and the breakpoints of both, as they are when it is
- * entered, and the values that parameters have then; its s has the smallest rtol as rtol and atol. After
- * sfdae_set_parameter while it slides, start again. The switch is four transitions, in this order: out of `below`,
- * out of `above`, from sliding to `below`, to `above`. Other transitions out of the two modes, those of other
- * switches included, also lead out of the sliding mode; there may be more of them. Motion along two surfaces at once
- * is not there: it ends with SFDAE_ZENO. SFDAE_ILLEGAL_ARGUMENT names what cannot be combined. An integration under
- * way ends. */
+ * The sliding mode has the options of the solver of `below`, the breakpoints of both and the values of parameters at
+ * the time of its entry; the smallest rtol is rtol and atol of s. After sfdae_set_parameter during sliding, start
+ * again. The switch is four transitions, in this order: out of `below`, out of `above`, from sliding to `below`, to
+ * `above`. Other transitions out of the two modes, those of other switches included, also lead out of the sliding mode;
+ * there may be more of them. Sliding along two surfaces at once is not implemented: it ends with SFDAE_ZENO.
+ * SFDAE_ILLEGAL_ARGUMENT for modes that cannot be combined; the message gives the reason. An integration under way
+ * ends. */
 SFDAE_API int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfdae_equations_function surface,
                                void* user, const char* name, int* mode);
 
 /* ---- Integration ----------------------------------------------------------------------------- */
 
-/** Starts at (t, x) in a mode: sfdae_start of its solver, with the same x, xdot, warnings and failures. If a
- * condition of that mode holds there, its transition happens at once, and x and xdot are those of the mode reached. */
+/** Starts at (t, x) in a mode: sfdae_start of its solver, with the same x, xdot, warnings and failures. If a condition
+ * of that mode holds there, its transition happens immediately, and x and xdot are those of the new mode. */
 SFDAE_API int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, double* x, double* xdot);
 
 /** Integrates to tout across all transitions on the way, those at tout included, and returns there: sfdae_advance of
  * the solvers, with the same arguments, warnings and failures. After failures of a transition itself (those of
- * sfdae_jump and sfdae_start) t and x are those before it and the integration has ended, as it has where memory is
- * missing; after others sfdae_advance_hybrid goes on.
+ * sfdae_jump and sfdae_start) t and x are those before it and the integration has ended, also after
+ * SFDAE_OUT_OF_MEMORY; after other failures sfdae_advance_hybrid continues.
  *
- * Events are found as sfdae_set_events says. In a linear mode without differential equations (d = 0) steps are as
- * long as tout allows, in others as what happens at their ends does: limit max_step of its solver.
+ * Events are located as described at sfdae_set_events. In a linear mode without differential equations (d = 0) steps
+ * are as long as tout allows, in others as the error test at their ends allows: limit max_step of its solver.
  *
- * SFDAE_ZENO: transitions accumulate at a time that cannot be passed, as the bounces of a ball do: the times between
- * seven passages of a transition shrink by the same factor, and a millionth of the time since the start is left, or
- * the function of the transition moves by a thousand tolerances only. Or modes lead to each other again and again
- * (chattering): x moves by at most ten tolerances in each of 30 + 2 (number of modes) visits, as where both lead
- * toward the same surface. sfdae_get_accumulation has the time; t and x are those after the last transition.
- * sfdae_start_hybrid goes on. */
+ * SFDAE_ZENO: transitions accumulate at a time that cannot be passed, as for a bouncing ball: the times between seven
+ * passages of a transition shrink by the same factor, and a millionth of the time since the start is left, or the
+ * function of the transition changes by only a thousand tolerances. Or modes alternate (chattering): x changes by at
+ * most ten tolerances in each of 30 + 2 (number of modes) visits, as when both lead toward the same surface.
+ * sfdae_get_accumulation returns the time; t and x are those after the last transition. Continue with
+ * sfdae_start_hybrid. */
 SFDAE_API int sfdae_advance_hybrid(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot);
 
 /** sfdae_advance_hybrid to the next transition, or to tout if there is none before: returns SFDAE_EVENT with the values
- * after the transition, or SFDAE_OK at tout. Transitions that happen at once after another are returned one by one. */
+ * after the transition, or SFDAE_OK at tout. Transitions at the same time are returned one by one. */
 SFDAE_API int sfdae_advance_to_transition(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot);
 
-/** From now on all accepted steps in all modes go to the solution, see sfdae_record_solution; NULL: no more. At
+/** Records all accepted steps in all modes from now on, see sfdae_record_solution; NULL: stops recording. At
  * transitions the solution may jump, and has the value after the jump. */
 SFDAE_API int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution);
 
@@ -151,46 +150,45 @@ SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
 
 /* ---- Sensitivities --------------------------------------------------------------------------- */
 
-/** Asks for `count` sensitivities S_j = dx/dp_j, 0 (none any more) ... 10000, from the next sfdae_start_hybrid on: as
- * sfdae_set_sensitivities, with the same arguments, over all modes and transitions. A run under way ends. Add the
- * modes first.
+/** Requests `count` sensitivities S_j = dx/dp_j, 0 (none) ... 10000, from the next sfdae_start_hybrid on: as
+ * sfdae_set_sensitivities, with the same arguments, over all modes and transitions. A run under way ends. Add the modes
+ * first.
  *
- * parameters: each is one of those of one mode, or surface of a switch, at least; the equations of modes that do not
- * have it do not depend on it. A parameter that several modes have is one and the same (with sfdae_set_parameter give
- * it one value in all of them; where values differ, all move by the same amount). directions: at the start. options:
- * with adjoint = 1 steps are kept for sfdae_get_hybrid_gradient, and S is not computed.
+ * parameters: each is a parameter of at least one mode, or surface of a switch; modes without it do not depend on it. A
+ * parameter of several modes is treated as one (with sfdae_set_parameter give it one value in all of them; if values
+ * differ, all change by the same amount). directions: at the start. options: with adjoint = 1 steps are stored for
+ * sfdae_get_hybrid_gradient, and S is not computed.
  *
- * At a transition at t, where its function g(t, x) is zero, or at a fixed time (dt/dp = 0), or at once after another
- * one (with its dt/dp),
+ * At a transition at t, at a zero of its function g(t, x), at a fixed time (dt/dp = 0), or immediately after another
+ * transition (with its dt/dp),
  *
  *     dt/dp = -(g_x S + g_p) / (g_t + g_x x'),   S after = (M_x S + M_p) + (M_t + M_x x'_before - x'_after) dt/dp
  *
  * M(t, x, p): the values after it, by the rule of sfdae_jump or your jump function. S after is consistent with the
- * constraints of the mode that begins, hidden ones too. Derivatives of g, and of M where the equations of a jump do
- * not say them, are differences of fourth order: your functions are called with values nearby, too, and g with x'
- * that mean nothing. They depend on parameters through x alone, g_p = 0: one that is in them otherwise has to be an
+ * constraints of the mode that begins, hidden ones too. Derivatives of g, and of M unless the equations of a jump give
+ * them, are finite differences of fourth order: the user's functions are also called with nearby values, and g with
+ * meaningless x'. They may depend on parameters through x alone, g_p = 0: any other parameter in them has to be an
  * unknown, p' = 0, with its unit vector as direction. g must not depend on x' (SFDAE_ILLEGAL_ARGUMENT from the
  * transition). Surfaces of switches are formulas: g_p is that of their parameters.
  *
- * Along surfaces S has n rows, too, as s stays inside. Where factors of equations in two modes are the same by the
- * values of parameters only, m1 x' and m2 x' with m1 = m2, there are sensitivities by these if the equation has one
- * x' alone; else sfdae_start_hybrid fails (SFDAE_ILLEGAL_ARGUMENT names the equation). Give such parameters one name
- * in both modes.
+ * S has n rows also along surfaces, as s is internal. If factors of equations in two modes agree only by the values of
+ * parameters, m1 x' and m2 x' with m1 = m2, sensitivities with respect to these exist if the equation has only one x';
+ * else sfdae_start_hybrid fails (SFDAE_ILLEGAL_ARGUMENT names the equation). Give such parameters one name in both
+ * modes.
  *
- * With the adjoint both maps are differentiated by all that S may be there, which are d + count directions (d of the
- * mode that ends), in all of which they need a derivative. max_kept_steps counts for the mode that the system is in:
- * of visits that have ended there are checkpoints then, and the steps that take less memory than these.
+ * The adjoint differentiates both maps in all directions that S may have there, d + count (d of the mode that ends), in
+ * all of which they need a derivative. max_kept_steps applies to the current mode: for earlier visits, checkpoints are
+ * stored, or the steps if they take less memory.
  *
- * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters that no mode and no surface has, modes that are given by callbacks.
- * After that sfdae_set_sensitivities refuses the solvers of modes, as it does always.
- * A transition fails with SFDAE_SINGULAR where g touches zero, within the tolerances, without passing it, or where g
- * or M has no derivative. Where two transitions are due at once, or a guard is about to change, the one that happens
- * counts. */
+ * SFDAE_ILLEGAL_ARGUMENT: no modes, parameters of no mode and no surface, modes defined by callbacks.
+ * sfdae_set_sensitivities always refuses the solvers of modes. A transition fails with SFDAE_SINGULAR if g touches
+ * zero, within the tolerances, without passing it, or if g or M has no derivative. If two transitions are due at once,
+ * or a guard is about to change, only the one that happens is considered. */
 SFDAE_API int sfdae_set_hybrid_sensitivities(sfdae_hybrid* hybrid, int count, const char* const* parameters,
                                              const double* directions, const sfdae_sensitivity_options* options);
 
-/** S and S' at t: sfdae_get_sensitivities for the mode that the system is in. After a transition at t they are those
- * after it. SFDAE_NOT_STARTED: there is no run, or none with sensitivities, or with the adjoint. */
+/** S and S' at t: sfdae_get_sensitivities for the current mode. After a transition at t they are those after it.
+ * SFDAE_NOT_STARTED: there is no run, or none with sensitivities, or with the adjoint. */
 SFDAE_API int sfdae_get_hybrid_sensitivities(sfdae_hybrid* hybrid, double t, double* S, double* Sdot);
 
 /** dt[j] = dt/dp_j of the last transition, `count` numbers. SFDAE_NOT_STARTED: there was none since the start, or
@@ -201,27 +199,27 @@ SFDAE_API int sfdae_get_passage_sensitivities(sfdae_hybrid* hybrid, double* dt);
  * back through all modes, motion along surfaces included, and transitions since sfdae_start_hybrid, with the times of
  * these.
  *
- * t: points from the start on, as there; at the time of a transition x is that after it (after all of
- * them, if there are several), and so it is where sfdae_advance_to_transition has returned. That is a point of time
- * that does not move with the parameters: w^T S, S after the transition.
+ * t: points from the start on, as there; at the time of a transition x is that after it (after all of them, if there
+ * are several), also if sfdae_advance_to_transition has returned there. The time is held fixed when the parameters
+ * change: w^T S, S after the transition.
  *
- * The parameters of modes have the values that they had while steps were made, or SFDAE_ILLEGAL_ARGUMENT.
- * SFDAE_NOT_STARTED: there is no run, or none with the adjoint. Other failures: those of sfdae_get_gradient. */
+ * The parameters of modes must have the values used during the steps, else SFDAE_ILLEGAL_ARGUMENT. SFDAE_NOT_STARTED:
+ * there is no run, or none with the adjoint. Other failures: those of sfdae_get_gradient. */
 SFDAE_API int sfdae_get_hybrid_gradient(sfdae_hybrid* hybrid, int num_times, const double* t, int num_functionals,
                                         const double* weights, double* gradient);
 
 /* ---- Inspection ------------------------------------------------------------------------------ */
 
-/** The mode that the system is in. SFDAE_NOT_STARTED before a start. */
+/** The current mode. SFDAE_NOT_STARTED before a start. */
 SFDAE_API int sfdae_get_current_mode(const sfdae_hybrid* hybrid, int* mode);
 
-/** A mode and what was done in it since sfdae_start_hybrid. */
+/** Statistics of a mode since sfdae_start_hybrid. */
 typedef struct sfdae_mode {
   size_t size;
   long visits;           /**< how often the mode was entered */
   double duration;       /**< time spent in it, signed as the direction of integration */
   long steps;            /**< accepted */
-  int num_analyses;      /**< index analyses made by this hybrid system, as a rule 1, once it is entered */
+  int num_analyses;      /**< index analyses made by this hybrid system, usually 1 after the first entry */
   int strangeness_index; /**< -1, as the following: not analyzed yet */
   int differential;      /**< d */
   int algebraic;         /**< a */
@@ -229,7 +227,7 @@ typedef struct sfdae_mode {
 /** Prepares a result of sfdae_get_mode. size: sizeof(sfdae_mode). */
 SFDAE_API int sfdae_mode_init(sfdae_mode* mode, size_t size);
 
-/** What is known of a mode. SFDAE_ILLEGAL_ARGUMENT if there is no such mode. */
+/** Statistics of a mode. SFDAE_ILLEGAL_ARGUMENT if there is no such mode. */
 SFDAE_API int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result);
 
 /** A transition that happened. */
@@ -237,7 +235,7 @@ typedef struct sfdae_passage {
   size_t size;
   double t;
   int transition, from, to; /**< numbers of the transition and of the modes */
-  double largest_impulse;   /**< largest |factor| of delta(t), 0 with a jump of the user's */
+  double largest_impulse;   /**< largest |factor| of delta(t), 0 with a user-supplied jump */
   int impulse_component;    /**< where, -1 if there is none */
   double largest_change;    /**< largest |after - before| */
   int changed_component;    /**< where, -1 if nothing changed */
@@ -245,11 +243,11 @@ typedef struct sfdae_passage {
 /** Prepares a result of sfdae_get_passage. size: sizeof(sfdae_passage). */
 SFDAE_API int sfdae_passage_init(sfdae_passage* passage, size_t size);
 
-/** How many transitions have happened since sfdae_start_hybrid, or before the checkpoint, too. */
+/** Number of transitions since sfdae_start_hybrid, including those before a restored checkpoint. */
 SFDAE_API int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count);
 
-/** The transition that happened as number `index`, 0 ... count - 1. Those before a checkpoint that was restored are
- * counted, but not remembered (SFDAE_ILLEGAL_ARGUMENT). */
+/** Transition number `index` in time, 0 ... count - 1. Those before a restored checkpoint are counted, but not stored
+ * (SFDAE_ILLEGAL_ARGUMENT). */
 SFDAE_API int sfdae_get_passage(const sfdae_hybrid* hybrid, long index, sfdae_passage* result);
 
 /** Values before and after the last transition, and the factors of delta(t) there (n values each, any pointer may be
@@ -260,20 +258,19 @@ SFDAE_API int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* befor
 SFDAE_API int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t);
 
 /** sfdae_get_statistics over all modes: counts since the start (of callbacks: since creation of the solvers), largest
- * and smallest values of all, steps and orders of the present mode. */
+ * and smallest values of all, steps and orders of the current mode. */
 SFDAE_API int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* result);
 
 /** Writes a report as text, as sfdae_report does: modes with their index, d, a, u, v, visits, times and steps; the
- * present one, since when, with transitions by time and breakpoints that lie ahead; sensitivities; and the
- * transitions that have happened. */
+ * current one, its start, its future transitions by time and breakpoints; sensitivities; and the past transitions. */
 SFDAE_API int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed);
 
 /* ---- Checkpoints ----------------------------------------------------------------------------- */
 
-/* Those of sfdae_save_checkpoint and its kind, with the mode and counts. Add the same modes and transitions, and ask
- * for the same sensitivities, before restoring: recorded equations, parameters and options of all modes are compared,
- * and modes, kinds, directions and times of transitions, whether they have a guard and a jump, and surfaces.
- * Modes that are entered after that are analyzed anew where their solvers have no analysis. */
+/* Checkpoints like those of sfdae_save_checkpoint, with the mode and counts. Add the same modes and transitions, and
+ * request the same sensitivities, before restoring: recorded equations, parameters and options of all modes are
+ * compared, and modes, kinds, directions and times of transitions, whether they have a guard and a jump, and surfaces.
+ * Modes that are entered later are analyzed if their solvers have no analysis. */
 
 /** Number of doubles that sfdae_save_hybrid_checkpoint writes now. SFDAE_NOT_STARTED if there is no integration. */
 SFDAE_API int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length);
@@ -281,8 +278,8 @@ SFDAE_API int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* l
 /** Writes a checkpoint to an array of `length` doubles. SFDAE_NOT_STARTED if there is no integration. */
 SFDAE_API int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length);
 
-/** Continues from a checkpoint instead of sfdae_start_hybrid. SFDAE_ILLEGAL_ARGUMENT if it is damaged or does not fit;
- * after a failure an integration under way goes on. */
+/** Continues from a checkpoint instead of sfdae_start_hybrid. SFDAE_ILLEGAL_ARGUMENT if it is damaged or does not
+ * match; after a failure an integration under way continues. */
 SFDAE_API int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length);
 
 #ifdef __cplusplus

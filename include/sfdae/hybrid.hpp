@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Hybrid systems for C++17 and later: a header-only wrapper of hybrid.h, which has the meaning of everything here. Not
-// included by sfdae.hpp.
+// Hybrid systems for C++17 and later: a header-only wrapper of hybrid.h, which explains everything. Not included by
+// sfdae.hpp.
 #ifndef SFDAE_HYBRID_HPP
 #define SFDAE_HYBRID_HPP
 
@@ -55,7 +55,7 @@ class Hybrid {
   }
   ~Hybrid() { sfdae_destroy_hybrid(&hybrid_); }
 
-  /// Adds a mode, which the solver solves; its number. The solver may be moved, but has to live as long as this.
+  /// Adds a mode, solved by the solver; returns its number. The solver may be moved, but has to live as long as this.
   int add_mode(Solver& solver, const std::string& name = "") {
     modes_.reserve(modes_.size() + 1);
     int mode = 0;
@@ -64,7 +64,7 @@ class Hybrid {
     return mode;
   }
 
-  /// Adds a transition; its number.
+  /// Adds a transition; returns its number.
   int add_transition(Transition transition) {
     auto state = std::make_unique<State>();
     state->transition = std::move(transition);
@@ -88,8 +88,8 @@ class Hybrid {
     return number;
   }
 
-  /// Adds the switch between a mode that holds where g < 0 and one that holds where g > 0, see sfdae_add_switch; the
-  /// number of the mode of the motion along g = 0.
+  /// Adds the switch between a mode for g < 0 and one for g > 0, see sfdae_add_switch; returns the number of the
+  /// sliding mode along g = 0.
   int add_switch(int below, int above, SurfaceFunction surface, const std::string& name = "") {
     SurfaceCall call{std::move(surface), static_cast<int>(num_unknowns()), nullptr};
     int mode = 0;
@@ -117,15 +117,15 @@ class Hybrid {
     return checked(sfdae_advance_to_transition(hybrid_, tout, &point.t, point.x.data(), point.xdot.data()));
   }
 
-  /// From now on all accepted steps in all modes go to the solution.
+  /// Records all accepted steps in all modes from now on.
   int record(Solution& solution) { return checked(sfdae_record_hybrid(hybrid_, solution.get())); }
-  /// No steps are recorded any more.
+  /// Stops recording.
   int stop_recording() { return checked(sfdae_record_hybrid(hybrid_, nullptr)); }
 
   /// Stops the call that is running, or else the next one. From any thread or signal handler.
   void request_stop() noexcept { sfdae_request_stop_hybrid(hybrid_); }
 
-  /// Asks for sensitivities from the next start on, see sfdae_set_hybrid_sensitivities; none: no more.
+  /// Requests sensitivities from the next start on, see sfdae_set_hybrid_sensitivities; none: ends them.
   int set_sensitivities(const Sensitivities& wanted) {
     const int count = static_cast<int>(wanted.parameters.size());
     std::vector<const char*> names;
@@ -182,17 +182,17 @@ class Hybrid {
     return gradient;
   }
 
-  /// What the last call had to say.
+  /// The message of the last call.
   std::string message() const { return sfdae_get_hybrid_message(hybrid_); }
 
-  /// The mode that the system is in.
+  /// The current mode.
   int current_mode() const {
     int mode = 0;
     checked(sfdae_get_current_mode(hybrid_, &mode));
     return mode;
   }
 
-  /// A mode and what was done in it since the start.
+  /// Statistics of a mode since the start.
   ModeSummary mode(int number) const {
     ModeSummary result;
     sfdae_mode_init(&result, sizeof result);
@@ -200,7 +200,7 @@ class Hybrid {
     return result;
   }
 
-  /// How many transitions have happened since the start.
+  /// Number of transitions since the start.
   long num_passages() const {
     long count = 0;
     checked(sfdae_get_num_passages(hybrid_, &count));
@@ -265,7 +265,7 @@ class Hybrid {
                                                    checkpoint.size()));
   }
 
-  /// The C object, which stays owned by this one.
+  /// The C object, which this one owns.
   sfdae_hybrid* get() const noexcept { return hybrid_; }
 
  private:
@@ -334,7 +334,7 @@ class Hybrid {
     std::swap(num_sensitivities_, other.num_sensitivities_);
   }
 
-  /// Passes on the status, unless the call failed or an exception waits.
+  /// Returns the status, unless the call failed or an exception is stored.
   int checked(int status) const {
     for (const auto& state : transitions_)
       if (state->exception) std::rethrow_exception(std::exchange(state->exception, nullptr));

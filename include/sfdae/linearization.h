@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /** @file
- * sfdae - linearization at a point, as control engineers need it: descriptor systems with their poles, zeros and
- * transfer functions.
+ * sfdae - linearization at a point for control engineering: descriptor systems with their poles, zeros and transfer
+ * functions.
  *
  *     E dx' = A dx + B du,   y = C dx + D du,     H(s) = C (s E - A)^-1 B + D
  *
- * E = F_x', A = -F_x, B = -F_u of F(t, x, x', u) = 0: the signs of E x' = A x + f, to which B u is added. Of linear
+ * E = F_x', A = -F_x, B = -F_u of F(t, x, x', u) = 0: the signs of E x' = A x + f, to which B u is added. For linear
  * problems E and A are those at t.
  *
  *     sfdae_linearization_init(&choice, sizeof choice);
@@ -15,19 +15,19 @@
  *     sfdae_linearize(solver, &choice, &descriptor);
  *     sfdae_get_poles(descriptor, &spectrum, real, imaginary, NULL);
  *
- * What it means. E, A and B are frozen at the point: constant matrices. At an equilibrium, where F does not depend on
- * t and x' = 0, they are the linearization, for any strangeness index: the derivative array of (E, A) is that of F
+ * Meaning: E, A and B are frozen at the point: constant matrices. At an equilibrium, where F does not depend on t and
+ * x' = 0, they are the linearization, for any strangeness index: the derivative array of (E, A) is that of F
  * linearized, and the finite eigenvalues are those of small deviations from the equilibrium. At other points of a
- * solution the linearization depends on t. The frozen matrices then describe what happens in times in which these do
- * not change, fast poles, say. The frozen pencil may have another index, other numbers of poles, or be singular,
- * where that of the problem is regular: where the number of poles is not the d of the analysis, sfdae_get_poles says
- * so (SFDAE_CHARACTERISTICS_CHANGED). The pencil of sfdae_get_strangeness_free, E = [E1; 0], A = [A1; A2], has d
- * poles anywhere, the same ones at equilibria; but elsewhere they depend on the choice of Z1, as A2' counts. So do
- * the derivatives of u there, which it has lost: B has no meaning with it. Hence the pencil is that of F, and
- * sfdae_create_descriptor takes any other.
+ * solution the linearization depends on t. The frozen matrices then describe the behavior on time scales on which they
+ * do not change, for example fast poles. The frozen pencil may have another index or number of poles, or be singular
+ * though the problem is regular: if the number of poles differs from d of the analysis, sfdae_get_poles reports
+ * SFDAE_CHARACTERISTICS_CHANGED. The pencil of sfdae_get_strangeness_free, E = [E1; 0], A = [A1; A2], has d poles
+ * everywhere, the same ones at equilibria; but elsewhere they depend on the choice of Z1, since A2' matters. It also
+ * lacks the derivatives of u, so B has no meaning with it. Hence the pencil is that of F; sfdae_create_descriptor
+ * accepts any other.
  *
- * Inputs are functions of time whose derivatives count for indices above 0 (or for E that are singular): they are in
- * the transfer function, which is then not bounded as s grows.
+ * Inputs are functions of time. For strangeness indices above 0 (or singular E) their derivatives matter: they are in
+ * the transfer function, which is then unbounded as s grows.
  *
  * sfdae.h has the conventions, and includes this header.
  */
@@ -43,9 +43,8 @@ extern "C" {
 /** A descriptor system with m equations, n unknowns, q inputs and p outputs. It belongs to no solver. */
 typedef struct sfdae_descriptor sfdae_descriptor;
 
-/** Where a problem is linearized, and what are inputs and outputs. Call sfdae_linearization_init first, then set
- * members. Nothing is kept. n: unknowns, m: equations of the problem. Multibody systems are x = (q, v, lambda,
- * kappa), m = n. */
+/** The point of linearization, inputs and outputs. Call sfdae_linearization_init first, then set members. No pointer is
+ * stored. n: unknowns, m: equations of the problem. Multibody systems have x = (q, v, lambda, kappa), m = n. */
 typedef struct sfdae_linearization {
   size_t size; /**< set by sfdae_linearization_init */
 
@@ -53,16 +52,16 @@ typedef struct sfdae_linearization {
   /** n values, or NULL (default): the solution at t, as for sfdae_get_jet. Linear problems: not used unless an input
    * multiplies an unknown. */
   const double* x;
-  /** n values, or NULL (default): those of sfdae_get_jet through x. With both given nothing need be consistent, or
-   * analyzed before: F is linearized there. */
+  /** n values, or NULL (default): those of sfdae_get_jet through x. If both are given, they need not be consistent and
+   * no analysis is needed: F is linearized there. */
   const double* xdot;
 
-  /** Inputs: first parameters (sfdae_parameter) of recorded equations, which count as functions of time. Where
+  /** Inputs: first parameters (sfdae_parameter) of recorded equations, which are treated as functions of time. If
    * equations contain the derivative of an input, write it as an unknown. */
   int num_input_parameters;
   const char* const* input_parameters; /**< their names, no two equal */
-  /** Then unknowns that are inputs: x_j = u is one more equation, E and A have one more row. Prescribed components
-   * that are not among them are held: dx_j = 0 is one more equation, after these. */
+  /** Then unknowns that are inputs: x_j = u is one more equation, E and A have one more row. Other prescribed
+   * components are held constant: dx_j = 0 is one more equation, after these. */
   int num_input_unknowns;
   const int* input_unknowns; /**< 0 <= j < n, no two equal */
   /** Then right-hand sides: B has these columns, f + B u of linear problems, F = B u of others. */
@@ -79,11 +78,11 @@ typedef struct sfdae_linearization {
  * for NULL. */
 SFDAE_API int sfdae_linearization_init(sfdae_linearization* choice, size_t size);
 
-/** Creates the descriptor system of a problem of any kind, linearized at a point. Nothing of an integration is
- * disturbed; the parameters have the values that they have in the solver. Callbacks that leave derivatives to
- * differences: A has their errors. On failure *descriptor is NULL, sfdae_message(solver) explains it.
+/** Creates the descriptor system of a problem of any kind, linearized at a point. An integration is not affected; the
+ * parameters have the values of the solver. If derivatives of callbacks are finite differences, A has their errors. On
+ * failure *descriptor is NULL, sfdae_message(solver) explains it.
  * Failures: callbacks, those of sfdae_get_jet; SFDAE_ILLEGAL_ARGUMENT for more than 5000 equations or unknowns;
- * SFDAE_NOT_STARTED where the solution is needed and not known. */
+ * SFDAE_NOT_STARTED if the solution is needed and not known. */
 SFDAE_API int sfdae_linearize(sfdae_solver* solver, const sfdae_linearization* choice, sfdae_descriptor** descriptor);
 
 /** Matrices of a descriptor system, column-major. Call sfdae_descriptor_matrices_init first, then set members. */
@@ -104,13 +103,13 @@ typedef struct sfdae_descriptor_matrices {
 SFDAE_API int sfdae_descriptor_matrices_init(sfdae_descriptor_matrices* matrices, size_t size);
 
 /** Creates a descriptor system of matrices, which are copied. SFDAE_ILLEGAL_ARGUMENT for sizes out of range, NULL and
- * numbers that are not finite; *descriptor is then NULL, and sfdae_message(NULL) says in words what is wrong. */
+ * numbers that are not finite; *descriptor is then NULL, and sfdae_message(NULL) explains the failure. */
 SFDAE_API int sfdae_create_descriptor(const sfdae_descriptor_matrices* matrices, sfdae_descriptor** descriptor);
 
-/** Destroys it and sets *descriptor to NULL. NULL is fine. */
+/** Destroys the descriptor system and sets *descriptor to NULL. NULL is allowed. */
 SFDAE_API int sfdae_destroy_descriptor(sfdae_descriptor** descriptor);
 
-/** What the last call with this descriptor system had to say, "" if nothing; valid until the next one. */
+/** The message of the last call with this descriptor system, "" if there is none; valid until the next call. */
 SFDAE_API const char* sfdae_descriptor_message(const sfdae_descriptor* descriptor);
 
 /** m, n, q, p: numbers of equations, unknowns, inputs, outputs. Any pointer may be NULL. */
@@ -121,11 +120,11 @@ SFDAE_API int sfdae_get_descriptor_sizes(const sfdae_descriptor* descriptor, int
 SFDAE_API int sfdae_get_descriptor_matrices(const sfdae_descriptor* descriptor, double* E, double* A, double* B,
                                             double* C, double* D);
 
-/** What a pencil lambda E - A has. Call sfdae_spectrum_init first. */
+/** Properties of a pencil lambda E - A. Call sfdae_spectrum_init first. */
 typedef struct sfdae_spectrum {
   size_t size;
   int num_finite;   /**< finite eigenvalues, with their multiplicities; at most n */
-  int num_infinite; /**< multiplicity of infinity; -1 for singular pencils, of which that is not said */
+  int num_infinite; /**< multiplicity of infinity; -1 (unknown) for singular pencils */
   /** Characteristic values of E x' = A x; chains at infinity have the length strangeness_index + 1 at most. */
   int strangeness_index; /**< mu */
   int differential;      /**< d, which is num_finite for regular pencils */
@@ -138,29 +137,27 @@ SFDAE_API int sfdae_spectrum_init(sfdae_spectrum* spectrum, size_t size);
 
 /** Poles: the finite eigenvalues of lambda E - A, sorted by size, conjugate ones together, that with the positive
  * imaginary part first. real, imaginary: room for n values each, num_finite are written. errors (NULL: not wanted), n:
- * estimates of absolute errors, those that rounding errors of the entries of E and A cause; multiple poles have large
- * ones. The pencil is reduced like a linear problem, any index: QZ of the pencil as it is makes numbers of the size
- * of eps^(-1/k), which look like eigenvalues, of chains at infinity of length k. Small poles beside large ones keep
- * their digits, and units do not matter.
+ * estimates of the absolute errors that rounding errors of the entries of E and A cause; multiple poles have large
+ * ones. The pencil is reduced like a linear problem of any index: QZ of the original pencil turns chains at infinity of
+ * length k into numbers of size eps^(-1/k), which look like eigenvalues. Small poles keep their digits next to large
+ * ones, and units do not matter.
  * Failures: SFDAE_SINGULAR if the pencil is singular (also if m and n differ); SFDAE_RANK_UNCLEAR, SFDAE_INDEX_TOO_HIGH
  * (above 12); SFDAE_CHARACTERISTICS_CHANGED if the problem was analyzed, nothing is prescribed or an input unknown, and
- * solutions have other numbers of differential equations d than the frozen pencil, which is not that of an
- * equilibrium. */
+ * solutions have another number d of differential equations than the frozen pencil: the point is no equilibrium. */
 SFDAE_API int sfdae_get_poles(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                               double* errors);
 
-/** Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], (m + p) x (n + q), as
- * sfdae_get_poles returns poles, and *spectrum of that pencil. Those of systems that are not square, or whose pencil is
- * singular for another reason, are those of its regular part: numbers s at which its rank drops. Inputs that do not
- * reach a pole, and outputs that do not show it, make it a zero. There are at most n. Failures: SFDAE_RANK_UNCLEAR,
- * SFDAE_INDEX_TOO_HIGH. */
+/** Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], (m + p) x (n + q), returned as
+ * poles by sfdae_get_poles; *spectrum is that of this pencil. If the system is not square, or the pencil is singular
+ * for another reason, they are those of its regular part: numbers s at which its rank drops. Uncontrollable and
+ * unobservable poles are zeros. There are at most n. Failures: SFDAE_RANK_UNCLEAR, SFDAE_INDEX_TOO_HIGH. */
 SFDAE_API int sfdae_get_zeros(sfdae_descriptor* descriptor, sfdae_spectrum* spectrum, double* real, double* imaginary,
                               double* errors);
 
 /** Transfer function H(s) = C (s E - A)^-1 B + D at `count` numbers s (i omega for frequency responses). real,
- * imaginary: their parts. H_real, H_imaginary: p x q x count, H of s[k] from k p q on. Where H was not computed they
- * are not touched. SFDAE_SINGULAR if an s is a pole but for rounding errors, or the pencil is singular: values before
- * that are written. */
+ * imaginary: their parts. H_real, H_imaginary: p x q x count, H of s[k] from k p q on; entries not computed are
+ * untouched. SFDAE_SINGULAR if an s is a pole to roundoff, or the pencil is singular: values before that are
+ * written. */
 SFDAE_API int sfdae_get_transfer(sfdae_descriptor* descriptor, int count, const double* real, const double* imaginary,
                                  double* H_real, double* H_imaginary);
 

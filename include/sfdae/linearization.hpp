@@ -15,8 +15,7 @@
 
 namespace sfdae {
 
-/// Where a problem is linearized, and what are inputs and outputs, see sfdae_linearization. Empty vectors stand for
-/// NULL.
+/// The point of linearization, inputs and outputs, see sfdae_linearization. Empty vectors stand for NULL.
 struct Linearization {
   double t = 0;
   std::vector<double> x, xdot;                ///< n values each, or empty
@@ -37,7 +36,7 @@ struct Spectrum {
 /// E x' = A x + B u, y = C x + D u, see sfdae_descriptor. Movable; one moved from can only be assigned to or destroyed.
 class Descriptor {
  public:
-  /// Of matrices: B, C and D may be left out. Error if sizes do not fit, or numbers are not finite.
+  /// Creates it from matrices; B, C and D may be left out. Error if sizes do not match, or numbers are not finite.
   Descriptor(const Matrix& E, const Matrix& A, const Matrix& B = {}, const Matrix& C = {}, const Matrix& D = {},
              double rank_tol = 0) {
     const int m = E.rows(), n = E.columns(), q = B.columns(), p = C.rows();
@@ -59,7 +58,7 @@ class Descriptor {
     const int status = sfdae_create_descriptor(&matrices, &descriptor_);
     if (status < 0) throw Error(status, sfdae_message(nullptr));
   }
-  /// Takes a C handle over.
+  /// Takes ownership of a C handle.
   explicit Descriptor(sfdae_descriptor* descriptor) noexcept : descriptor_(descriptor) {}
   Descriptor(Descriptor&& other) noexcept : descriptor_(std::exchange(other.descriptor_, nullptr)) {}
   Descriptor& operator=(Descriptor&& other) noexcept {

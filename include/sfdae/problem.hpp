@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Problems for C++17 and later: the user's functions and the views that they get. Included by sfdae.hpp.
+// Problems for C++17 and later: user-supplied functions and their views of arrays. Included by sfdae.hpp.
 #ifndef SFDAE_PROBLEM_HPP
 #define SFDAE_PROBLEM_HPP
 
@@ -19,7 +19,7 @@ namespace sfdae {
 
 namespace detail {
 
-/// Whether 0 <= i < size.
+/// True if 0 <= i < size.
 constexpr bool is_index(int i, int size) noexcept { return static_cast<unsigned>(i) < static_cast<unsigned>(size); }
 
 [[noreturn]] inline void refuse_index(const char* name, int i, int size) {
@@ -37,8 +37,8 @@ constexpr bool is_index(int i, int size) noexcept { return static_cast<unsigned>
 
 }  // namespace detail
 
-/// Matrix that lives elsewhere; copies of the view show its entries, too. Entries that it does not have are refused
-/// with an Error that names them, which ends the call that the view was used in.
+/// View of a matrix owned elsewhere; copies refer to the same entries. Access out of range throws an Error that names
+/// the entry, which ends the call.
 template <class T>
 class BasicMatrixRef {
  public:
@@ -65,7 +65,7 @@ using MatrixRef = BasicMatrixRef<double>;
 using ConstMatrixRef = BasicMatrixRef<const double>;
 using ExpressionMatrix = BasicMatrixRef<Expression>;
 
-/// Vector that lives elsewhere; entries that it does not have are refused as those of matrices are.
+/// View of a vector owned elsewhere; access out of range throws an Error as for matrices.
 template <class T>
 class BasicVectorRef {
  public:
@@ -91,7 +91,7 @@ using ConstVectorRef = BasicVectorRef<const double>;
 using Expressions = BasicVectorRef<Expression>;
 using ConstExpressions = BasicVectorRef<const Expression>;
 
-/// A function of the user that returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop.
+/// A user-supplied function that returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop.
 template <class... Arguments>
 class Callback {
  public:
@@ -119,10 +119,10 @@ class Callback {
   std::function<int(Arguments...)> function_;
 };
 
-/// A function of the user's in recorded equations, which writes all partial derivatives of an order, see
-/// sfdae_external_function. It has to stay where it is, and to live as long as the solver:
+/// A user-supplied function in recorded equations, which writes all partial derivatives of an order, see
+/// sfdae_external_function. It must not move, and must live as long as the solver:
 ///     [](int order, sfdae::ConstVectorRef arguments, sfdae::VectorRef derivatives) { ... }
-/// An exception counts as "stop at once". Called by the expressions of its arguments it is an expression.
+/// An exception counts as "stop at once". Calling it with expressions gives an expression.
 class ExternalFunction {
  public:
   using Derivatives = Callback<int, ConstVectorRef, VectorRef>;
@@ -175,7 +175,7 @@ using EquationsFunction = Callback<const Expression&, ConstExpressions, ConstExp
 ///     [](sfdae::Expression t, sfdae::ExpressionMatrix E, sfdae::ExpressionMatrix A, sfdae::Expressions f) { ... }
 using LinearEquationsFunction = Callback<const Expression&, ExpressionMatrix, ExpressionMatrix, Expressions>;
 
-/// Where total derivatives along a jet go, filled with zeros; F_x and F_xdot convert to false if not asked for.
+/// Total derivatives along a jet, to be written, initially zero; F_x and F_xdot convert to false if not requested.
 struct TotalDerivatives {
   VectorRef F;
   MatrixRef F_x, F_xdot;
@@ -196,8 +196,8 @@ struct Conditions {
   std::vector<int>* branches = nullptr;  ///< yours, resized when a solver is created; 1 where the condition holds
 };
 
-/// Sparsity of a matrix by compressed columns, see SFDAE_MATRICES_DENSE: n + 1 and as many numbers as there are
-/// entries; all empty: not given.
+/// Sparsity pattern in compressed sparse column format, see SFDAE_MATRICES_DENSE: n + 1 numbers and one for each entry;
+/// all empty: not given.
 struct SparsityPattern {
   std::vector<int> col_start, row_index;
 };
@@ -237,7 +237,7 @@ struct NonlinearProblem {
   std::vector<std::string> equation_names;      ///< for messages: none, or m names, "" for equations without one
   SparsityPattern F_x_pattern, F_xdot_pattern;  ///< for total_derivative: both or none
   /// SFDAE_MATRICES_COMPRESSED: F_x and F_xdot are views of one column, the entries in the order of the pattern;
-  /// SFDAE_MATRICES_DIFFERENCES: they are not asked for.
+  /// SFDAE_MATRICES_DIFFERENCES: they are not requested.
   int matrices = SFDAE_MATRICES_DENSE;
   Conditions conditions;  ///< on which total_derivative depends
 };
@@ -249,7 +249,7 @@ using PositionMatrixFunction = Callback<double, ConstVectorRef, MatrixRef>;
 using PositionVectorFunction = Callback<double, ConstVectorRef, VectorRef>;
 using VelocityVectorFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
 
-/// Places for the formulas of a recorded mechanical system, all zero at first but S, the identity if nq = nv.
+/// Formulas of a recorded mechanical system, to be written; initially zero, except S, the identity if nq = nv.
 struct MultibodyFormulas {
   ExpressionMatrix M;
   Expressions f, g;
@@ -274,7 +274,7 @@ struct MultibodyProblem {
   int num_constraints;
   int num_nonholonomic = 0;
   MultibodyEquationsFunction equations;           ///< recorded when a solver is created
-  PositionMatrixFunction mass;                    ///< M; not given: the identity
+  PositionMatrixFunction mass;                    ///< mass matrix M; not given: the identity
   VelocityVectorFunction forces;                  ///< f
   PositionVectorFunction constraints;             ///< g
   PositionMatrixFunction constraint_jacobian;     ///< g_q
@@ -282,8 +282,8 @@ struct MultibodyProblem {
   PositionMatrixFunction kinematics;              ///< S; not given: the identity
   PositionMatrixFunction nonholonomic_matrix;     ///< H
   PositionVectorFunction nonholonomic_offset;     ///< h; not given: h = 0
-  VelocityVectorFunction constraint_curvature;    ///< gamma; not given: differences
-  VelocityVectorFunction nonholonomic_curvature;  ///< eta; not given: differences
+  VelocityVectorFunction constraint_curvature;    ///< gamma; not given: finite differences
+  VelocityVectorFunction nonholonomic_curvature;  ///< eta; not given: finite differences
   int coordinates = SFDAE_COORDINATES_ORTHOGONAL;
   std::vector<std::string> constraint_names;  ///< for messages: none, or one for each, holonomic constraints first
 };

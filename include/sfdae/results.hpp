@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What goes into and comes out of a solver, for C++17 and later: options, points, results, errors. Included by
-// sfdae.hpp.
+// Input and results of a solver, for C++17 and later: options, points, results, errors. Included by sfdae.hpp.
 #ifndef SFDAE_RESULTS_HPP
 #define SFDAE_RESULTS_HPP
 
@@ -21,7 +20,7 @@ using Decision = sfdae_decision;
 using Change = sfdae_change;
 using SingularPoint = sfdae_singular_point;
 
-/// A switch of recorded equations, as sfdae_switch has it.
+/// A switch of recorded equations, see sfdae_switch.
 struct Switch {
   double t, before, after;
   bool jumps;
@@ -37,7 +36,7 @@ using Progress = sfdae_progress;
 struct Structure {
   sfdae_structure summary;
   std::vector<int> differentiations, orders, assigned, block;
-  std::string words;  ///< what does not agree, "" if all does
+  std::string words;  ///< description of a disagreement, "" if there is none
 };
 
 /// Version of the library that is running.
@@ -46,7 +45,7 @@ inline const char* version() noexcept { return sfdae_version(); }
 /// Name of a status, for example "SFDAE_STEP_TOO_SMALL".
 inline const char* status_name(int status) noexcept { return sfdae_status_name(status); }
 
-/// A failure of the library: status() < 0, what() says what, where and what to do next.
+/// A failure of the library: status() < 0, what() tells what happened, where and what to do.
 class Error : public std::runtime_error {
  public:
   Error(int status, const std::string& message)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Sensitivities for C++17 and later: what goes into and comes out of Solver::set_sensitivities; see sensitivity.h for
-// the meaning of everything here. Included by sfdae.hpp.
+// Sensitivities for C++17 and later: input and results of Solver::set_sensitivities; see sensitivity.h for their
+// meaning. Included by sfdae.hpp.
 #ifndef SFDAE_SENSITIVITY_HPP
 #define SFDAE_SENSITIVITY_HPP
 
@@ -15,13 +15,13 @@ namespace sfdae {
 
 using SensitivityStatistics = sfdae_sensitivity_statistics;
 
-/// Which derivatives of the solution are wanted, see sfdae_set_sensitivities.
+/// The requested derivatives of the solution, see sfdae_set_sensitivities.
 struct Sensitivities {
-  std::vector<std::string> parameters;  ///< one for each column; "": what start values alone depend on
+  std::vector<std::string> parameters;  ///< one for each column; "": in initial values alone
   Matrix directions;                    ///< empty, or n x parameters.size(): derivatives of the guess of x
   bool error_test = false;
   std::vector<double> scales;  ///< empty, or one for each parameter
-  bool adjoint = false;        ///< steps are kept for Solver::gradient instead
+  bool adjoint = false;        ///< steps are stored for Solver::gradient instead
   long max_kept_steps = 0;  ///< with the adjoint: at most so many at a time, earlier ones are computed again; 0: all
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// sfdae for C++17 and later: a header-only wrapper of sfdae.h, which has the meaning of everything here.
+// sfdae for C++17 and later: a header-only wrapper of sfdae.h, which explains everything.
 //
 //  - Failures are thrown as sfdae::Error, warnings (> 0) and SFDAE_OK are returned.
 //  - An exception thrown in a callback or in the monitor stops the call and leaves it unchanged.
@@ -73,21 +73,23 @@ class Solver {
     create(sfdae_create_multibody, std::get<MultibodyProblem>(state_->problem), options);
   }
 
-  /// What is wrong with a linear problem and its options, in words; "" if nothing is.
+  /// Checks a linear problem and its options: returns a description of the error, "" if there is none.
   static std::string check(const LinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
     return complaint(sfdae_check_linear, detail::in_c(problem, &state),
                      detail::in_c(options, problem.num_unknowns, &state), state);
   }
 
-  /// What is wrong with a nonlinear problem and its options, in words; "" if nothing is. Records the equations.
+  /// Checks a nonlinear problem and its options: returns a description of the error, "" if there is none. Records the
+  /// equations.
   static std::string check(const NonlinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
     return complaint(sfdae_check_nonlinear, detail::in_c(problem, &state),
                      detail::in_c(options, problem.num_unknowns, &state), state);
   }
 
-  /// What is wrong with a mechanical system and its options, in words; "" if nothing is. Records the equations.
+  /// Checks a mechanical system and its options: returns a description of the error, "" if there is none. Records the
+  /// equations.
   static std::string check(const MultibodyProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
     return complaint(sfdae_check_multibody, detail::in_c(problem, &state),
@@ -104,24 +106,24 @@ class Solver {
     return status;
   }
 
-  /// What the last call had to say; "" after SFDAE_OK.
+  /// The message of the last call; "" after SFDAE_OK.
   std::string message() const { return sfdae_message(get()); }
 
   /// Stops the call that is running, or else the next one, with SFDAE_STOPPED. From any thread or signal handler.
   void request_stop() noexcept { sfdae_request_stop(get()); }
 
-  /// Detects the strangeness index of a linear problem at t, forward or backward toward the given time.
+  /// Determines the strangeness index of a linear problem at t, forward or backward toward the given time.
   int analyze(double t, double toward) { return checked(sfdae_analyze(get(), t, toward, nullptr)); }
 
-  /// Detects the strangeness index of any problem along the solution through a point near point.x, forward or
+  /// Determines the strangeness index of any problem along the solution through a point near point.x, forward or
   /// backward toward the given time.
   int analyze_at(const Point& point, double toward) {
     detail::require_size(point.x.size(), num_unknowns(), "x");
     return checked(sfdae_analyze_at(get(), point.t, toward, point.x.data(), nullptr));
   }
 
-  /// Changes a parameter of recorded equations. An integration goes on with the next advance() from the point returned
-  /// last, as at a jump of data (sfdae_set_parameter).
+  /// Changes a parameter of recorded equations. An integration continues with the next advance() from the point
+  /// returned last, as at a jump of data (sfdae_set_parameter).
   int set_parameter(const std::string& name, double value) {
     return checked(sfdae_set_parameter(get(), name.c_str(), value));
   }
@@ -149,7 +151,7 @@ class Solver {
     return result;
   }
 
-  /// Where the characteristic values changed, after SFDAE_CHARACTERISTICS_CHANGED.
+  /// The change of the characteristic values, after SFDAE_CHARACTERISTICS_CHANGED.
   Change change() const { return filled(sfdae_change_init, sfdae_get_change); }
 
   /// Switches of conditions that the integration has passed. See sfdae_get_switch.
@@ -178,22 +180,22 @@ class Solver {
   /// The singular point met last, whether it ended a call or was passed.
   SingularPoint singular_point() const { return filled(sfdae_singular_point_init, sfdae_get_singular_point); }
 
-  /// Lets integrations go on after as many singular points, where a smooth continuation is confirmed. See
+  /// Lets integrations continue after at most max_points singular points, if a smooth continuation is confirmed. See
   /// sfdae_pass_singular_points.
   int pass_singular_points(long max_points) { return checked(sfdae_pass_singular_points(get(), max_points)); }
 
-  /// Makes point.x consistent at point.t and computes point.xdot, a guess before if options.xdot_is_guess is 1. The
-  /// point reached is unaffected.
+  /// Makes point.x consistent at point.t and computes point.xdot, also an initial guess if options.xdot_is_guess is 1.
+  /// The point reached is unaffected.
   int make_consistent(Point& point) {
     double* const xdot = prepared(point);
     return checked(sfdae_make_consistent(get(), point.t, point.x.data(), xdot));
   }
 
-  /// What the last start or make_consistent did to the initial values.
+  /// Report on the consistent initial values of the last start or make_consistent.
   InitialReport initial_report() const { return filled(sfdae_initial_report_init, sfdae_get_initial_report); }
 
-  /// Starts or restarts at point.t toward the given time: makes point.x consistent, computes point.xdot, a guess before
-  /// if options.xdot_is_guess is 1.
+  /// Starts or restarts at point.t toward the given time: makes point.x consistent, computes point.xdot, also an
+  /// initial guess if options.xdot_is_guess is 1.
   int start(Point& point, double toward) {
     double* const xdot = prepared(point);
     return checked(sfdae_start(get(), point.t, toward, point.x.data(), xdot));
@@ -214,7 +216,7 @@ class Solver {
     return checked(sfdae_step(get(), tout, &point.t, point.x.data(), xdot));
   }
 
-  /// The state of the integration, to be kept, written to a file or handed to another process; see
+  /// The state of the integration, to be stored, written to a file or passed to another process; see
   /// sfdae_save_checkpoint. It contains neither problem nor options.
   std::vector<double> save_checkpoint() {
     std::size_t length = 0;
@@ -262,9 +264,9 @@ class Solver {
     return jump;
   }
 
-  /// The values with which these equations begin at t if others have led to `before`, by impulses of these equations;
-  /// orders: how many impulses are wanted, of delta, delta', ... See sfdae_jump; start() with the values after it
-  /// goes on.
+  /// Consistent initial values of these equations at t after other equations have led to `before`, by impulses of these
+  /// equations; orders: number of impulses requested, of delta, delta', ... See sfdae_jump; continue with start() from
+  /// the values after it.
   Jump jump(double t, double toward, const std::vector<double>& before, int orders = 1) {
     detail::require_size(before.size(), num_unknowns(), "before");
     Jump jump{t, before, before, Matrix(num_unknowns(), orders < 0 ? 0 : orders)};
@@ -302,9 +304,9 @@ class Solver {
     return checked(sfdae_interpolate(get(), point.t, point.x.data(), xdot));
   }
 
-  /// Solves many instances of recorded equations on several threads, see sfdae_solve_ensemble. The solver itself stays
-  /// as it is. Failures of instances are in the result. Where the problem has prescribed values, exceptions thrown
-  /// there end their instance with SFDAE_CALLBACK_STOPPED and are not passed on.
+  /// Solves many instances of recorded equations on several threads, see sfdae_solve_ensemble. The solver itself is
+  /// unchanged. Failures of instances are in the result. Exceptions of functions for prescribed values end their
+  /// instance with SFDAE_CALLBACK_STOPPED and are not passed on.
   EnsembleSolution solve_ensemble(const Ensemble& ensemble) {
     const int n = num_unknowns(), N = ensemble.x0.columns();
     EnsembleSolution solution(n, static_cast<int>(ensemble.times.size()), N, ensemble.wants_xdot);
@@ -332,7 +334,7 @@ class Solver {
     return solution;
   }
 
-  /// Asks for sensitivities from the next start on, see sfdae_set_sensitivities; none: no more.
+  /// Requests sensitivities from the next start on, see sfdae_set_sensitivities; none: ends them.
   int set_sensitivities(const Sensitivities& wanted) {
     const int n = num_unknowns(), count = static_cast<int>(wanted.parameters.size());
     if (wanted.directions.columns() > 0) require_matrix(wanted.directions, n, count, "directions");
@@ -351,8 +353,8 @@ class Solver {
     return status;
   }
 
-  /// S and S' at t, where the last call has returned or within the last step. slopes: whether S' is wanted, which costs
-  /// more than S; else Sdot is empty.
+  /// S and S' at t, the point returned last or one within the last step. slopes: true to compute S', which costs more
+  /// than S; else Sdot is empty.
   SensitivityValues sensitivities(double t, bool slopes = true) {
     const int count = state_ ? state_->num_sensitivities : 0;
     SensitivityValues values{Matrix(num_unknowns(), count), slopes ? Matrix(num_unknowns(), count) : Matrix()};
@@ -393,10 +395,10 @@ class Solver {
     return filled(sfdae_sensitivity_statistics_init, sfdae_get_sensitivity_statistics);
   }
 
-  /// From now on all accepted steps go to the solution, see sfdae_record_solution.
+  /// Records all accepted steps from now on, see sfdae_record_solution.
   int record(Solution& solution) { return checked(sfdae_record_solution(get(), solution.get())); }
 
-  /// No steps are recorded any more.
+  /// Stops recording.
   int stop_recording() { return checked(sfdae_record_solution(get(), nullptr)); }
 
   /// Counts and step sizes of the integration.
@@ -498,7 +500,7 @@ class Solver {
     return distance;
   }
 
-  /// What follows from which unknowns equations contain, and whether numbers agree (sfdae_get_structure).
+  /// Structural analysis and its numerical confirmation (sfdae_get_structure).
   Structure structure() {
     const std::size_t n = detail::size(num_equations());
     Structure result{{}, std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), ""};
@@ -511,7 +513,7 @@ class Solver {
   }
 
   /// Source text of a strangeness-free system with the solutions of recorded equations (sfdae_export_source). language:
-  /// SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN; name: what its functions begin with.
+  /// SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN; name: prefix of its functions.
   std::string export_source(int language, const std::string& name) {
     std::size_t needed = 0;
     checked(sfdae_export_source(get(), language, name.c_str(), nullptr, 0, &needed));
@@ -552,7 +554,7 @@ class Solver {
     return Descriptor(descriptor);
   }
 
-  /// Compares the derivatives of order 1 ... max_order that the callbacks of a linear problem supply near t with
+  /// Compares the derivatives of order 1 ... max_order that the callbacks of a linear problem supply near t with finite
   /// differences; returns the worst mismatch.
   DerivativeCheck check_derivatives(double t, int max_order) {
     DerivativeCheck result;
@@ -561,7 +563,7 @@ class Solver {
     return result;
   }
 
-  /// Compares the total derivatives that the callback of a nonlinear problem supplies at t along a jet with
+  /// Compares the total derivatives that the callback of a nonlinear problem supplies at t along a jet with finite
   /// differences; returns the worst mismatch. derivatives: the jet, n x (highest order compared + 2).
   DerivativeCheck check_total_derivatives(double t, const Matrix& derivatives) {
     detail::require_size(detail::size(derivatives.rows()), num_unknowns(), "a column of derivatives");
@@ -571,7 +573,7 @@ class Solver {
     return result;
   }
 
-  /// Compares the derivatives that the callbacks of a mechanical system supply near (t, q, v) with differences;
+  /// Compares the derivatives that the callbacks of a mechanical system supply near (t, q, v) with finite differences;
   /// returns the worst mismatch.
   DerivativeCheck check_multibody_derivatives(double t, const std::vector<double>& q, const std::vector<double>& v) {
     const auto* problem = std::get_if<MultibodyProblem>(&state_->problem);
@@ -615,7 +617,7 @@ class Solver {
     return {{rows, blocks * num_unknowns()}, {rows, num_unknowns()}, std::vector<double>(detail::size(rows))};
   }
 
-  /// get: as sfdae_get_projectors without solver and t.
+  /// get: sfdae_get_projectors without its arguments solver and t.
   template <class Get>
   Projectors projectors(Get get_projectors) {
     const Characteristics c = characteristics();
@@ -643,7 +645,7 @@ class Solver {
             std::vector<double>(detail::size(c.algebraic))};
   }
 
-  /// For texts that are never cut off.
+  /// Length that holds any message.
   static constexpr std::size_t message_length = 1536;
 
   /// An ensemble in C, which points to the one given, to the names and to the monitor.
@@ -704,7 +706,7 @@ class Solver {
     return status < 0 && text[0] == '\0' ? sfdae_status_name(status) : text;
   }
 
-  /// Where x'(t) goes; x has to have n entries already.
+  /// Resizes point.xdot to n and returns its data; throws Error unless point.x has n entries.
   double* prepared(Point& point) const {
     detail::require_size(point.x.size(), num_unknowns(), "x");
     point.xdot.resize(detail::size(num_unknowns()));

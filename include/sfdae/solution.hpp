@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The solution over a whole run, for C++17 and later. Included by sfdae.hpp.
+// Recorded solution of a whole run (dense output), for C++17 and later. Included by sfdae.hpp.
 #ifndef SFDAE_SOLUTION_HPP
 #define SFDAE_SOLUTION_HPP
 
@@ -28,7 +28,7 @@ class Solution {
 
   /// n; Error with SFDAE_NOT_STARTED if nothing was recorded.
   int num_unknowns() const { return range().num_unknowns; }
-  /// Where it was recorded from; Error with SFDAE_NOT_STARTED if nothing was.
+  /// Start of the recording; Error with SFDAE_NOT_STARTED if nothing was recorded.
   double start() const { return range().start; }
   /// The end of the last step recorded; Error with SFDAE_NOT_STARTED if nothing was.
   double end() const { return range().end; }
@@ -44,8 +44,8 @@ class Solution {
     return point;
   }
 
-  /// The largest difference to the integrator's own values that is to be expected, in tolerances, and where that is,
-  /// see sfdae_get_solution_accuracy.
+  /// The largest expected difference from the integrator's own values, in tolerances, and its time, see
+  /// sfdae_get_solution_accuracy.
   struct Accuracy {
     double in_tolerances, t;
   };
@@ -55,10 +55,10 @@ class Solution {
     return result;
   }
 
-  /// Forgets what was recorded after t, between start and end, else an Error.
+  /// Discards the recording after t, between start and end, else an Error.
   void cut(double t) { checked(sfdae_cut_solution(solution_, t), "the solution cannot end there"); }
 
-  /// All of it as numbers, to be kept or written to a file.
+  /// The solution as numbers, to be stored or written to a file.
   std::vector<double> save() const {
     std::size_t length = 0;
     checked(sfdae_get_solution_length(solution_, &length), "the solution");
@@ -67,7 +67,7 @@ class Solution {
     return values;
   }
 
-  /// What was saved; Error if it is damaged or something else.
+  /// Loads a saved solution; Error if it is damaged or no solution.
   static Solution load(const std::vector<double>& values) {
     const double nothing = 0;  // an empty vector may have no address
     Solution solution;

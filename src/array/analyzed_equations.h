@@ -15,7 +15,7 @@ namespace sfdae::core {
 
 class AnalyzedEquations {
  public:
-  // analysis: a reference is kept. callback_error: that of the last callback is kept there.
+  // analysis is kept by reference. callback_error receives the error of the last callback.
   AnalyzedEquations(NonlinearProblem& problem, const AnalysisSettings& settings, const IndexAnalysis& analysis,
                     Units units, CallbackError& callback_error)
       : problem_(problem),
@@ -33,9 +33,9 @@ class AnalyzedEquations {
   int m() const { return problem_.m(); }
   int n() const { return problem_.n(); }
   int mu() const { return analysis_.values.mu; }
-  // Of jets that fulfil F_mu = 0.
+  // Order of the jets that satisfy F_mu = 0.
   int jet_order() const { return mu() + 1; }
-  // Entries of the residuals of F_mu.
+  // Number of residuals of F_mu.
   int array_rows() const { return m() * (mu() + 1); }
 
   // Prescribed components, and their values at the t evaluated last.

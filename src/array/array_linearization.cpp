@@ -19,7 +19,7 @@ namespace sfdae::core {
 
 namespace {
 
-// As a factor of a row, far from any that is right, so that it is chosen anew (the factors of the last point are kept
+// Preferred row factor far from any suitable one, so that a new one is chosen (the factors of the last point are reused
 // while they are right to a factor of 8, docs/design/scaling_and_units.md).
 constexpr double no_preference = 1e300;
 
@@ -131,7 +131,7 @@ PointRanks ArrayLinearization::eliminate_array(Judge& judge) {
   return ranks;
 }
 
-// The cheap estimate of the noise may be too large or too small.
+// Looks for ranks that give the known values: the cheap estimate of the noise may be too large or too small.
 PointStatus ArrayLinearization::renew_with_other_ranks(const Jet& jet) {
   const AnalysisSettings& settings = problem_.settings();
   const IndexAnalysis& known = problem_.analysis();
@@ -151,7 +151,7 @@ PointStatus ArrayLinearization::renew_with_other_ranks(const Jet& jet) {
   return renew(jet, false);
 }
 
-// As an analysis has found the values: with one factor for all rows, or in another unit of time.
+// Ranks found as an analysis finds the values: with one factor for all rows, or in another unit of time.
 std::optional<RankSequence> ArrayLinearization::ranks_in_other_units(const Jet& jet) {
   struct Scaling {
     RowScaling rows;
@@ -189,12 +189,12 @@ PointStatus ArrayLinearization::restore(Origin origin, const RankSequence& ranks
   return status;
 }
 
-// Rounding errors go the way of residuals. One sample shows their size to some factor.
+// Propagates rounding errors like residuals. One sample shows their size up to a factor.
 void ArrayLinearization::measure_noise(const Jet& jet) {
-  // Of a guess numbers may overflow.
+  // At an initial guess numbers may overflow.
   const QuietArithmetic quiet;
-  // Errors of other signs are rarely larger than the sample by more (docs/design/error_control.md).
-  // Chosen, not measured.
+  // Errors with other signs rarely exceed the sample by a larger factor (docs/design/error_control.md). Chosen, not
+  // measured.
   constexpr double samples = 8.0;
   const int n = problem_.n();
   const Arena::Frame frame(arena_);
@@ -204,7 +204,7 @@ void ArrayLinearization::measure_noise(const Jet& jet) {
   double* size = arena_.take(noise_.size());
   scaled_sizes(jet, problem_.jet_order(), data_.time_scale, problem_.units(), size);
   add_array_sizes(data_, problem_.mu(), size, errors);
-  // One rounding of each, of either sign.
+  // One rounding error for each equation, with alternating signs.
   for (int k = 0; k <= problem_.mu(); ++k)
     for (int i = 0; i < problem_.m(); ++i)
       errors[k * problem_.m() + i] *= (i + k) % 2 == 0 ? unit_roundoff : -unit_roundoff;
@@ -293,7 +293,7 @@ void ArrayLinearization::copy_step_rows(const double* transformed, double* rows)
     rows[form_.d + k] = transformed[form_.constraints().pivots()[k]];
 }
 
-// |Z2^T| |array|, by rows of Z2, which the elimination has in factors.
+// |Z2^T| |derivative array|, row by row of Z2^T, which the elimination stores in factored form.
 void ArrayLinearization::measure_constraint_terms() {
   const int rank = form_.rank_of_constraints(), m = problem_.m();
   constraint_terms_.resize(index(rank) * noise_.size());
@@ -377,7 +377,7 @@ PointStatus ArrayLinearization::correct_derivative(double t, const double* x, do
 void ArrayLinearization::error_in_x(const double* dw, int count, double* dx) const {
   const int m = problem_.m(), n = problem_.n();
   if (!is_usable_ || form_.a + form_.u == 0) {
-    // Without constraints; or whatever these would make of them, as w = x.
+    // Without constraints, or with unknown ones, all of dw is taken, as w = x.
     std::copy_n(dw, index(n) * index(count), dx);
     return;
   }

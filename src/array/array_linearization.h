@@ -29,44 +29,43 @@ struct ArrayResiduals {
 
 class ArrayLinearization {
  public:
-  // What a linearization is made from.
+  // The origin of a linearization.
   struct Origin {
     Jet jet;
     std::vector<double> rows;  // factors of rows that are preferred for it
-    bool is_judged = false;    // its ranks are decided, not known ones
+    bool is_judged = false;    // ranks were decided there, not taken as known
     int age = 0;               // points accepted since; for checkpoints alone
   };
 
-  // counts: reductions and factorizations are added there.
+  // counts: reductions and factorizations are added to it.
   ArrayLinearization(AnalyzedEquations& problem, SystemCounts& counts, Arena& arena)
       : problem_(problem), counts_(counts), arena_(arena) {}
   // Memory for the values that the analysis has found.
   void resize();
 
-  // Linearizes and eliminates at the jet; the ranks are judged there, or those known are taken. Throws Failure where
+  // Linearizes and eliminates at the jet; the ranks are judged there, or the known ones are taken. Throws Failure if
   // prescribed components do not determine the free part.
   PointStatus renew(const Jet& jet, bool judged);
-  // False after a renewal that did not come to its end, for want of memory for example: then nothing but a renewal is
-  // allowed.
+  // False after a renewal that was interrupted, for lack of memory for example; then only a renewal is allowed.
   bool is_complete() const { return is_complete_; }
-  // How often it has been made: what is derived from it holds until that changes.
+  // Number of renewals: data derived from the linearization are valid until it changes.
   long renewals() const { return renewals_; }
-  // Makes the linearization again with these ranks, which are judged if they were.
+  // Restores the linearization with these ranks; origin tells whether they were judged.
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
-  // Points must not be solved with it any more.
+  // Forbids solving points with it.
   void forget() { is_usable_ = false; }
 
-  // The last renewal has succeeded, and has not been forgotten: else nothing is left that points may be solved with.
+  // True if the last renewal succeeded and was not forgotten; otherwise no point may be solved with it.
   bool is_usable() const { return is_usable_; }
   Origin& origin() { return origin_; }
   const Origin& origin() const { return origin_; }
-  // Known ranks: those of the last renewal that has succeeded.
+  // Known ranks: those of the last successful renewal.
   const RankSequence& ranks() const { return ranks_; }
   // Null before the first renewal.
   const std::vector<double>* preferred_rows() const { return preferred_rows_.empty() ? nullptr : &preferred_rows_; }
   const PointQuality& quality() const { return quality_; }
-  // Values kept that are nothing but rounding errors: the ranks do not hold.
+  // True if a kept value is below unit roundoff, so that the ranks do not hold.
   bool has_tiny_pivots() const;
   const TaylorData& data() const { return data_; }
   const NullSpaceForm& form() const { return form_; }
@@ -74,40 +73,39 @@ class ArrayLinearization {
   StepMatrix& matrix() { return matrix_; }
   // n x (mu + 1) flags: components of y that some equation determines.
   const std::vector<char>& determined() const { return determined_; }
-  // What rounding errors of F do to changes of x, y_1, ..., y_{mu+1}, scaled
-  // (docs/design/error_control.md).
+  // Effects of rounding errors of F on changes of x, y_1, ..., y_{mu+1}, scaled (docs/design/error_control.md).
   const std::vector<double>& noise() const { return noise_; }
-  // Of x, in the user's units.
+  // Rounding errors of x, in the user's units.
   const std::vector<double>& rounding_errors() const { return rounding_errors_; }
 
   bool factor_step_matrix(double c);
   // All matrices of the stages of a step h.
   bool factor_stages(const StageMethod& method, double h);
-  // residuals.f at the jet.
+  // Evaluates residuals.f at the jet.
   PointStatus evaluate_array(const Jet& jet, const ArrayResiduals& residuals);
   // f_0 of the equations for z := -tau F(t, x, xdot).
   PointStatus evaluate_differential(double t, const double* x, const double* xdot);
-  // The constraints of the form become those for changes of x at the jet, and residuals.transformed is made.
+  // Sets the constraints of the form to those for changes of x at the jet, and residuals.transformed.
   void set_constraints(const Jet& jet, const ArrayResiduals& residuals, RightHandSides rhs = RightHandSides::all);
-  // z: Z1^T E (xp + T2 z) = 0.
+  // Finds z with Z1^T E (xp + T2 z) = 0.
   void keep_differential_part(double* z) const;
   // dx := xp + T2 z.
   void change_of_x(const double* z, double* dx) const;
   // Changes the jet by dx and by the change dy of y that belongs to it.
   void apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const;
-  // Rows of the equations of a step: of Z1^T F, and those of Z2^T F_mu that are not redundant.
+  // Number of rows of the step equations: Z1^T F, and the rows of Z2^T F_mu that are not redundant.
   std::size_t num_step_rows() const { return index(form_.d) + index(form_.rank_of_constraints()); }
   // Copies these rows of the residuals evaluated last.
   void copy_step_rows(const double* transformed, double* rows) const;
-  // Adds up the terms of these rows for sizes of the columns of the jet, in units of the user, and of the x' of a step.
+  // Adds the terms of these rows for sizes of the columns of the jet, in the user's units, and of the x' of a step.
   void add_step_terms(const Jet& sizes, const double* xdot, double* rows);
   // factor Uz^T T2^T v: the free part of v, which is in the user's units.
   void free_part(double factor, const double* v, double* to) const;
-  // The component of xdot along free directions becomes 0.
+  // Sets the component of xdot along free directions to 0.
   void remove_free_part(double* xdot) const;
-  // F1(t, x, xdot) = 0 by changes within the directions that the constraints leave open.
+  // Changes xdot within the directions that the constraints leave free, so that F1(t, x, xdot) = 0.
   PointStatus correct_derivative(double t, const double* x, double* xdot);
-  // As StrangenessFreeSystem::error_in_x; all of dw where the linearization is not usable.
+  // Like StrangenessFreeSystem::error_in_x; all of dw if the linearization is not usable.
   void error_in_x(const double* dw, int count, double* dx) const;
 
  private:
@@ -127,7 +125,7 @@ class ArrayLinearization {
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm form_;
-  NullSpaceForm rank_form_;  // where other ranks are tried
+  NullSpaceForm rank_form_;  // for trying other ranks
   RankSequence ranks_;
   std::vector<double> preferred_rows_;
   PointQuality quality_;

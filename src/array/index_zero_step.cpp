@@ -19,12 +19,12 @@ constexpr double unknowns_per_iteration = 9.0;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
-// Of the smallest value kept: changes of a matrix that leave its rank as it is, with room for what the smallest entry
-// of a pivoted QR factorization is above the smallest singular value.
+// Change of a matrix, relative to its smallest kept value, that leaves its rank unchanged. It leaves room because the
+// smallest entry of a pivoted QR factorization may exceed the smallest singular value.
 constexpr double negligible_change = 0.1;
 
-// Unknowns for each constraint from which on errors are mapped by the kernel of E: 4 n a operations instead of the
-// 2 n^2 + 4 n d + d^2 of the form.
+// Least number of unknowns per constraint for mapping errors by the kernel of E: 4 n a operations instead of the 2 n^2
+// + 4 n d + d^2 of the form.
 constexpr int few_constraints = 4;
 
 // c tau E - A as the matrix of a step.
@@ -101,13 +101,13 @@ void IndexZeroStep::take(const Jet& jet, const TaylorData& data) {
   has_jacobian_ = true;
 }
 
-// The rows of E that vanish; true if they are the constraints.
+// Finds the rows of E that vanish; true if there are as many as constraints.
 bool IndexZeroStep::find_constraints(const TaylorData& data) {
   for (int i = 0; i < data.n; ++i) is_constraint_[index(i)] = is_zero_row(data.E(0), i) ? 1 : 0;
   return std::count(is_constraint_.begin(), is_constraint_.end(), 1) == problem_.analysis().values.a;
 }
 
-// Few enough for errors to be mapped by them. Else errors are mapped by the form that was judged.
+// True if the constraints are few enough to map errors by the kernel of E; otherwise the judged form maps them.
 bool IndexZeroStep::maps_by_kernel() const {
   const int a = problem_.analysis().values.a;
   return a > 0 && few_constraints * a <= problem_.n();
@@ -123,7 +123,7 @@ bool IndexZeroStep::has_ranks_of(const TaylorData& judged, const NullSpaceForm& 
   return is_near(judged, form, factors);
 }
 
-// [Z1^T E; A2] has to stay regular: E on the kernel of A2, which turns by |dA2| / |A2|.
+// [Z1^T E; A2] has to stay nonsingular: E on the kernel of A2, which turns by |dA2| / |A2|.
 bool IndexZeroStep::is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors) {
   const int n = data_.n;
   const ConstView E = data_.E(0), A = data_.A(0), judged_E = judged.E(0), judged_A = judged.A(0);
@@ -139,7 +139,7 @@ bool IndexZeroStep::is_near(const TaylorData& judged, const NullSpaceForm& form,
   return change_E + turn <= negligible_change * form.smallest_of_G();
 }
 
-// Of the Jacobian.
+// Computes K of the Jacobian: E K = 0, A2 K = I.
 bool IndexZeroStep::prepare_kernel() {
   if (has_kernel_) return true;
   if (!find_constraints(data_)) return false;
@@ -235,7 +235,7 @@ class IndexZeroStep::Equations {
     }
   }
 
-  // Its size in units of the tolerance, less what rounding errors contribute.
+  // Returns the size of the change in units of the tolerance, less its rounding errors.
   double change(const double* rows) {
     const Units& units = step_.problem_.units();
     std::copy_n(rows, num_rows(), step_.change_.data());

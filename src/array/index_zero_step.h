@@ -1,10 +1,10 @@
 // Steps of regular problems of strangeness index 0: F(t, x, c x + w_rest) = 0, solved as it stands.
 //
-// Where F_x' has rank d near the solution, these n equations say the same as F(t, x, y) = 0 and Z1^T F(t, x, c x +
-// w_rest) = 0: the values of F(t, x, .) are a manifold of dimension d through F(t, x, y) = 0 with the tangent space
-// Z1. So a step needs no projectors: one evaluation of F in each iteration, and one factorization of c F_x' + F_x.
-// That is kept while c changes little [BCP96, 5.2.2]; changes of x are multiplied by 2 / (1 + c / c of the matrix)
-// then, half-way between what is right where F_x' dominates and where F_x does
+// If F_x' has rank d near the solution, these n equations are equivalent to F(t, x, y) = 0 and Z1^T F(t, x, c x +
+// w_rest) = 0: the values of F(t, x, .) are a manifold of dimension d through F(t, x, y) = 0 with the tangent space Z1.
+// So a step needs no projectors, only one evaluation of F in each iteration and one factorization of c F_x' + F_x. The
+// factorization is reused while c changes little [BCP96, 5.2.2]; changes of x are then multiplied by 2 / (1 + c / c of
+// the matrix), half-way between the right factors for a dominating F_x' and a dominating F_x
 // (docs/design/iteration_matrices.md).
 //
 // [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
@@ -29,36 +29,36 @@ namespace sfdae::core {
 class IndexZeroStep {
  public:
   IndexZeroStep(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
-  // Memory, for the values that the analysis has found; the problem is one that such steps solve, or not.
+  // Allocates memory for the values found by the analysis, and decides whether such steps are possible.
   void resize();
   bool is_possible() const { return is_possible_; }
 
-  // The Jacobian of later iterations. rows: preferred factors, or null.
+  // Evaluates the Jacobian for later iterations. rows: preferred factors, or null.
   PointStatus renew(const Jet& jet, const std::vector<double>* rows);
-  // That of a linearization made at the jet.
+  // Takes the Jacobian of a linearization made at the jet.
   void take(const Jet& jet, const TaylorData& data);
   void forget() { has_jacobian_ = false; }
   bool has_jacobian_of(double t) const { return has_jacobian_ && origin_.t == t; }
   bool has_jacobian() const { return has_jacobian_; }
-  // Whether the Jacobian is so near to the one whose ranks were judged that these hold for it, too. False where that
-  // cannot be said without an elimination.
+  // True if the Jacobian is so near to the one whose ranks were judged that these ranks hold for it. False if this
+  // cannot be decided without an elimination.
   bool has_ranks_of(const TaylorData& judged, const NullSpaceForm& form);
 
-  // As StrangenessFreeSystem::error_in_x, where there are few constraints; false elsewhere.
+  // Like StrangenessFreeSystem::error_in_x if there are few constraints; otherwise returns false.
   bool error_in_x(const double* dw, int count, double* dx);
 
-  // From the jet on to the x and x' of the step. noise: what rounding errors do to changes of x, scaled. count: of
-  // factorizations, raised.
+  // Solves the step for x and x', starting from the jet. noise: effects of rounding errors on changes of x, scaled.
+  // factorizations: a count that is raised.
   struct Shared {
     const std::vector<double>& noise;
     ChordIteration& chord;
     long& factorizations;
   };
   PointStatus solve(const IterationTask& task, const Shared& shared, Jet& jet);
-  // After a step that has been slow: whether c of the matrix is to blame, so that a new factorization will do.
+  // After a slow step: forgets the matrix and returns true if its c differs enough to be the cause.
   bool blames_matrix();
 
-  // Reading: the Jacobian is there again. Throws DamagedArchive.
+  // When reading, restores the Jacobian. Throws DamagedArchive.
   void archive(Archive& archive, long& factorizations);
 
  private:
@@ -76,8 +76,8 @@ class IndexZeroStep {
   std::vector<double> rows_;  // preferred for it
   TaylorData data_;
   StepMatrix matrix_;
-  double deviation_ = 0.0;  // |c - c of the matrix| / |c + c of the matrix|: the contraction that keeping it costs
-  double waste_ = 0.0;      // iterations that keeping it has cost since it was made
+  double deviation_ = 0.0;  // |c - c of the matrix| / |c + c of the matrix|: the contraction due to its reuse
+  double waste_ = 0.0;      // iterations that its reuse has cost so far
   std::vector<double> change_;
   std::vector<char> is_constraint_;  // rows of E that vanish
   bool has_kernel_ = false;          // that of the Jacobian

@@ -1,4 +1,4 @@
-// The jets that an integration has gone through last.
+// History of the jets of an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/jet_course.h"
 
@@ -33,7 +33,7 @@ void JetCourse::add(const Jet& jet) {
 void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   num_nodes_ = 0;
   is_improved_ = false;
-  // Stages of a step of a few roundings of t need not differ in t.
+  // Stages of a step of a few units of roundoff in t may have equal t.
   const auto add_node = [this](const Jet& jet) {
     const bool is_there = jet.t == newest().t || (num_nodes_ > 0 && jet.t == nodes_[index(num_nodes_ - 1)]->t);
     if (!is_there) nodes_[index(num_nodes_++)] = &jet;
@@ -44,7 +44,7 @@ void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
 }
 
-// Those that are not needed make room; if there are none the oldest one does.
+// Replaces a landmark that is not needed, or else the oldest one.
 void JetCourse::add_landmark(const Jet& jet) {
   const auto distance = [&](int i) { return std::fabs(jet.t - landmarks_[index(landmark_order_[index(i)])].t); };
   int removed = num_landmarks_ < most_landmarks ? num_landmarks_ : most_landmarks - 1;

@@ -1,4 +1,4 @@
-// The jets that an integration has gone through last, and those in between by interpolation.
+// History of the jets of an integration, with interpolation between them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,21 +12,20 @@ namespace sfdae::core {
 
 class JetCourse {
  public:
-  // From this point on.
+  // Starts the history at this point.
   void start(const Jet& jet);
-  // The next accepted point.
+  // Adds the next accepted point.
   void add(const Jet& jet);
-  // The end of a step that is tried, and its stages if it has several (the last one is the end), or null: they are
-  // referred to until the next call.
+  // Sets the end of a step that is tried, and its stages if it has several (the last one is the end), or null.
+  // References to them are kept until the next call.
   void set_attempt(const Jet& end, const NonlinearStages* stages);
-  // Polynomials go through accepted points alone, from the whole way so far: the farther back, the fewer.
+  // Interpolates through landmarks only: accepted points of the whole history, sparser the farther back.
   void set_landmarks();
-  // Of those, the nearest one that lies so far before the newest, or the oldest.
+  // The nearest landmark that is at least this far from the newest one, or the oldest.
   const Jet& landmark(double distance) const;
   const Jet& newest() const { return accepted_[index(newest_)]; }
   const Jet& oldest() const { return accepted_[index((newest_ - count_ + 1 + most) % most)]; }
-  // What polynomials go through from now on, until the next attempt: every point after it has been passed to
-  // improve(Jet&).
+  // Replaces the nodes of the polynomials, until the next attempt, by copies changed by improve(Jet&).
   template <class Improve>
   void improve_nodes(Improve improve) {
     if (is_improved_) return;
@@ -45,12 +44,12 @@ class JetCourse {
   void add_landmark(const Jet& jet);
   // More points than pass between two linearizations.
   static constexpr int most = 16;
-  // Points of the polynomials outside of steps with stages: as accurate as BDF of low orders.
+  // Nodes of the polynomials outside steps with stages: as accurate as BDF of low orders.
   static constexpr int window = 5;
 
-  std::array<Jet, most> accepted_;  // a ring
+  std::array<Jet, most> accepted_;  // a ring buffer
   int count_ = 0, newest_ = 0;
-  // Points from the whole way, the newest first; distances from the newest grow about as powers of sqrt(2).
+  // Points of the whole history, the newest first; distances from the newest grow about as powers of sqrt(2).
   static constexpr int most_landmarks = 32;
   std::array<Jet, most_landmarks> landmarks_;
   std::array<int, most_landmarks> landmark_order_{};

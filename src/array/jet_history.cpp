@@ -43,10 +43,9 @@ void JetHistory::predict(const Guess& guess, int block, const std::vector<char>&
     predict_between(guess, taylor, determined, jet);
     return;
   }
-  // y: that of the last point and what the polynomial says about its change. What no equation determines stays:
-  // errors of the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest
-  // in rounding (docs/design/derivative_array.md). Derivatives that change by more than their size are nothing
-  // but errors.
+  // y: its last value plus the change of the polynomial. Components that no equation determines are not changed: errors
+  // of the polynomial's derivatives would accumulate there, to 1e24 within hundreds of steps, and swamp the rest with
+  // roundoff (docs/design/derivative_array.md). Derivatives that change by more than their size are pure errors.
   for (std::size_t k = n; k < size; k += n) {
     double change = 0.0, before = 0.0;
     for (std::size_t i = k; i < k + n; ++i) {
@@ -60,7 +59,7 @@ void JetHistory::predict(const Guess& guess, int block, const std::vector<char>&
   }
 }
 
-// y within the last step: that of both its ends, and what the polynomial says about changes since then.
+// y within the last step: the values at both ends, each with the change of the polynomial since then, weighted.
 void JetHistory::predict_between(const Guess& guess, const double* taylor, const std::vector<char>& determined,
                                  Jet& jet) const {
   const std::size_t n = index(jet.n);

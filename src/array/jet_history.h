@@ -1,4 +1,4 @@
-// The jets of the last two accepted points, and the guesses of others that they give.
+// The jets of the last two accepted points, and predictions of other jets from them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,25 +16,25 @@ class JetHistory {
  public:
   // All jets are of this size.
   void resize(int n, int order);
-  // Both points are this one.
+  // Sets both points to this one.
   void restart(const Jet& jet) { accepted_ = before_ = jet; }
-  // The next point, or the one accepted last as it has been solved again.
+  // Adds the next point, or replaces the last accepted one if it has been solved again.
   void accept(const Jet& jet);
   const Jet& accepted() const { return accepted_; }
   bool has_two() const { return before_.t != accepted_.t; }
-  // Where no point has been accepted yet: ahead of the last one or, where that is the only one, anywhere else.
+  // True if t is ahead of the last accepted point or, if there is only one, differs from it.
   bool is_beyond(double t) const {
     return has_two() ? (t - accepted_.t) * (accepted_.t - before_.t) > 0.0 : t != accepted_.t;
   }
-  // The nearer one of the two.
+  // The nearer one of the two points.
   const Jet& nearest(double t) const;
 
-  // The jet := that at t linear between the two points, good enough to start from.
+  // Interpolates the jet at t linearly between the two points, as a starting value.
   void interpolate(double t, Jet& jet) const;
-  // The jet at its t := what a block of the guess says; determined: flags of the components of y.
+  // Predicts the jet at its t from a block of the guess. determined: flags of the components of y.
   void predict(const Guess& guess, int block, const std::vector<char>& determined, const Units& units,
                Jet& jet) const;
-  // The derivatives of the jet := those of the point accepted last.
+  // Sets the derivatives of the jet to those of the last accepted point.
   void hold_derivatives(Jet& jet) const {
     std::copy(accepted_.x.begin() + jet.n, accepted_.x.end(), jet.x.begin() + jet.n);
   }

@@ -1,4 +1,4 @@
-// Jets side by side, as evaluations in lanes take them.
+// Jets side by side, for evaluations in lanes.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,7 @@ namespace sfdae::core {
 struct JetLanes {
   LaneArray t, coefficients;
 
-  // Coefficients up to the order, n each, of the first `count` jets; the last one of these in the lanes beyond.
+  // Loads the coefficients up to the order, n each, of the first `count` jets; the lanes beyond repeat the last one.
   void load(const std::vector<Jet>& jets, int count, int n, int order) {
     const std::size_t size = index(n) * index(order + 1);
     t.resize(1);

@@ -29,7 +29,7 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
   return true;
 }
 
-// trial_ := x with the derivatives that are known.
+// trial_ := x with the known derivatives.
 void NextLevelJet::begin(const Jet& start, const double* x) {
   const int n = problem_.n();
   const bool continues = jet_.order == level() + 1 && jet_.n == n;
@@ -39,10 +39,10 @@ void NextLevelJet::begin(const Jet& start, const double* x) {
   std::copy_n(x, n, trial_.column(0));
 }
 
-// Newton's method, which needs that the known ranks show along the way: from derivatives far off they need not.
+// Newton's method. It needs the known ranks at every iterate, which derivatives far off may not have.
 bool NextLevelJet::iterate() {
-  // Newton's method is quadratic: it ends long before, or never. Changes of x' end at some ten roundings, or where
-  // they no longer become smaller, at what rounding leaves of them. Chosen, not measured.
+  // Newton's method converges quadratically: it ends long before this limit, or never. It ends when changes of x' are a
+  // few tens of units of roundoff, or no longer decrease because of roundoff. Chosen, not measured.
   constexpr int most = 6;
   constexpr double negligible = 1e-14, still_gaining = 0.1, small = 1e-6;
   double before = 0.0;
@@ -57,7 +57,7 @@ bool NextLevelJet::iterate() {
   return false;
 }
 
-// As start values are found, x being fixed.
+// Searches as for consistent initial values, with x fixed.
 bool NextLevelJet::search() {
   JetSolver solver(problem_.problem(), problem_.units());
   solver.set_fixed(std::vector<char>(index(problem_.n()), 1));
@@ -74,7 +74,7 @@ void NextLevelJet::copy_derivatives(Jet& jet) const {
   std::copy(jet_.column(1), jet_.column(1) + jet_.n * std::min(jet.order, jet_.order), jet.column(1));
 }
 
-// The last solution itself; it is given once, as equations may have changed later.
+// True if the jet is the last solution, which is reused once only since the equations may change later.
 bool NextLevelJet::is_solved_for(const Jet& start, const double* x) const {
   const int n = problem_.n();
   return is_new_ && jet_.n == n && jet_.t == start.t && start.order == level() &&
@@ -82,7 +82,7 @@ bool NextLevelJet::is_solved_for(const Jet& start, const double* x) const {
          std::equal(start.column(1), start.column(1) + n * level(), jet_.column(1));
 }
 
-// False where F_{mu+1} cannot be evaluated or has other ranks.
+// False if F_{mu+1} cannot be evaluated or has other ranks.
 bool NextLevelJet::eliminate_at(const Jet& jet) {
   const IndexAnalysis& analysis = problem_.analysis();
   const double rank_tol = problem_.settings().rank_tol;
@@ -96,7 +96,7 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   return reduce_with_known_values(data_, level(), analysis, rank_tol, {arena_, rank_form_}, reduction);
 }
 
-// One change of y. None if it is not finite.
+// Changes y once; no result if the change is not finite.
 std::optional<NextLevelJet::Change> NextLevelJet::change_derivatives(Jet& jet) {
   const int n = problem_.n();
   const Arena::Frame frame(arena_);

@@ -1,4 +1,4 @@
-// The jet of level mu + 1 through a consistent x: its first derivative is x' of the solution but for free directions.
+// The jet of level mu + 1 through a consistent x: its first derivative is x' of the solution except in free directions.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,20 +21,20 @@ class NextLevelJet {
 
   NextLevelJet(const AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
-  // Solves F_{mu+1}(t, x, y) = 0 for y, x given; start: a jet of level mu. False, and the last jet stays, if that is
-  // not possible. Throws Failure where a callback stops.
+  // Solves F_{mu+1}(t, x, y) = 0 for y with x given; start: a jet of level mu. If that is impossible, returns false and
+  // keeps the last jet. Throws Failure if a callback stops the computation.
   bool solve(const Jet& start, const double* x);
   const double* derivative() const { return jet_.column(1); }
-  // The last one, of order mu + 2.
+  // The last jet, of order mu + 2.
   const Jet& jet() const { return jet_; }
-  // The next solve() is made even if the jet is that of the last one.
+  // Makes the next solve() compute even if its arguments are those of the last one.
   void forget_solution() { is_new_ = false; }
-  // Those that the jet has.
+  // Copies the derivatives that the jet has.
   void copy_derivatives(Jet& jet) const;
 
   bool has_jet() const { return jet_.n > 0; }
   Availability& availability() { return availability_; }
-  // The column that later iterations start from; only where there is a jet, or has been.
+  // Archives the highest derivative, from which later iterations start; only if there is a jet, or has been.
   void archive_highest_derivative(Archive& archive);
 
  private:
@@ -44,7 +44,7 @@ class NextLevelJet {
   bool search();
   bool is_solved_for(const Jet& start, const double* x) const;
   bool eliminate_at(const Jet& jet);
-  // Of x', scaled: the largest change, and the largest entry.
+  // Scaled x': the largest change, and the largest entry.
   struct Change {
     double norm = 0.0, size = 0.0;
   };
@@ -54,7 +54,7 @@ class NextLevelJet {
   Arena& arena_;
   Availability availability_ = Availability::unknown;
   Jet jet_, trial_;
-  bool is_new_ = false;  // and not asked for since it was solved
+  bool is_new_ = false;  // and not used since it was solved
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm rank_form_;

@@ -1,4 +1,4 @@
-// Changes of the characteristic values of a nonlinear problem along the way.
+// Changes of the characteristic values of a nonlinear problem during an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/nonlinear_change_watch.h"
 
@@ -14,36 +14,35 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in
-// which a point was found that is short enough to report it.
+// Uncertainty of a point found by interpolation, relative to the step, and the length of a step that is short enough to
+// report it, relative to the first step in which it was found.
 constexpr double uncertain = 0.05, short_enough = 0.25;
-// Of the first step in which it was found: the last point before it where the solution is wanted.
+// Distance before the point where the solution is wanted, relative to the first step in which it was found.
 constexpr double beside = 1e-6;
-// Of the step, or the way to the singular point: where it is looked at what vanishes.
+// Distance before the point where the vanishing part is determined, relative to the step or the way to the point.
 constexpr double beside_point = 0.02;
-// Of times: a step about a singular point is not shorter than so many roundings.
+// Least step about a singular point, in units of roundoff of t.
 constexpr double roundings_about_point = 1024.0;
-// A value that falls by this factor at a point inside a step has vanished there, as for linear problems
-// (docs/design/singular_points.md); before a shorter step confirms it, interpolated values need not do
-// so.
+// A value that falls by confirmed_dip inside a step has vanished there, as for linear problems
+// (docs/design/singular_points.md); first_dip suffices for values that a shorter step has yet to confirm.
 constexpr double confirmed_dip = 1e-3, first_dip = 5e-2;
-// Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
+// Failed steps before the first look ahead, which costs as much as a few of them; then twice as many each time.
 constexpr int failures_before_look = 4, most_failures = 64;
-// Steps that fail are so much shorter than the way to a singular point where none of them leads there.
+// A singular point ahead has to be at least this many failed steps away.
 constexpr double many_steps = 100.0;
-// Of the way there: two points extrapolated one after the other are no farther from each other.
+// Largest difference of two successive extrapolated points, relative to the distance to them.
 constexpr double steadiness = 0.1;
-// Consistent values that keep more than this have not fallen. Chosen between what is kept where there is a singular
-// point, 1e-3 and less with few exceptions up to 0.6, and 0.98 of false alarms.
+// Consistent values that keep more than this fraction have not fallen. Chosen between the fractions at singular points,
+// 1e-3 or less with few exceptions up to 0.6, and the 0.98 of false alarms.
 constexpr double kept_value_not_fallen = 0.7;
-// Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
+// Values fall to this, and by this in the last few steps, before steps fail at a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
 struct Sized {
   double t, value;
 };
 
-// The line through older and last goes about as far below zero as the next value is above.
+// True if the line through older and last goes about as far below zero as the next value is above.
 bool would_vanish(Sized older, Sized last, Sized next) {
   constexpr double about = 0.75;
   return last.value + (last.value - older.value) * (next.t - last.t) / (last.t - older.t) < -about * next.value;
@@ -63,7 +62,7 @@ void NonlinearChangeWatch::start(double direction) {
   for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_, false};
   search_.course().start(first_);
   has_within_ = has_end_ = false;
-  // Determinants of bases are needed rarely: memory for the first one, so that no later step allocates.
+  // Determinants of bases are needed rarely: reserves memory for the first one, so that no later step allocates.
   const int n = first_.n;
   {
     const Arena::Frame frame(arena_);
@@ -80,7 +79,7 @@ void NonlinearChangeWatch::start(double direction) {
   set_next_look();
 }
 
-// Of the linearizations that the step was made with, and of its end where that was compared or has to be looked at.
+// Samples the linearization of the step, and its end if that was compared or is due.
 void NonlinearChangeWatch::take_samples() {
   const double t = system_.jet().t;
   const ArrayLinearization& linearization = system_.linearization();
@@ -111,7 +110,7 @@ void NonlinearChangeWatch::take_samples() {
   is_within_sure_ = has_within_ = is_suspicious(within_) && search_.measure_at(t_origin, within_);
 }
 
-// Beside the samples before, or the one after.
+// True if a sign or a value, compared with those of the neighboring samples, suggests a zero.
 bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
   if (samples_ == 0) return false;
   if (now.is_turned_from(last_, arena_)) return true;
@@ -125,7 +124,7 @@ bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
 
 StepSearch NonlinearChangeWatch::find(double t_last) {
   search_.course().set_attempt(system_.jet(), system_.stages());
-  // The point accepted last is measured once more if that was not possible before.
+  // The last accepted point is measured once more if that was not possible before.
   if (samples_ == 0 && search_.measure(search_.course().newest(), last_)) samples_ = 1;
   take_samples();
   if (samples_ == 0) return {};
@@ -152,7 +151,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_in_samples(double t_last
   return find_passed(was_turned);
 }
 
-// Small steps may have gone through a singular point with values that are too inaccurate to be searched there.
+// Small steps may have passed a singular point where values are too inaccurate for a search.
 std::optional<LocatedChange> NonlinearChangeWatch::find_passed(bool is_turned) {
   for (Fall& fall : falls_) fall.has_turned |= is_turned;
   if (!has_end_) return std::nullopt;
@@ -175,8 +174,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed(bool is_turned) {
   return std::nullopt;
 }
 
-// What has fallen and risen may be as small as it became for a while, as where diodes block: it has another sign
-// behind a zero.
+// Tells a zero from a value that is merely small for a while, as with blocking diodes: behind a zero the sign differs.
 bool NonlinearChangeWatch::has_passed_zero(const Fall& fall, const Jet& now) {
   if (!witness().speaks()) return fall.has_turned;
   return !witness().keeps_signs(fall.at_lowest, fall.at_highest, now);
@@ -187,19 +185,19 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
   if (older == nullptr) return std::nullopt;
   for (std::size_t i = 0; i < now.values.size(); ++i) {
     const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
-    // A point of the integration may be the singular one, which a search between points would miss.
+    // A point of the integration may be the singular point, which a search between points would miss.
     const bool has_vanished = here.value <= confirmed_dip * std::min(before.value, after.value);
     if (has_vanished && search_.vanishes_at(last.t, older->t, now.t)) return last.t;
     if (would_vanish(before, here, after))
       if (auto t = search_.find_dip({last.t, now.t, i, here.value, after.value})) return t;
-    // What has gone down and up again since the sample before the last one.
+    // Values that have gone down and up again since the sample before the last one.
     if (would_vanish(after, here, before))
       if (auto t = search_.find_dip({older->t, last.t, i, before.value, here.value})) return t;
   }
   return std::nullopt;
 }
 
-// Whether the step is short enough for what is found in it to be reported.
+// True if the step is short enough to report a point found in it.
 bool NonlinearChangeWatch::is_short(double t_last) const {
   const double t = system_.jet().t, step = std::fabs(t - t_last);
   if (step <= roundings_about_point * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain)
@@ -207,8 +205,8 @@ bool NonlinearChangeWatch::is_short(double t_last) const {
   return suspect_ && suspect_->is_near(t) && step <= short_enough * suspect_->step;
 }
 
-// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported. In a step that
-// has been accepted nothing but consistent values can confirm it; in a short one they may refute it.
+// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported. In an accepted
+// step only consistent values can confirm it; in a short step they may refute it.
 std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
   const bool is_late = !is_after(t, t_last), is_final = is_late || is_short(t_last);
@@ -222,7 +220,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   change.t = t;
   change.uncertainty = is_final ? 0.0 : uncertain * step;
   if (!is_final) return change;
-  // The values known contradict what was found.
+  // New values equal to the known ones contradict the finding and are dropped.
   change.part = search_.fallen_part_at(t - direction_ * beside_point * step);
   change.new_values = search_.values_at(t);
   if (change.new_values == system_.analysis().values) change.new_values = {};
@@ -238,8 +236,8 @@ StructuralWitness& NonlinearChangeWatch::witness() {
 
 bool NonlinearChangeWatch::is_never_singular() { return witness().is_always_regular(); }
 
-// At a point of the step that is tried, by consistent values nearby; all of it where structure says that nothing has
-// vanished there.
+// Fraction kept by consistent values near t in the step that is tried; 1 if the structural analysis shows that nothing
+// has vanished there.
 std::optional<double> NonlinearChangeWatch::kept_consistently(double t) {
   const std::optional<Jet> jet = search_.consistent_at(t);
   if (!jet) return std::nullopt;
@@ -290,14 +288,14 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
     change->new_values = search_.values_at(*t);
     if (change->new_values == system_.analysis().values) change->new_values = {};
   }
-  // Where the search throws it is made again after the same step.
+  // If the search throws, it is repeated after the same step.
   ++failures_;
   next_failure_ += std::min(next_failure_, most_failures);
   if (t) expected_ = *t;
   return change;
 }
 
-// Steps that can get there will tell more, and what is extrapolated has to stay where it is.
+// False if steps may still get there, or if the extrapolated point has moved.
 bool NonlinearChangeWatch::is_confirmed_ahead(double t, double h) const {
   const double distance = std::fabs(t - search_.course().newest().t);
   return expected_ && distance >= many_steps * std::fabs(h) && std::fabs(t - *expected_) <= steadiness * distance;
@@ -308,7 +306,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   const double t = jet.t;
   LocatedChange change;
   change.t_before = t;
-  // Found already, but no short step leads there.
+  // Already found, but no short step leads there.
   if (suspect_ && is_after(suspect_->t, t) && suspect_->is_near(t)) {
     change.t = suspect_->t;
     return change;
@@ -321,7 +319,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   if (search_.kept_consistently_at_end(first_, jet).value_or(0.0) > kept_value_not_fallen) return std::nullopt;
   if (witness().is_regular_at(jet, first_, first_)) return std::nullopt;
   change.part = search_.fallen_part(jet);
-  // As a square root, which is how determinants vanish where solutions end; or here, in steps that are tiny.
+  // Determinants vanish like a square root where solutions end. In tiny steps the point is here.
   change.t = is_falling ? t + (t - earlier.t) * kept * kept / (1.0 - kept * kept) : t;
   return change;
 }

@@ -1,9 +1,8 @@
-// Changes of the characteristic values of a nonlinear problem along the way: noticed between steps, located.
+// Changes of the characteristic values of a nonlinear problem, noticed between steps and located.
 //
 // x is known at points of the integration only, and equations are linearized at some of these. Signs and sizes there
-// raise suspicions, as for linear problems (linear_change_watch.h); the solution interpolated in between dismisses
-// them, or says where a shorter step is needed. What is found in a short step is reported
-// (docs/design/singular_points.md).
+// raise suspicions, as for linear problems (linear_change_watch.h). The interpolated solution dismisses them or shows
+// where a shorter step is needed. A change found in a short step is reported (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,15 +25,15 @@ class NonlinearChangeWatch final : public ChangeWatch {
   void start(double direction) override;
   StepSearch find(double t_last) override;
   void accept() override;
-  // x is not known in between: steps that become short locate it.
+  // x is unknown between steps: shortened steps locate a change.
   std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
   std::optional<LocatedChange> find_ahead(double h) override;
   std::optional<LocatedChange> find_beyond() override;
-  // Nothing is kept: the watch starts anew at the point accepted last.
+  // Nothing is archived: the watch restarts at the last accepted point.
   void archive(Archive& archive, double direction) override;
 
  private:
-  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
+  // The values of A2 or E T2: the largest sample so far, and the smallest one since.
   struct Fall {
     double highest = 0.0, lowest = 0.0;
     Jet at_highest, at_lowest;
@@ -67,14 +66,14 @@ class NonlinearChangeWatch final : public ChangeWatch {
   SingularitySample within_, end_;  // of the step that is tried
   bool has_within_ = false, has_end_ = false;
   bool is_within_sure_ = false;          // its jet has converged
-  double next_look_ = 0.0;               // a value that goes straight on is zero then
+  double next_look_ = 0.0;               // a linearly extrapolated value is zero then
   int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
-  std::optional<double> expected_;       // the singular point, by the last look
+  std::optional<double> expected_;       // the singular point, from the last look ahead
   Fall falls_[2];
   Jet first_;  // of the integration
-  // What the structure says; made when it is asked for first.
+  // The structural analysis; made when it is first needed.
   std::optional<StructuralWitness> witness_;
-  // The singular point found last: where, and in a step of which size.
+  // The singular point found last, and the size of the step in which it was found.
   struct Suspect {
     double t, step;
     bool is_near(double time) const { return std::fabs(time - t) <= step; }

@@ -13,20 +13,20 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative residuals of redundant equations that count as a contradiction: as small as the default of the option
-// consistency_tol. What loosely converged points leave is larger at times, which is why they are iterated further.
+// Relative residuals of redundant equations that count as a contradiction: the default of the option consistency_tol.
+// Loosely converged points may leave larger ones, which is why they are iterated further.
 constexpr double largest_inconsistency = 1e-8;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate_of_steps = 1e-3;
 
-// What remains of a change once rounding errors of F are taken off: these will not become less.
-// A change that is not a number is not small: std::max would drop it.
+// The part of a change that exceeds the rounding errors of F, which iterations cannot reduce. NaN becomes infinity,
+// since std::max would drop it.
 double above_noise(double change, double noise) {
   const double rest = std::fabs(change) - noise;
   return std::isnan(rest) ? std::numeric_limits<double>::infinity() : std::max(0.0, rest);
 }
 
-// z of M z = b - c tau g0 and, for the free part, -tau Uz^T T2^T (c x + x_rest).
+// Sets z to the right-hand side of M z = b - c tau g0 and, for the free part, -tau Uz^T T2^T (c x + x_rest).
 void step_rhs(const IterationTask& task, const ArrayLinearization& linearization, const Jet& jet, double* z,
               Arena& arena) {
   const NullSpaceForm& form = linearization.form();
@@ -116,7 +116,7 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
       task.has_step ? solve_step(task, linearization, jet) : solve_without_step(task, linearization, jet);
   if (status != PointStatus::ok) return status;
   measure_inconsistency(task, linearization, jet);
-  // Known ranks may not fit the jet that was linearized.
+  // The known ranks may not fit the jet that was linearized.
   const bool is_doubtful = task.has_step && !linearization.origin().is_judged && has_contradiction();
   return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
 }
@@ -129,7 +129,7 @@ PointStatus NonlinearIteration::solve_step(const IterationTask& task, ArrayLinea
 
 PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, ArrayLinearization& linearization,
                                                    Jet& jet) {
-  // There is no other way, as there are shorter steps. Chosen, not measured.
+  // Large, as there is no alternative such as a shorter step. Chosen, not measured.
   constexpr int most = 30;
   double before = 0.0, earlier = 0.0, largest_residual = 0.0;
   chord_.begin();
@@ -143,7 +143,7 @@ PointStatus NonlinearIteration::solve_without_step(const IterationTask& task, Ar
     const double norm = task.map != nullptr ? apply_map(task, linearization, jet)
                                             : apply_change(task, linearization, residuals(), dx_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    // The next iteration may lose a part of the gain: linearizations are from elsewhere.
+    // The next iteration may lose part of the gain, as the linearization is from another point.
     const double reference = std::max(before, earlier);
     const bool has_ended = is_rounding_error(task, iteration, norm, reference);
     if (task.is_mixed) mix(linearization, jet);
@@ -170,7 +170,7 @@ PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearizat
 }
 
 PointStatus NonlinearIteration::solve_at_last(ArrayLinearization& linearization, Jet& jet) {
-  // As for the extension.
+  // As for the minimal extension.
   constexpr double stagnant = 1e-10;
   return solve_to_rounding({.is_mixed = true, .stagnant = stagnant}, linearization, jet);
 }
@@ -193,7 +193,7 @@ PointStatus NonlinearIteration::evaluate(const IterationTask& task, ArrayLineari
   return linearization.evaluate_differential(jet.t, jet.x.data(), xdot_.data());
 }
 
-// dx_ of the linearized equations at the jet, without a step.
+// Sets dx_ by the linearized equations at the jet, without a step.
 void NonlinearIteration::solve_linearized(ArrayLinearization& linearization, const Jet& jet) {
   linearization.set_constraints(jet, residuals(), RightHandSides::constraints);
   linearization.keep_differential_part(z_.data());
@@ -216,7 +216,7 @@ double NonlinearIteration::apply_map(const IterationTask& task, const ArrayLinea
   return relative_norm(linearization, dx_.data(), jet);
 }
 
-// After a change by dx_ and dy_. These keep Z1^T E x, and so do their differences.
+// Anderson mixing after a change by dx_ and dy_. Such changes keep Z1^T E x, and so do their differences.
 void NonlinearIteration::mix(const ArrayLinearization& linearization, Jet& jet) {
   const std::size_t n = index(problem_.n());
   std::copy_n(dx_.data(), n, change_.data());
@@ -228,7 +228,7 @@ void NonlinearIteration::mix(const ArrayLinearization& linearization, Jet& jet) 
 
 double NonlinearIteration::relative_norm(const ArrayLinearization& linearization, const double* dx,
                                          const Jet& jet) const {
-  // y has to follow, if not to the last digits: ranks are decided there. Chosen, not measured.
+  // y has to converge, too, though not to the last digits: ranks are decided there. Chosen, not measured.
   constexpr double share_of_y = 1e-3;
   const int n = problem_.n();
   const Units& units = problem_.units();
@@ -248,7 +248,7 @@ double NonlinearIteration::relative_norm(const ArrayLinearization& linearization
   return std::max(size > 0.0 ? norm / size : norm, size_y > 0.0 ? share_of_y * norm_y / std::max(size, size_y) : 0.0);
 }
 
-// In units of the tolerance; changes of y count as far as they act over the step.
+// Norm in units of the tolerance; changes of y count by their effect over the step.
 double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayLinearization& linearization,
                                          const double* dx) const {
   const int n = problem_.n();
@@ -269,18 +269,18 @@ double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayL
   return norm;
 }
 
-// Until changes stop becoming smaller, after the first ones at some hundred roundings.
+// True if the change is roundoff: negligible or, after the first iterations, small and no longer decreasing.
 bool NonlinearIteration::is_rounding_error(const IterationTask& task, int iteration, double norm, double before) {
   constexpr double negligible = 4.0 * unit_roundoff;
   return norm <= negligible || (iteration > 1 && norm <= task.stagnant && norm > 0.5 * before);
 }
 
-// Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x
-// are those of a wrong y (docs/design/derivative_array.md).
+// Changes of y count little in short steps. If they do not reduce the residuals, the constraints for x are those of a
+// wrong y (docs/design/derivative_array.md).
 bool NonlinearIteration::derivatives_follow(const TaylorData& data, const Jet& jet, double residual,
                                             double largest) const {
-  // A residual reduced to half of the largest one has followed, and what is small relative to what is added up in it
-  // is not that of a wrong y. Chosen, not measured.
+  // y has converged if the residual is at most half of the largest one, or negligible relative to its terms. Chosen,
+  // not measured.
   constexpr double reduction = 0.5, negligible = 1e-10;
   if (residual <= reduction * largest) return true;
   double size = 0.0, power = 1.0;
@@ -292,10 +292,10 @@ bool NonlinearIteration::derivatives_follow(const TaylorData& data, const Jet& j
   return residual <= negligible * size * data.norm(problem_.mu());
 }
 
-// Residuals that the iteration has left look like contradictions, but vanish when it goes on.
+// Residuals left by the iteration look like contradictions, but vanish when it continues.
 void NonlinearIteration::measure_inconsistency(const IterationTask& task, ArrayLinearization& linearization,
                                                const Jet& jet) {
-  // Rounding errors of the data are amplified by 1 / smallest pivot at most, up to sums of many. Chosen, not
+  // Rounding errors of the data are amplified by at most 1 / smallest pivot, times a factor for long sums. Chosen, not
   // measured.
   constexpr double sums = 1e3;
   const NullSpaceForm& form = linearization.form();

@@ -14,20 +14,20 @@
 
 namespace sfdae::core {
 
-// What is to be solved besides the constraints, and how accurately.
+// Equations to be solved besides the constraints, and the accuracy.
 struct IterationTask {
   bool has_step = false;  // Z1^T F(t, x, c x + w_rest) = 0, else dx keeps Z1^T E x
   double c = 0.0;
   const double* w_rest = nullptr;
   const double* x_rest = nullptr;
-  const double* inverse_weights = nullptr;  // with a step; else null: as accurately as rounding permits
+  const double* inverse_weights = nullptr;  // with a step; else null: to machine precision
   double tolerance = 0.0;                   // of the weighted changes of x
-  bool is_mixed = false;             // Anderson's method makes it faster, and lets it converge from farther off
-  const ResidualMap* map = nullptr;  // without a step: that of the linearization, or null
-  double stagnant = 1e-13;           // without a step: relative changes that are roundoff if they stay as they are
+  bool is_mixed = false;                    // Anderson mixing: faster, converges from farther away
+  const ResidualMap* map = nullptr;         // without a step: that of the linearization, or null
+  double stagnant = 1e-13;  // without a step: relative changes that are roundoff if they stay as they are
 };
 
-// Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
+// Limit of weighted changes, in units of the tolerances of a step: errors of the iteration must not affect error
 // estimates. Chosen, not measured.
 inline constexpr double newton_tolerance = 0.01;
 
@@ -37,7 +37,7 @@ struct StepValues {
   double c;
   const double* inverse_weights;
 };
-// Sizes of the terms of a step, column by column. Derivatives have tolerances by which they act over the step.
+// Sizes of the terms of a step, column by column. Tolerances of derivatives reflect their effect over the step.
 void take_sizes(RowSums kind, const StepValues& values, Jet& sizes);
 
 class NonlinearIteration {
@@ -46,28 +46,28 @@ class NonlinearIteration {
   // Memory for the values that the analysis has found.
   void resize();
 
-  // From the jet on, to the one that solves the task.
+  // Iterates from the jet to the one that solves the task.
   PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
-  // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
+  // Solves without a step to machine precision. The rate flag stays as it was, as later points depend on it.
   PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet, const ResidualMap* map = nullptr);
-  // The same where there is no better linearization: larger changes may be roundoff, as of exp(x) - 1 at small x.
+  // Like solve_to_rounding() without a better linearization: larger changes may be roundoff, as of exp(x) - 1.
   PointStatus solve_at_last(ArrayLinearization& linearization, Jet& jet);
-  // Of one change without a step: relative, and the largest residual before it.
+  // One change without a step: its relative size, and the largest residual before it.
   struct Improvement {
     double change = 0.0, residual = 0.0;
   };
-  // One such change of the jet.
+  // Makes one such change of the jet.
   PointStatus improve(ArrayLinearization& linearization, Jet& jet, Improvement& made);
-  // Redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
-  // linearization leave out equations that are not redundant: they contradict the others then.
+  // Checks redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
+  // linearization leave out equations that are not redundant, which then contradict the others.
   PointStatus check_redundant(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
 
-  // Contradiction of redundant equations at the point solved last, relative.
+  // Relative contradiction of redundant equations at the last solved point.
   double inconsistency() const { return inconsistency_; }
   bool has_contradiction() const;
   ChordIteration& chord() { return chord_; }
 
-  // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
+  // Changes the jet by dx and the corresponding dy. Returns the norm of the change, relative to x without weights.
   double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
                       const ArrayResiduals& residuals, const double* dx, Jet& jet);
 

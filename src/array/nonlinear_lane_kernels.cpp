@@ -1,4 +1,4 @@
-// What is computed for the stages of a step of a nonlinear system side by side.
+// Kernels for the stages of a step of a nonlinear system, computed side by side.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/nonlinear_lane_kernels.h"
 
@@ -28,7 +28,7 @@ void take_all_slopes(NonlinearLaneWork& work) {
   }
 }
 
-// As ArrayLinearization::evaluate_array and evaluate_differential.
+// Like ArrayLinearization::evaluate_array and evaluate_differential.
 void scale_residuals(NonlinearLaneWork& work) {
   const TaylorData& data = work.data;
   const int m = work.m();
@@ -42,7 +42,7 @@ void scale_residuals(NonlinearLaneWork& work) {
   for (int i = 0; i < m; ++i) work.f_step[i] = -tau * data.row_scale[static_cast<std::size_t>(i)] * work.f_step[i];
 }
 
-// As StoredElimination::transform.
+// Like StoredElimination::transform.
 void transform(NonlinearLaneWork& work) {
   const StoredElimination& elimination = work.elimination;
   const int m = work.m(), most = (elimination.level() + 1) * m;
@@ -72,7 +72,7 @@ void transform(NonlinearLaneWork& work) {
   copy(now, rows, work.transformed);
 }
 
-// xp, as ConstraintFactors::solve; no row is redundant.
+// xp, like ConstraintFactors::solve; no row is redundant.
 void solve_constraints(NonlinearLaneWork& work) {
   const ConstraintFactors& constraints = work.form.constraints();
   const int rank = constraints.rank();
@@ -117,7 +117,7 @@ void reduce_all(NonlinearLaneWork& work) {
   if (work.form.d > 0) take_right_hand_sides(work);
 }
 
-// y_j, j = i + 1, as StoredElimination::recover where the equations of a stage are solved for it beforehand.
+// y_j, j = i + 1, like StoredElimination::recover when the equations of a stage have been solved for it beforehand.
 void recover_combined(NonlinearLaneWork& work, const StoredElimination::StageView& stage, int i) {
   const int m = work.m(), n = work.n();
   Lanes* const known = work.scratch;
@@ -129,7 +129,7 @@ void recover_combined(NonlinearLaneWork& work, const StoredElimination::StageVie
   add_product(1.0, plain(stage.solution), known, y);
 }
 
-// The same as StoredElimination::solve_stage.
+// Like StoredElimination::solve_stage.
 void recover_stage(NonlinearLaneWork& work, const StoredElimination::StageView& stage, int i) {
   const TaylorData& data = work.data;
   const int m = work.m(), n = work.n(), rank = stage.rank;
@@ -158,7 +158,7 @@ void recover_stage(NonlinearLaneWork& work, const StoredElimination::StageView& 
   for (int k = rank; k < n; ++k) y[stage.pivots[k]] = y_q[k - rank];
 }
 
-// x = xp + T2 z and the y that belongs to it.
+// x = xp + T2 z and the corresponding y.
 void recover(NonlinearLaneWork& work) {
   const StoredElimination& elimination = work.elimination;
   add_product(1.0, plain(work.form.T2()), work.z, work.changes);
@@ -179,7 +179,7 @@ void change_all(NonlinearLaneWork& work) {
   }
   work.norm = std::numeric_limits<double>::quiet_NaN();
   if (any(bad)) return;
-  // As NonlinearIteration::weighted_norm.
+  // Like NonlinearIteration::weighted_norm.
   work.norm = largest_above_noise(work.changes, count, work.noise, work.norms);
 }
 

@@ -1,4 +1,4 @@
-// What is computed for the stages of a step of a nonlinear system side by side (nonlinear_lanes.h).
+// Kernels for the stages of a step of a nonlinear system, computed side by side (nonlinear_lanes.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-// All that the kernels work on; a column is a block for each of its entries.
+// Data of the kernels; a column has one block for each of its entries.
 struct NonlinearLaneWork {
   const TaylorData& data;
   const StoredElimination& elimination;
@@ -25,7 +25,7 @@ struct NonlinearLaneWork {
   Lanes *r, *z;    // right-hand sides and solutions of the decoupled equations
   Lanes* changes;  // xp, then those of x, y_1, ..., y_{mu+1}, scaled
   Lanes* scratch;
-  // Of the changes: what rounding errors contribute, the factors of the norm, and those by which jets change.
+  // The changes' rounding errors, their factors in the norm, and the factors by which they change the jets.
   const double *noise, *norms, *factors;
   double norm = 0.0;  // the result: NaN if a change is not finite
 
@@ -36,15 +36,15 @@ struct NonlinearLaneWork {
 
 // Memory needed in scratch.
 int scratch_of_lanes(int m, int n, int mu);
-// x_xdot from the jets.
+// Computes x_xdot from the jets.
 void take_slopes(NonlinearLaneWork& work);
-// From f and f_step: transformed, xp and r.
+// Computes transformed, xp and r from f and f_step.
 void reduce_residuals(NonlinearLaneWork& work);
-// From z: the changes, their norm, and the jets changed by them.
+// Computes the changes from z, and their norm, and changes the jets by them.
 void change_jets(NonlinearLaneWork& work);
-// Without a step. From f, which is scaled: transformed, xp and r = -Z1^T E xp.
+// Without a step: computes transformed, xp and r = -Z1^T E xp from f, which is scaled.
 void reduce_scaled_residuals(NonlinearLaneWork& work);
-// From z: the changes alone.
+// Computes only the changes, from z.
 void recover_changes(NonlinearLaneWork& work);
 
 }  // namespace sfdae::core

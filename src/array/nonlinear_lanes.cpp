@@ -12,14 +12,14 @@ namespace sfdae::core {
 
 namespace {
 
-// Of a step with s stages, lanes beyond repeating the last one.
+// The stage of a lane in a step with s stages; lanes beyond repeat the last stage.
 int stage_of(int lane, int s) { return std::min(lane, s - 1); }
 
 }  // namespace
 
 bool NonlinearLanes::prepare(const StageEquations& step, const AnalyzedEquations& problem,
                              const ArrayLinearization& linearization) {
-  // Eight points for one would be too many.
+  // With fewer stages, too many lanes would be idle.
   constexpr int fewest_stages = 3;
   const ConstraintFactors& constraints = linearization.form().constraints();
   if (step.method.s < fewest_stages || step.guess.inverse_weights == nullptr || !problem.prescribed().empty() ||
@@ -81,7 +81,7 @@ void NonlinearLanes::begin(const StageEquations& step, const AnalyzedEquations& 
     for (std::size_t k = 0; k < index((mu_ + 2) * n_); ++k) jets_[k].lane[l] = jet.x[k];
     for (int j = 0; j < s; ++j) D_[index(j)].lane[l] = method.D_at(stage_of(l, s), j);
   }
-  // As NonlinearIteration::weighted_norm and Jet::add_scaled.
+  // Like NonlinearIteration::weighted_norm and Jet::add_scaled.
   const double tau = linearization.data().time_scale, ratio = std::fabs(step.t_end - step.t) / tau;
   double power = 1.0, power_of_tau = 1.0;
   for (int k = 0; k <= mu_ + 1; ++k) {
@@ -116,7 +116,7 @@ void NonlinearLanes::copy_rows(const ArrayLinearization& linearization, double* 
   }
 }
 
-// Iterations that diverge overflow, and end for that.
+// Diverging iterations overflow, which ends them.
 double NonlinearLanes::change(ArrayLinearization& linearization, Arena& arena) {
   const QuietArithmetic quiet;
   std::copy(jets_.begin(), jets_.end(), before_.begin());

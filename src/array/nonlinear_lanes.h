@@ -1,5 +1,5 @@
-// The stages of a Radau step of recorded equations side by side: what NonlinearStages does, one stage to a lane.
-// Where that cannot be done, for whatever reason, the stages are looked at one by one from where the iteration stands.
+// The stages of a Radau step of recorded equations side by side: like NonlinearStages, one stage per lane. If that is
+// not possible, NonlinearStages continues from the last iterate, one stage after the other.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,18 +16,18 @@ namespace sfdae::core {
 
 class NonlinearLanes {
  public:
-  // Whether stages of these equations can be solved here, and memory for them.
+  // True if stages of these equations can be solved here; allocates memory for them.
   bool prepare(const StageEquations& step, const AnalyzedEquations& problem, const ArrayLinearization& linearization);
-  // From these jets on.
+  // Starts from these jets.
   void begin(const StageEquations& step, const AnalyzedEquations& problem, const ArrayLinearization& linearization,
              const std::vector<Jet>& jets);
-  // Residuals at all stages, and what the step equations become by them; false: not here.
+  // Evaluates the residuals of all stages and the step equations; false if that is not possible here.
   bool evaluate(AnalyzedEquations& problem, const ArrayLinearization& linearization);
-  // Copies rows of these residuals, as ArrayLinearization::copy_step_rows for one stage after the other.
+  // Copies rows of these residuals, like ArrayLinearization::copy_step_rows for one stage after the other.
   void copy_rows(const ArrayLinearization& linearization, double* rows) const;
-  // The jets change; returns the norm of the change, NaN if it is not finite.
+  // Changes the jets; returns the norm of the change, NaN if it is not finite.
   double change(ArrayLinearization& linearization, Arena& arena);
-  // As far as the iteration has come, and before its last change.
+  // Copies the last iterate and the one before it.
   void leave(std::vector<Jet>& jets, std::vector<Jet>& before) const;
 
  private:

@@ -28,7 +28,7 @@ std::vector<char> fixed_components(const ModelOptions& options) {
   return options.consistency.kind == InitialValues::fixed ? options.consistency.fixed : std::vector<char>();
 }
 
-// No other start will help.
+// True if no other starting value will help.
 bool is_final(const Failure& failure) {
   const int status = failure.status();
   return ends_everything(status) || status == SFDAE_ORDER_MISSING;
@@ -45,7 +45,7 @@ Jet guessed_jet(const PointOfInterest& point, int n) {
   return jet;
 }
 
-// Rows of the derivative array are left out, but not while this lives.
+// Uses all rows of the derivative array during its lifetime.
 class WholeArray {
  public:
   explicit WholeArray(NonlinearProblem& problem) : problem_(problem), counts_(problem.differentiations()) {
@@ -80,8 +80,8 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
   system_ = analyzed_against_whole_array(point, options, decisions);
 }
 
-// Rows that the structure does not ask for are left out, if the system Jacobian is regular at the point found. Whatever
-// goes wrong, the whole array has the last word.
+// Leaves out the rows that the structural analysis does not need, if the system Jacobian is nonsingular at the point
+// found. If anything fails, the full derivative array decides.
 bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
                                            std::vector<RankDecision>& decisions) {
   const Structure* const structure = problem_->counts_are_given() ? nullptr : problem_->structure();
@@ -108,7 +108,7 @@ bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const M
   return false;
 }
 
-// Of the array with the structure.
+// Throws Failure if the derivative array and the structural analysis disagree.
 void NonlinearModel::demand_agreement() {
   const std::string contradiction = contradiction_of_structure(
       *problem_, system_->accepted_jet(), system_->analysis().values, system_->settings().rank_tol);
@@ -123,8 +123,8 @@ void NonlinearModel::give_up_structure() {
   problem_->follow_structure(false);
 }
 
-// Which of the jets that fulfil the equations is found depends on the rows. Where what is differentiated does not
-// stay, the whole array is asked whether it has to move that far.
+// The consistent jet that is found depends on the rows. If differential variables move, the full derivative array tells
+// whether they have to move that far.
 double NonlinearModel::largest_move(const PointOfInterest& point, const ModelOptions& options) const {
   const std::vector<double> sizes = options.request_at(point.x).sizes();
   const Signature& signature = problem_->structure()->signature;
@@ -139,7 +139,7 @@ double NonlinearModel::largest_move(const PointOfInterest& point, const ModelOpt
 }
 
 bool NonlinearModel::moves_least(const PointOfInterest& point, const ModelOptions& options) {
-  // Of a tolerance, and relative; by judgement.
+  // A negligible move in tolerances, and a relative margin. Chosen, not measured.
   constexpr double negligible = 1e-6, margin = 1.01;
   const double move = largest_move(point, options);
   if (move <= negligible) return true;
@@ -191,11 +191,11 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings
       if (is_final(failure)) throw;
     }
   }
-  // Where what is differentiated is far off, too, the smallest changes lead more safely to the constraints.
+  // If the differential variables are far off, too, the smallest changes lead more safely to the constraints.
   return analyzed_near(settings, point, options, false, decisions);
 }
 
-// How many equations are redundant only the array with all its rows shows.
+// Only the full derivative array shows how many equations are redundant.
 std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(const PointOfInterest& point,
                                                                               const ModelOptions& options,
                                                                               std::vector<RankDecision>& decisions) {
@@ -224,7 +224,7 @@ bool NonlinearModel::fulfils_equations(const PointOfInterest& point) {
   }
 }
 
-// At the jet of the analysis; without one there is no point to look at.
+// Checks at the jet of the analysis; without one there is no point to check.
 void NonlinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
   if (system_) demand_derivatives_along(system_->accepted_jet(), point, options);
 }
@@ -268,13 +268,13 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::copy_of_system() {
 
 namespace {
 
-// Where the search for consistent values begins: jets near the guess.
+// Starting jets of the search for consistent values, near the guess.
 std::vector<std::function<Jet()>> starts(NonlinearProblem& problem, NonlinearSystem& system,
                                          const PointOfInterest& point, const ConsistencyRequest& request) {
   const int n = problem.n();
   const Jet& known = system.jet();
   const bool is_known = known.t == point.t && point.xdot == nullptr;
-  // The jet that is known helps where it is near.
+  // The known jet helps if it is near.
   if (is_known && std::equal(point.x, point.x + n, known.x.data())) return {[&known] { return known; }};
   const auto solved = [&problem, &system, point, n](const ConsistencyRequest& as_asked) {
     Jet jet = guessed_jet(point, n);
@@ -292,7 +292,7 @@ std::vector<std::function<Jet()>> starts(NonlinearProblem& problem, NonlinearSys
   return list;
 }
 
-// The first start that leads to consistent values; throws what the last one met if none does.
+// The result of the first start that leads to consistent values; if none does, throws the failure of the last one.
 ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSystem& system,
                                        const PointOfInterest& point, const ConsistencyRequest& request) {
   const std::vector<double> given(point.x, point.x + problem.n());
@@ -308,8 +308,8 @@ ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSyste
   return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()(), rank_tol});
 }
 
-// From the jet that the analysis has found near the same values: none if it moves what is differentiated, where another
-// start may find something nearer.
+// The result from the jet that the analysis has found near the same values; none if it moves differential variables, as
+// another start may find a nearer point.
 std::optional<ConsistentJetResult> choose_from_analysis(NonlinearProblem& problem, NonlinearSystem& system,
                                                         const PointOfInterest& point,
                                                         const ConsistencyRequest& request) {
@@ -324,11 +324,11 @@ std::optional<ConsistentJetResult> choose_from_analysis(NonlinearProblem& proble
   return std::nullopt;
 }
 
-// Sums of changes hold fixed components to rounding only; a search that ended early need not have come to them. Those
-// that are prescribed are what the user's function says.
+// Sums of changes keep fixed components only up to roundoff, and a search that ended early may not have reached them.
+// Prescribed components have the values of the user's function.
 void restore_fixed(const NonlinearProblem& problem, const ConsistencyRequest& request, const PointOfInterest& point,
                    const Units& units, std::vector<double>& x) {
-  // Of a component or its unit: far above rounding, far below what anybody gives. Chosen, not measured.
+  // Relative to a component or its unit: far above roundoff, far below given accuracy. Chosen, not measured.
   constexpr double rounding = 1e-10;
   if (request.kind != InitialValues::fixed) return;
   std::vector<char> fixed = request.fixed;
@@ -394,7 +394,7 @@ bool NonlinearModel::differentiate_jump(const MovingJump& moving, const ModelOpt
                                  jet_after(moving, options), moving, after);
 }
 
-// What is differentiated stays; nothing of an integration is disturbed.
+// A consistent copy that keeps the differential variables; the system of an integration is not changed.
 std::unique_ptr<NonlinearSystem> NonlinearModel::consistent_copy(const PointOfInterest& point,
                                                                  const ModelOptions& options) {
   std::unique_ptr<NonlinearSystem> copy = copy_of_system();
@@ -405,7 +405,7 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::consistent_copy(const PointOfIn
   return copy;
 }
 
-// A jet with the values after a jump. Linear equations have not several.
+// A jet with the values after a jump. For linear equations it is unique.
 Jet NonlinearModel::jet_after(const MovingJump& moving, const ModelOptions& options) {
   const bool is_last = last_jump_.jet.t == moving.t && last_jump_.before.size() == index(n()) &&
                        std::equal(last_jump_.before.begin(), last_jump_.before.end(), moving.before);

@@ -20,14 +20,14 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   explicit NonlinearModel(std::unique_ptr<CallbackProblem> problem)
       : callback_(problem.get()), problem_(std::move(problem)) {}
 
-  // Another one of the same recorded equations; null for functions.
+  // A copy with the same recorded equations; null for callbacks.
   std::unique_ptr<NonlinearModel> clone() const {
     return recorded_ != nullptr ? std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(*recorded_))
                                 : nullptr;
   }
 
   NonlinearProblem& problem() override { return *problem_; }
-  RecordedProblem* recorded() { return recorded_; }  // null for functions
+  RecordedProblem* recorded() { return recorded_; }  // null for callbacks
   int m() const override { return problem_->m(); }
   int n() const override { return problem_->n(); }
   bool is_constant() const override { return false; }
@@ -50,7 +50,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
   std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
   bool follows_structure() const { return problem_->follows_structure(); }
-  // The user's function for total derivatives; null for recorded equations.
+  // The user's callback for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 
   Jump jump(const PointOfInterest& point, const ModelOptions& options) override;
@@ -70,7 +70,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                   const ModelOptions& options) override;
 
  private:
-  // keeps: what is differentiated stays if it can.
+  // keeps: keep the differential variables if possible.
   std::unique_ptr<NonlinearSystem> analyzed_near(const AnalysisSettings& settings, const PointOfInterest& point,
                                                  const ModelOptions& options, bool keeps,
                                                  std::vector<RankDecision>& decisions);
@@ -81,7 +81,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   void demand_agreement();
   void give_up_structure();
   bool certifies_structure();
-  // Of what is differentiated, from the guess to the point of the analysis, in tolerances.
+  // Largest move of a differential variable from the guess to the point of the analysis, in tolerances.
   double largest_move(const PointOfInterest& point, const ModelOptions& options) const;
   bool moves_least(const PointOfInterest& point, const ModelOptions& options);
   std::unique_ptr<NonlinearSystem> analyzed_against_whole_array(const PointOfInterest& point,
@@ -100,8 +100,8 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   };
   LastJump last_jump_;
   std::unique_ptr<JumpDerivatives> jump_derivatives_;  // for the parameters asked for last
-  bool replaced_follows_structure_ = false;            // the problem did, with the system that was replaced
-  // Of x, near which the analysis has found its jet without moving what is differentiated if it could; empty: other.
+  bool replaced_follows_structure_ = false;            // of the problem, with the system that was replaced
+  // x near which the analysis found its jet, keeping the differential variables if possible; empty if it did otherwise.
   std::vector<double> guess_;
 };
 

@@ -1,4 +1,4 @@
-// The theory's objects of a nonlinear problem.
+// Objects of the theory for a nonlinear problem.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
@@ -7,8 +7,8 @@
 
 namespace sfdae::core {
 
-// Derivatives that F_level = 0 leaves open are those of the point accepted last, whatever other points have been asked
-// for, so that objects of the same jet fit each other.
+// Derivatives that F_level = 0 leaves undetermined are those of the last accepted point, whatever other points were
+// requested, so that objects of the same jet fit each other.
 Jet NonlinearModel::jet_through(double t, const double* x, int level) {
   const WithoutStructure whole(*problem_);
   const int mu = system_->analysis().values.mu;
@@ -28,7 +28,7 @@ DerivativeArray NonlinearModel::derivative_array(const Jet& jet, int level) {
 Projectors NonlinearModel::projectors(const Jet& jet, bool) {
   const WithoutStructure whole(*problem_);
   IndexAnalysis known = system_->analysis();
-  // Those of an array with fewer rows say nothing here.
+  // Ranks of an array with fewer rows do not apply here.
   if (whole.changes_rows()) known.certified_ranks = {};
   return core::projectors(*problem_, system_->units(), known, system_->settings(), jet);
 }

@@ -99,8 +99,8 @@ class NonlinearStages::Equations {
 
 PointStatus NonlinearStages::solve(const StageEquations& step, ArrayLinearization& linearization,
                                    NonlinearIteration& iteration) {
-  // A rate that is measured once may be small by chance, and steps that need more iterations are better made smaller.
-  // x and y correct each other in turn. Chosen, not measured.
+  // A rate that is measured once may be small by chance, and steps that need more iterations are better shortened. x
+  // and y correct each other alternately. Chosen, not measured.
   constexpr ChordTarget target{
       .tolerance = newton_tolerance, .least_rate = 1e-3, .most_iterations = 20, .alternates = true};
   std::copy_n(starts_.begin(), s_, jets_.begin());
@@ -112,7 +112,7 @@ PointStatus NonlinearStages::solve(const StageEquations& step, ArrayLinearizatio
   return iteration.check_redundant(equations.task(), linearization, last());
 }
 
-// Residuals of all stages and their rows, xp and r.
+// Evaluates the residuals of all stages and their rows, xp and r.
 PointStatus NonlinearStages::evaluate(const StageEquations& equations, ArrayLinearization& linearization,
                                       double* rows) {
   for (int i = 0; i < s_; ++i, rows += linearization.num_step_rows()) {
@@ -154,7 +154,7 @@ PointStatus NonlinearStages::evaluate_stage(const StageEquations& equations, int
   return PointStatus::ok;
 }
 
-// xdot_: the slope of the collocation polynomial at stage i.
+// Sets xdot_ to the slope of the collocation polynomial at stage i.
 void NonlinearStages::set_derivative(const StageEquations& equations, int i) {
   const int n = problem_.n();
   const double h = equations.t_end - equations.t;
@@ -168,7 +168,7 @@ void NonlinearStages::set_derivative(const StageEquations& equations, int i) {
   }
 }
 
-// xdot_: what is added up in that slope, or changes in it.
+// Sets xdot_ to the sizes of the terms of that slope, or of their changes.
 void NonlinearStages::measure_derivative(const StageEquations& equations, RowSums kind, int i) {
   const int n = problem_.n();
   const double h = equations.t_end - equations.t;

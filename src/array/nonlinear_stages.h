@@ -26,18 +26,18 @@ class NonlinearStages {
  public:
   NonlinearStages(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
-  // The jets to start from. determined: flags of the components of y.
+  // Predicts the starting jets. determined: flags of the components of y.
   void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
-  // With the derivatives of the point accepted last.
+  // Replaces their derivatives by those of the last accepted point.
   void hold_derivatives(const JetHistory& history) {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
-  // From these jets on.
+  // Iterates from these jets.
   PointStatus solve(const StageEquations& step, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // Predicted, at the middle of the step.
+  // The predicted jet at the middle of the step.
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
   int count() const { return s_; }
-  // Solved.
+  // A solved jet.
   const Jet& jet(int i) const { return jets_[index(i)]; }
   const Jet& last() const { return jets_[index(s_ - 1)]; }
   // x: n x s.

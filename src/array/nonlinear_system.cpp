@@ -96,7 +96,7 @@ PointStatus NonlinearSystem::set_points(const Jet& before, const Jet& last) {
   return status;
 }
 
-// Level mu leaves open some components of its highest derivatives, on which the linearization depends all the same.
+// Level mu leaves some components of its highest derivatives undetermined, but the linearization depends on them.
 void NonlinearSystem::complete(Jet& jet) {
   jet.set_order(problem_.jet_order());
   next_level_.forget_solution();
@@ -110,7 +110,7 @@ void NonlinearSystem::apply_inputs() {
   history_.restart(jet_);
 }
 
-// Where the last renewal did not come to its end it is made up for at the point accepted last.
+// Repeats the last renewal at the last accepted point if it was interrupted.
 PointStatus NonlinearSystem::complete_linearization() {
   return linearization_.is_complete() ? PointStatus::ok : renew_at_accepted();
 }
@@ -121,7 +121,7 @@ PointStatus NonlinearSystem::renew_at_accepted() {
   return status == PointStatus::ok ? linearize_at_accepted() : status;
 }
 
-// With the inputs that were evaluated last. Judges the ranks and measures the noise, too.
+// Uses the inputs that were evaluated last. Also judges the ranks and measures the noise.
 PointStatus NonlinearSystem::linearize_at_accepted() {
   const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
   if (status == PointStatus::ok) take_rounding_errors();
@@ -138,12 +138,12 @@ bool NonlinearSystem::is_drowned(const double* inverse_weights) const {
   return core::is_drowned(linearization_.origin().jet, history_.accepted(), error_of, inverse_weights);
 }
 
-// Before a step.
+// Called before a step.
 PointStatus NonlinearSystem::leave_drowned_point(const double* inverse_weights) {
   return linearization_.is_usable() && is_drowned(inverse_weights) ? renew_at_accepted() : PointStatus::ok;
 }
 
-// After a step has converged.
+// Called after a step has converged.
 PointStatus NonlinearSystem::judge_rounding_errors(const double* inverse_weights) {
   if (!linearization_.is_usable()) return PointStatus::ok;
   if (is_drowned(inverse_weights)) return PointStatus::not_converged;
@@ -167,7 +167,7 @@ void NonlinearSystem::accept() {
 
 void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
   if (index_zero_.error_in_x(dw, count, dx)) return;
-  // As the next step would, after one without a solution.
+  // Renews the linearization as the next step would after a failed one.
   if (!linearization_.is_usable()) renew_at_accepted();
   linearization_.error_in_x(dw, count, dx);
 }
@@ -176,11 +176,11 @@ PointStatus NonlinearSystem::check_ranks() { return rank_check_.compare(jet_, li
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
-// Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the
-// iteration. What a renewal that has failed leaves behind is none: iterations may converge with it, but errors of
-// steps come out as zero. A guess from which the iteration does not converge may be far from any solution: where an
-// exponential is larger there by orders of magnitude, changes with that linearization are as much too small, and in a
-// shorter step look as if they had converged at once.
+// Linearizes again at the last accepted point, where ranks can be judged, and if necessary at the start of the
+// iteration. A linearization that fails is forgotten: iterations may converge with it, but error estimates would be
+// zero. An initial guess from which the iteration does not converge may be far from any solution. If an exponential is
+// larger there by orders of magnitude, changes with that linearization are too small by as much, and a shorter step
+// would seem to converge at once.
 template <class Iterate>
 PointStatus NonlinearSystem::iterate_with_renewal(const double* inverse_weights, const Jet& start, Iterate iterate) {
   const Jet& accepted = history_.accepted();
@@ -216,8 +216,8 @@ PointStatus NonlinearSystem::iterate_from_guess(const IterationTask& task) {
   return iterate();
 }
 
-// Derivatives of a polynomial have its errors divided by powers of the step, and the shorter steps become the less an
-// iteration may converge from there: from those of the last point it does if the step is short enough.
+// Derivatives of a polynomial have its errors divided by powers of the step, so iterations from them may converge less
+// and less as steps become shorter. From the derivatives of the last point they converge if the step is short enough.
 bool NonlinearSystem::may_hold_derivatives(PointStatus status) const {
   return status != PointStatus::ok && !is_hopeless(status) && problem_.mu() > 0;
 }
@@ -240,7 +240,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   return status;
 }
 
-// With the Jacobian that is there, that of the point accepted last, and that of the guess.
+// Tries the current Jacobian, then that of the last accepted point, then that of the initial guess.
 PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
   start_ = jet_;
   const IndexZeroStep::Shared shared{linearization_.noise(), iteration_.chord(), counts_.factorizations};
@@ -261,7 +261,7 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
     const DoubtedMatrix doubt(iteration_.chord(), place == &start_);
     status = index_zero_.solve(task, shared, jet_);
     if (status == PointStatus::ok) return status;
-    // As in iterate_with_renewal: no shorter step may converge with the Jacobian of such a guess.
+    // As in iterate_with_renewal: no shorter step may use the Jacobian of such a guess.
     if (place == &start_) index_zero_.forget();
     if (is_hopeless(status)) return status;
   }
@@ -274,8 +274,7 @@ PointStatus NonlinearSystem::renew_jacobian_at_accepted() {
   return status;
 }
 
-// A Jacobian that is renewed, for a slow iteration or to look at the ranks, says as a rule that these hold. Else they
-// are judged.
+// A Jacobian renewed for slow convergence or a due rank check usually confirms the ranks. Otherwise they are judged.
 PointStatus NonlinearSystem::review_index_zero() {
   ChordIteration& chord = iteration_.chord();
   const bool is_due = rank_check_.count_point();
@@ -319,8 +318,8 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   return status == PointStatus::ok ? judge_rounding_errors(equations.guess.inverse_weights) : status;
 }
 
-// The middle of the step is where one linearization serves all stages best. Ranks are known there only if what they
-// lead to confirms them: steps are long, and ranks are compared after each.
+// One linearization suits all stages best at the middle of the step. Its ranks have to be confirmed by the solution:
+// steps are long, and ranks are compared after each.
 PointStatus NonlinearSystem::solve_several_stages(const StageEquations& equations) {
   const auto iterate = [&] {
     const PointStatus status = stages_.solve(equations, linearization_, iteration_);
@@ -338,7 +337,7 @@ PointStatus NonlinearSystem::solve_several_stages(const StageEquations& equation
   return status == PointStatus::ok ? iterate() : status;
 }
 
-// What later steps depend on stays as it is: points that are asked for must not change those that follow.
+// State that later steps depend on is not changed: requested points must not affect the steps.
 void NonlinearSystem::restore(const double*, const double* x_free, const Guess& guess, double* x) {
   if (guess.taylor != nullptr && jet_.t != history_.accepted().t)
     history_.predict(guess, 0, linearization_.determined(), units(), jet_);
@@ -346,18 +345,18 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
   start_ = jet_;
   PointStatus status = PointStatus::not_converged;
   if (linearization_.is_usable()) {
-    // The ends of steps, which there are as many of as of linearizations, do without.
+    // Ends of steps do without a map: there are as many of them as linearizations.
     const bool has_map = jet_.t != history_.accepted().t && map_.make(problem_, linearization_, arena_);
     status = iteration_.solve_to_rounding(linearization_, jet_, has_map ? &map_ : nullptr);
   }
   if (status == PointStatus::callback_error) callback_error_.raise();
-  // Between the ends of a long step the linearization may be too far off.
+  // Within a long step the linearization may be too far off.
   if (status != PointStatus::ok) restore_anew(guess.inverse_weights);
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
 
-// From start_. With a linearization there, whose derivatives may be those of another solution, and with what a search
-// finds: what polynomials say of x is accurate, and the result nearer to it is taken. Else step by step.
+// Restores from start_: with a linearization there, whose derivatives may be those of another solution, and by a
+// search. The nearer result is taken, since the interpolated x is accurate. If both fail, goes step by step.
 // inverse_weights: of tolerances, or null.
 void NonlinearSystem::restore_anew(const double* inverse_weights) {
   Jet first = start_;
@@ -372,9 +371,9 @@ void NonlinearSystem::restore_anew(const double* inverse_weights) {
   else if (!problem_.prescribed().empty() || restore_step_by_step(begin) != PointStatus::ok) throw failure;
 }
 
-// A search from start_ finds a jet that is consistent, but it has moved x where nothing asks for it, and w maybe:
-// with the linearization there another one that keeps w may be found. False: none is, and what is differentiated
-// would move beyond the tolerances, begin has the derivatives that were found; or why the search has failed.
+// Searches from start_ for a consistent jet. The search may move x and w needlessly, so a linearization at the jet
+// found is tried that keeps w. Returns false if that fails and differential variables would move beyond the tolerances
+// (begin then has the derivatives found), or if the search fails (failure then tells why).
 bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Failure& failure) {
   jet_ = start_;
   try {
@@ -397,12 +396,12 @@ bool NonlinearSystem::search_anew(const double* inverse_weights, Jet& begin, Fai
   return !moves_differentiated(found, inverse_weights);
 }
 
-// Newton's method, linearized at each jet, w kept, where there are no hidden constraints: of an exponential a step
-// takes one power of e, and the first jet may be hundreds of them away. Steps to where the equations cannot be
+// Newton's method, linearized at each jet, with w kept, if there are no hidden constraints. With an exponential a step
+// gains one power of e, and the first jet may be hundreds of them away. Steps to points where the equations cannot be
 // evaluated are halved.
 PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
-  // Steps, those that gain nothing, as the first one to where exponentials are large, and halvings; what a gain is,
-  // and a step after which the linearization may serve for the rest. Chosen, not measured.
+  // Limits of steps, of steps without a gain (as the first one to where exponentials are large), and of halvings; the
+  // factors of a gain, and of a change after which the linearization is reused for the rest. Chosen, not measured.
   constexpr int most = 1000, most_in_vain = 8, most_halvings = 40;
   constexpr double gain = 0.9, near = 0.1;
   if (problem_.mu() > 0 || linearization_.ranks().count == 0) return PointStatus::not_converged;
@@ -437,7 +436,7 @@ PointStatus NonlinearSystem::restore_step_by_step(const Jet& begin) {
   return PointStatus::not_converged;
 }
 
-// What is differentiated, from start_ to the jet, beyond the tolerances. Hidden constraints move it.
+// True if differential variables move from start_ to the jet beyond the tolerances. Hidden constraints may move them.
 bool NonlinearSystem::moves_differentiated(const Jet& jet, const double* inverse_weights) const {
   if (problem_.mu() > 0 || inverse_weights == nullptr || !linearization_.is_usable()) return false;
   std::vector<double> change(index(problem_.n())), tolerances(change.size());
@@ -455,7 +454,7 @@ double NonlinearSystem::distance_from_start(const Jet& jet) const {
   return distance;
 }
 
-// From start_, with a linearization that is used once.
+// Restores from start_, with a linearization that is used once.
 PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
   if (linearization_.ranks().count == 0) return PointStatus::not_converged;
   ArrayLinearization linearization(problem_, counts_, arena_);
@@ -469,7 +468,7 @@ PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
   return status;
 }
 
-// There is no linearization near singular points, where ranks are not those known. F is evaluated anew.
+// Near singular points there is no linearization, as ranks differ from those known. F is evaluated again.
 bool NonlinearSystem::find_differentiated(char* flags) {
   TaylorData data;
   if (problem_.linearize(history_.accepted(), nullptr, data) != PointStatus::ok) return false;
@@ -489,7 +488,7 @@ bool NonlinearSystem::exact_derivative(const double* x, double* xdot) {
 
 bool NonlinearSystem::consistent_derivative(const double* x, double, double* xdot) {
   if (exact_derivative(x, xdot)) return true;
-  // What the array of level mu knows; F1 = 0 determines the differential part.
+  // x' as level mu knows it; F1 = 0 determines the differential part.
   std::copy_n(jet_.column(1), problem_.n(), xdot);
   correct_by_linearization(x, xdot);
   return false;
@@ -499,7 +498,7 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
   if (!exact_derivative(x, xdot)) correct_by_linearization(x, xdot);
 }
 
-// xdot stays where F cannot be evaluated, or could not when it was to be linearized.
+// xdot is unchanged if F cannot be evaluated or could not be linearized.
 bool NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
   if (!linearization_.is_usable()) return false;
   const bool is_corrected = linearization_.correct_derivative(jet_.t, x, xdot) == PointStatus::ok;
@@ -524,7 +523,7 @@ void NonlinearSystem::archive(Archive& archive) {
     if (problem_.problem().follows_structure() != follows_structure) throw DamagedArchive();
   }
   archive.small(has_matrix, has_next, next_level_.availability());
-  // Where there is none, that of the last point will do.
+  // Without a linearization the jet of the last point is archived.
   if (!archive.is_reading() && !linearization_.is_usable()) origin.jet = history_.accepted();
   for (double* value : {&analysis_.t, &analysis_.time_scale}) archive.real(*value);
   iteration_.chord().archive_rate(archive);
@@ -554,14 +553,14 @@ void NonlinearSystem::archive(Archive& archive) {
   index_zero_.archive(archive, counts_.factorizations);
 }
 
-// The linearization as it was when it was archived.
+// Restores the linearization as it was archived.
 void NonlinearSystem::restore_linearization(const RankSequence& ranks, bool has_matrix) {
   jet_ = history_.accepted();
   const ArrayLinearization::Origin origin = linearization_.origin();
   if (problem_.evaluate_inputs(origin.jet.t) != PointStatus::ok ||
       linearization_.restore(origin, ranks) != PointStatus::ok)
     throw DamagedArchive();
-  // Steps that differ from it by rounding are taken with this very matrix.
+  // Steps whose c differs from it by roundoff are taken with this very matrix.
   if (has_matrix && !linearization_.factor_step_matrix(linearization_.matrix().c())) throw DamagedArchive();
 }
 

@@ -1,9 +1,9 @@
 // The strangeness-free system of a nonlinear problem: F_mu(t, x, y) = 0 and Z1^T F(t, x, x') = 0.
 //
 // All equations are solved by chord iterations. The derivative array is linearized at some jet nearby and eliminated
-// once (array_linearization.h); iterations transform residuals only (nonlinear_iteration.h, nonlinear_stages.h).
-// Linearizations serve many points; they are renewed where the iteration is slow, with the ranks judged at a point
-// that has converged (rank_check.h).
+// once (array_linearization.h); iterations transform residuals only (nonlinear_iteration.h, nonlinear_stages.h). A
+// linearization is reused for many points; it is renewed when the iteration is slow, with the ranks judged at a
+// converged point (rank_check.h).
 //
 // [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006,
 //        ch. 4, 6.
@@ -35,28 +35,27 @@ class NonlinearSystem final : public DaeSystem {
   // jet: consistent up to level mu at analysis.t. Throws Failure.
   NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, Units units,
                   const Jet& jet);
-  // As it was when it was archived. Throws DamagedArchive.
+  // Restores an archived system. Throws DamagedArchive.
   NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
   double t() const override { return linearization_.is_complete() ? jet_.t : std::nan(""); }
-  // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
+  // Makes a point consistent up to level mu the current and accepted one; judges the ranks there.
   PointStatus set_point(const Jet& jet);
-  // The same for the last one of two accepted points.
+  // Likewise for the last one of two accepted points.
   PointStatus set_points(const Jet& before, const Jet& last);
-  // The derivatives of a jet consistent up to level mu become those that level mu + 1 determines, where that is
-  // available.
+  // Sets the derivatives of a jet consistent up to level mu to those that level mu + 1 determines, if available.
   void complete(Jet& jet);
-  // Prescribed components at the current point get their values, others change as little as they must.
+  // Sets prescribed components at the current point to their values; others change as little as possible.
   void apply_inputs();
   // The current jet, x = column 0.
   const Jet& jet() const { return jet_; }
-  // That of the point accepted last.
+  // The jet of the last accepted point.
   const Jet& accepted_jet() const { return history_.accepted(); }
   const Jet* point_of_equations() const override { return &history_.accepted(); }
   const Units& units() const { return problem_.units(); }
   const AnalysisSettings& settings() const { return problem_.settings(); }
-  // What a watch looks at (nonlinear_change_watch.h): the equations and linearizations of the last step, and the jets
-  // of its stages, null if it had none but its end.
+  // For a watch (nonlinear_change_watch.h): the equations and linearizations of the last step, and the jets of its
+  // stages, null unless it had several.
   AnalyzedEquations& analyzed_equations() { return problem_; }
   const ArrayLinearization& linearization() const { return linearization_; }
   const RankCheck& rank_check() const { return rank_check_; }
@@ -64,8 +63,8 @@ class NonlinearSystem final : public DaeSystem {
     return stages_.count() > 1 && stages_.last().t == jet_.t ? &stages_ : nullptr;
   }
 
-  // That of level mu + 1 through the current jet, which lives until the system is asked for something else; null where
-  // there is none. It does not depend on whether somebody has asked for x' there, which no checkpoint knows.
+  // The jet of level mu + 1 through the current jet, valid until the next call to the system; null if there is none. It
+  // does not depend on earlier requests for x' there, which checkpoints do not contain.
   const Jet* next_level_jet() {
     next_level_.forget_solution();
     if (!problem_.prescribed().empty() || !next_level_.solve(jet_, jet_.column(0))) return nullptr;
@@ -79,7 +78,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
-  // Throws Failure where no consistent x is found near x_free.
+  // Throws Failure if no consistent x is found near x_free.
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
@@ -89,8 +88,7 @@ class NonlinearSystem final : public DaeSystem {
 
   std::string inconsistency_message() const override;
   PointQuality quality() const override;
-  // At the current jet, whatever t is: x is known at points of the integration only, so that a change is located by
-  // its steps becoming short.
+  // At the current jet, whatever t is: x is known at points of the integration only; shortened steps locate a change.
   CharacteristicValues values_at(double t) override;
   PointStatus check_ranks() override;
   double change_of_differentiated(const double* dx, const double* tolerances) const override {

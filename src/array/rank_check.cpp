@@ -1,4 +1,4 @@
-// When the ranks of a nonlinear system are judged.
+// Schedule of the rank decisions of a nonlinear system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/rank_check.h"
 
@@ -23,10 +23,10 @@ namespace {
 // Linearizations are renewed, and ranks judged, after this many points at the latest
 // (docs/design/derivative_array.md). Chosen, not measured.
 constexpr int most_unjudged = 10;
-// After a renewal the iteration converges at least so fast, as a rule. Chosen, not measured.
+// The convergence rate after a renewal is at most this, as a rule. Chosen, not measured.
 constexpr double rate_after_renewal = 0.1;
 
-// Then they have the same ranks, and the same form for a right-hand side 0.
+// True if all matrices agree: then the ranks do, and the forms for a right-hand side 0.
 bool has_same_matrices(const TaylorData& a, const TaylorData& b) {
   if (a.m != b.m || a.n != b.n || a.orders.E != b.orders.E || a.orders.A != b.orders.A || a.has_errors() ||
       b.has_errors() || a.time_scale != b.time_scale || a.differentiations != b.differentiations ||
@@ -55,7 +55,7 @@ PointStatus RankCheck::renew(const Jet& jet, ArrayLinearization& linearization, 
 PointStatus RankCheck::judge(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
   const PointStatus status = linearization.renew(jet, true);
   if (status != PointStatus::changed || linearization.ranks().count == 0) return status;
-  // With the known ranks residuals become rounding errors in a few iterations, unless the ranks do not hold.
+  // With the known ranks residuals become roundoff in a few iterations, unless the ranks do not hold.
   refined_ = jet;
   if (linearization.renew(jet, false) != PointStatus::ok ||
       iteration.solve(IterationTask{}, linearization, refined_) != PointStatus::ok)
@@ -81,7 +81,7 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
   if (unjudged_ == 0 || compared_t_ == jet.t) return PointStatus::ok;
   PointStatus status = match_known_ranks(jet, linearization);
   if (status == PointStatus::changed) {
-    // What the iteration has left as residuals looks like pivots that do not vanish.
+    // Residuals left by the iteration look like nonzero pivots.
     refined_ = jet;
     if (linearization.is_usable() && iteration.solve_to_rounding(linearization, refined_) == PointStatus::ok)
       status = match_known_ranks(refined_, linearization);
@@ -121,7 +121,7 @@ PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization,
   const PointStatus status = renew(jet, linearization, iteration);
   expect_fast(chord);
   if (status != PointStatus::ok || !contradicts) return status;
-  // A linearization from elsewhere may have left residuals in redundant equations.
+  // A linearization from another point may have left residuals in redundant equations.
   refined_ = jet;
   iteration.solve_to_rounding(linearization, refined_);
   return PointStatus::ok;
@@ -140,24 +140,24 @@ PointStatus RankCheck::review_by_comparison(const Jet& jet, const double* invers
   return PointStatus::not_converged;
 }
 
-// With redundant equations there is a choice of constraints and of differential equations, of which a linearization
-// far off makes a wrong one: rows that nothing violates in place of constraints, or equations that say little of how
-// x moves at the end of the step (docs/design/rank_decisions.md).
+// With redundant equations there is a choice of constraints and of differential equations. A linearization far off may
+// choose wrongly: rows that nothing violates in place of constraints, or equations that hardly describe how x moves at
+// the end of the step (docs/design/rank_decisions.md).
 bool RankCheck::serves_at(const Jet& jet, const double* inverse_weights,
                           const ArrayLinearization& linearization) const {
   constexpr double least = 0.5;  // cosine
   const NullSpaceForm* const now = compared_form(jet.t);
   const NullSpaceForm& then = linearization.form();
   if (now == nullptr) return true;
-  // At consistent points the choice is right: what is left is a contradiction of the equations, less than what counts.
+  // At consistent points the choice is right: the remaining residuals are negligible contradictions.
   if (!linearization.origin().is_judged && !fulfils_algebraic_equations(jet, inverse_weights)) return false;
   if (now->d != then.d || data_.row_scale != linearization.data().row_scale) return true;
   return cosine_between(then.Z1(), now->Z1(), least, arena_) >= least;
 }
 
-// Those without derivatives, at the jet of data_, as far as changes of x by a tolerance do.
+// True if the equations without derivatives hold at the jet of data_ to within changes of x by a tolerance.
 bool RankCheck::fulfils_algebraic_equations(const Jet& jet, const double* inverse_weights) const {
-  constexpr double rounding = 1e-13;  // of what is added up; chosen, not measured
+  constexpr double rounding = 1e-13;  // relative to the terms; chosen, not measured
   for (int i = 0; i < data_.m; ++i) {
     bool has_derivative = false;
     double allowed = 0.0;

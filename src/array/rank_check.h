@@ -1,9 +1,9 @@
-// When the ranks of a nonlinear system are judged at points that have converged, and linearizations renewed there.
+// Schedule of the rank decisions of a nonlinear system at converged points, where linearizations are renewed.
 //
-// Between these points the known ranks are taken. Ranks hold on F_mu = 0 only: pivots that vanish there are as large
-// as the residuals that an iteration has left (docs/design/rank_decisions.md), so that doubtful points are
-// iterated to rounding first. In steps and at outputs alike the known ranks hold until the whole analysis says clearly
-// that they do not (docs/design/rank_decisions.md).
+// Between these points the known ranks are taken. Ranks hold on F_mu = 0 only: pivots that vanish there are as large as
+// the residuals left by an iteration (docs/design/rank_decisions.md), so that doubtful points are first iterated to
+// machine precision. In steps and at outputs alike the known ranks hold until the full analysis clearly contradicts
+// them (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,43 +22,42 @@ class RankCheck {
  public:
   RankCheck(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
-  // The linearization is renewed at the jet, which has converged to the tolerance of the iteration, and its ranks are
-  // judged.
+  // Renews the linearization at the jet, which has converged to the tolerance of the iteration, and judges its ranks.
   PointStatus renew(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // Whether the known ranks hold at the jet; the linearization stays.
+  // Checks that the known ranks hold at the jet; the linearization is not changed.
   PointStatus compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // A further point has converged: the linearization is renewed there where it has become slow, and now and then.
+  // A further point has converged: renews the linearization there if it has become slow, and periodically.
   PointStatus review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
-  // A further point has converged: the known ranks are compared with those there, the linearization stays.
-  // not_converged: it does not serve there.
+  // A further point has converged: compares the known ranks with those there; the linearization is not changed.
+  // not_converged: it is unsuitable there.
   PointStatus review_by_comparison(const Jet& jet, const double* inverse_weights, ArrayLinearization& linearization,
                                    NonlinearIteration& iteration);
 
-  // For linearizations that are renewed elsewhere. A further point has converged; true where ranks are to be judged.
+  // For linearizations that are renewed elsewhere. A further point has converged; true if ranks are to be judged.
   bool count_point();
-  // The ranks hold at the point that has converged.
+  // Confirms the ranks at the converged point.
   void confirm(ChordIteration& chord) {
     unjudged_ = 0;
     expect_fast(chord);
   }
-  // A linearization has been renewed: its rate is not known, but will be small.
+  // A linearization has been renewed: its rate is unknown, but will be small.
   static void expect_fast(ChordIteration& chord);
 
-  // Data and form of the comparison at t, or null where there was none, or none that the form is left of.
+  // Form and data of the comparison at t; the form is null if there was none, or if it has not been kept.
   const NullSpaceForm* compared_form(double t) const { return compared_t_ == t && has_form_ ? &form_ : nullptr; }
   const TaylorData& compared_data() const { return data_; }
 
-  // Points since ranks were judged.
+  // Number of points since ranks were judged.
   int unjudged() const { return unjudged_; }
   void set_unjudged(int points) { unjudged_ = points; }
 
  private:
   PointStatus judge(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
   PointStatus match_known_ranks(const Jet& jet, const ArrayLinearization& linearization);
-  // Whether constraints and differential equations of the linearization are those of the jet that was compared.
+  // True if the constraints and differential equations of the linearization suit the jet that was compared.
   bool serves_at(const Jet& jet, const double* inverse_weights, const ArrayLinearization& linearization) const;
   bool fulfils_algebraic_equations(const Jet& jet, const double* inverse_weights) const;
-  // What the whole analysis says at a point.
+  // Result of a full analysis at a point.
   enum class Finding { known_values, other_values, unclear };
   Finding analyze(const Jet& jet) const;
 

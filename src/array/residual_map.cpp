@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Residuals are taken in so many groups of lanes at most. (Chosen: larger products save less, and columns cost more.)
+// Largest number of residuals, in groups of lanes. (Chosen: larger products save less, and columns cost more.)
 constexpr int most_columns = 3 * lane_count;
 
 }  // namespace
@@ -45,7 +45,7 @@ bool ResidualMap::make(const AnalyzedEquations& problem, const ArrayLinearizatio
   return is_usable_;
 }
 
-// Those of residuals that are 1 in one place, a lane for each.
+// Columns for unit residuals, a lane for each.
 void ResidualMap::make_columns(int first, const ArrayLinearization& linearization, Arena& arena) {
   const NullSpaceForm& form = linearization.form();
   const int count = std::min(lane_count, matrix_.cols() - first), d = form.d, rows = matrix_.rows();

@@ -1,5 +1,4 @@
-// Rounding errors of linearizations at guesses, which say nothing about solutions
-// (docs/design/error_control.md).
+// Rounding errors of linearizations at initial guesses, which do not describe solutions (docs/design/error_control.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,10 +7,9 @@
 
 namespace sfdae::core {
 
-// Whether what error_of(j) says of the n unknowns at the point where the equations were linearized is far above the
-// tolerances and what solutions are known to have: at a guess where exponentials are larger by orders of magnitude,
-// for example. Every change is below that, and looks as if it had converged. Rounding errors at the point accepted
-// last are true ones.
+// True if error_of(j), the rounding errors of the n unknowns at the point of the linearization, is far above the
+// tolerances: at a guess where exponentials are larger by orders of magnitude, for example. Every change is below these
+// errors, so that the iteration seems to have converged. Rounding errors at the last accepted point are genuine.
 template <class ErrorOf>
 bool is_drowned(const Jet& origin, const Jet& accepted, ErrorOf error_of, const double* inverse_weights) {
   constexpr double far_above = 10.0;

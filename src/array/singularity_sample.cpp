@@ -1,4 +1,4 @@
-// What a singular point of a nonlinear system shows in, at one jet.
+// Indicators of a singular point of a nonlinear system at one jet.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/singularity_sample.h"
 
@@ -28,7 +28,7 @@ double unscaled_norm_E0(const TaylorData& data) {
 void SingularitySample::take(double at, const TaylorData& data, int mu, const NullSpaceForm& form) {
   const int sign = form.d > 0 && form.u == 0 ? form.sign_of_G() : 0;
   const std::size_t count = first_row + data.row_norm.size();
-  // All memory first: where there is none the sample stays as it is.
+  // Allocates first: if memory is missing, the sample stays as it is.
   values.reserve(count);
   if (sign != 0) {
     Z1_.reserve(index(form.m) * index(form.d));

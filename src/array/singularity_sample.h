@@ -1,4 +1,4 @@
-// What a singular point of a nonlinear system shows in, at one jet: signs and sizes that pass through zero there.
+// Indicators of a singular point of a nonlinear system at one jet: signs and sizes that pass through zero there.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,10 +19,10 @@ struct SingularitySample {
   std::vector<double> values;
   static constexpr std::size_t first_row = 2;
 
-  // From the data of a reduction at t and its form. Nothing has changed where memory is missing.
+  // Takes the data of a reduction at t and its form. Nothing changes if memory is missing.
   void take(double at, const TaylorData& data, int mu, const NullSpaceForm& form);
-  // Whether the sign of det(Z1^T E T2) is another one than at `then`, with Z1 and T2 aligned to those there. False
-  // where there is none (u > 0, d = 0).
+  // True if the sign of det(Z1^T E T2) differs from that at `then`, with Z1 and T2 aligned to those there. False if
+  // there is no sign (u > 0, d = 0).
   bool is_turned_from(const SingularitySample& then, Arena& arena) const;
 
  private:

@@ -1,4 +1,4 @@
-// Singular points of a nonlinear system between two points.
+// Search for singular points of a nonlinear system between two points.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/singularity_search.h"
 
@@ -21,16 +21,16 @@ namespace {
 
 // Consistent values that differ from the interpolated ones by more, relative, are those of another point.
 constexpr double nearness = 1e-3;
-// Where no step succeeds they may only say that nothing has vanished, which they do as well from where the errors of
-// a run at loose tolerances have led away from them.
+// Limit where no step succeeds. Consistent values can only show there that nothing has vanished, even if the errors of
+// loose tolerances have led away from them.
 constexpr double nearness_at_end = 1e-2;
 // Corrections of interpolated values that are larger, relative, lead elsewhere.
 constexpr double largest_correction = 1e-2;
-// Of points that have converged to some tolerance: rounding is reached by two.
+// Corrections of converged points: two reach machine precision.
 constexpr int corrections = 2;
 
-// Extrapolated values of x larger than those of points by more than this say nothing. Chosen; where they are wrong it
-// is by 1e12 to 1e15, as a rule.
+// Extrapolated values of x that exceed those of points by more than this factor are not credible. Chosen; wrong ones
+// usually exceed them by 1e12 to 1e15.
 constexpr double credible_growth = 1e6;
 
 double size_of(const Jet& jet, const Units& units) { return units.largest(jet.x.data(), jet.n); }
@@ -77,8 +77,8 @@ bool SingularitySearch::measure_at(double t, SingularitySample& sample) {
   return measure(jet_, sample);
 }
 
-// One step of Newton's method from the jet that has been reduced, by the smallest change of x. False where that is
-// large, as it is beside singular points: it leads elsewhere.
+// One step of Newton's method from the jet that has been reduced, by the smallest change of x. False if that change is
+// large, as it is near singular points: it leads elsewhere.
 bool SingularitySearch::correct(Jet& jet) {
   const std::size_t n = index(problem_.n()), levels = index(problem_.mu() + 1);
   transformed_.resize(index(problem_.array_rows()) + 1);
@@ -92,7 +92,7 @@ bool SingularitySearch::correct(Jet& jet) {
   return true;
 }
 
-// Iterations for steps leave residuals, which look like values that do not vanish.
+// Iterations for steps leave residuals, which look like nonzero values.
 void SingularitySearch::improve_course() {
   if (!problem_.prescribed().empty()) return;
   course_.improve_nodes([this](Jet& jet) {
@@ -101,7 +101,7 @@ void SingularitySearch::improve_course() {
   });
 }
 
-// Rows get factors by E, so that stiff components do not hide others.
+// Sets the reference of kept values. Rows are scaled by E, so that stiff components do not hide others.
 bool SingularitySearch::set_reference(const Jet& jet) {
   reference_.kept = {};
   if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each)) return false;
@@ -118,8 +118,7 @@ bool SingularitySearch::set_reference(const Jet& jet) {
   return reference_.kept.constraints > 0.0 && reference_.kept.differential > 0.0;
 }
 
-// With the rows of the reference, relative to what is kept there. Where the known ranks cannot be taken something has
-// vanished.
+// Values kept with the rows of the reference, relative to those kept there. They are 0 if the known ranks do not fit.
 SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
   if (!reduce(jet, &reference_.rows, RowScaling::given)) return {0.0, 0.0};
   const double factor = reference_.rows[0] / data_.row_scale[0];  // of all rows, where data are tiny
@@ -131,8 +130,8 @@ SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
 }
 
 SingularPart SingularitySearch::fallen_part(const Jet& jet) {
-  // Chosen: about a hundredth of the way that they were measured over they have fallen to a hundredth, or by less where
-  // they vanish as a square root.
+  // Chosen: at about a hundredth of the distance over which they were measured values have fallen to a hundredth, or to
+  // less if they vanish like a square root.
   constexpr double fallen = 0.3, less = 3.0;
   const Kept kept = relative(jet);
   const double least = std::min(kept.constraints, kept.differential);
@@ -152,7 +151,7 @@ const Jet& SingularitySearch::interpolated(double t) {
   return jet_;
 }
 
-// Polynomials that go too far say nothing.
+// Extrapolated values that are not credible count as not fallen.
 double SingularitySearch::kept_at(double t) {
   return size_of(interpolated(t), problem_.units()) <= range_.credible_size ? kept_of(jet_) : 1.0;
 }
@@ -195,7 +194,7 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
   return kept_at(t) <= dip_ ? std::optional<double>(t) : std::nullopt;
 }
 
-// By golden section from a point where less is kept than at both ends.
+// Golden-section search from a point where less is kept than at both ends.
 double SingularitySearch::smallest(double left, double middle, double right, double& kept) {
   constexpr double golden = 0.3819660112501051;
   while (!is_resolved(left, right) && !range_.has_failed) {
@@ -213,14 +212,14 @@ double SingularitySearch::smallest(double left, double middle, double right, dou
   return middle;
 }
 
-// The first look is where values that go straight to zero and up again, or as parabolas, would have it.
+// Starts where values that vanish linearly, or like parabolas, would be zero.
 std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   constexpr double dips = 0.5, falls = 0.7;
   const double left = suspicion.left, right = suspicion.right;
   range_ = {.span = std::fabs(right - left)};
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
-  // The sample for another value in the same interval often tells enough: a value that is zero at the crossing is as
-  // large at the sample as its slopes say.
+  // The sample for another value in the same interval is often sufficient: a value that is zero at the crossing is as
+  // large at the sample as its slopes indicate.
   is_measured_ = is_measured_ && measured_from_ == left && measured_to_ == right;
   const auto is_dismissed = [&] {
     const double beside = (suspicion.before + suspicion.after) * std::fabs(middle_.t - crossing) / range_.span;
@@ -259,7 +258,7 @@ bool SingularitySearch::vanishes_at(double t, double before, double after) {
   return !range_.has_failed && kept <= dip_ * level;
 }
 
-// Steps may fail long before a singular point: what falls is compared with points farther and farther back.
+// Steps may fail long before a singular point: falling values are compared with points farther and farther back.
 std::optional<double> SingularitySearch::find_ahead(double h) {
   constexpr double falls = 2.0, farther = 8.0;
   constexpr int most = 8;
@@ -280,7 +279,7 @@ std::optional<double> SingularitySearch::find_ahead(double h) {
   return std::nullopt;
 }
 
-// Where values that go to zero straight, as parabolas or as cubes would have it.
+// Searches where values that vanish linearly, like parabolas or like cubes would be zero.
 std::optional<double> SingularitySearch::find_ahead_of(double t, double before, double kept_before) {
   constexpr double fallen = 0.3;
   for (const double power : {1.0, 0.5, 1.0 / 3.0}) {
@@ -296,8 +295,8 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
   return std::nullopt;
 }
 
-// Calls the function with jets through values near those of a jet and the consistent one among them; not at all where
-// there are none, or where they are not found. within: relative.
+// Calls the function with jets through values near those of a jet and with the consistent jet among them, unless there
+// are none or they are not found. within: relative.
 template <class Use>
 void SingularitySearch::use_consistent(const Jet& jet, double within, Use use) {
   const std::vector<double> x(jet.x.begin(), jet.x.begin() + jet.n);

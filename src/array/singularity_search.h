@@ -1,8 +1,8 @@
-// Singular points of a nonlinear system between two points that an integration went through.
+// Search for singular points of a nonlinear system between two points of an integration.
 //
 // The solution in between is interpolated. At a singular point the sign of det(Z1^T F_x' T2) changes (bases aligned
-// from point to point), or E T2 or A2 lose rank: values relative to one point, with the factors of rows from there,
-// vanish (docs/design/singular_points.md).
+// from point to point), or E T2 or A2 lose rank: values relative to one point, with the row factors from there, vanish
+// (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -29,17 +29,16 @@ class SingularitySearch {
 
   JetCourse& course() { return course_; }
   const JetCourse& course() const { return course_; }
-  // Linearizes at the jet, with the known ranks. False where that is not possible. Throws Failure where a callback
-  // stops.
+  // Linearizes at the jet, with the known ranks. False if that is not possible. Throws Failure if a callback stops.
   bool measure(const Jet& jet, SingularitySample& sample);
-  // At the interpolated jet.
+  // Likewise at the interpolated jet.
   bool measure_at(double t, SingularitySample& sample);
-  // Values that fall by this factor have vanished from now on.
+  // Sets the factor by which values have to fall to count as vanished.
   void set_dip(double dip) { dip_ = dip; }
   // A point between left and right where the sign changes and something vanishes.
   std::optional<double> find_turn(double left, double right);
-  // A point between left and right where something vanishes. before, after: sizes at the ends of the value of that
-  // number in a sample, which raised the suspicion.
+  // A point between left and right where something vanishes. before, after: sizes at the ends of the sample value with
+  // that number, which raised the suspicion.
   struct Suspicion {
     double left, right;
     std::size_t number;
@@ -48,23 +47,23 @@ class SingularitySearch {
   std::optional<double> find_dip(const Suspicion& suspicion);
   // Tells whether something vanishes at t, a point of the integration that is between two others.
   bool vanishes_at(double t, double before, double after);
-  // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
+  // A point beyond the last accepted one where something vanishes if the solution continues as it has. h: the size of a
   // step that has failed.
   std::optional<double> find_ahead(double h);
-  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution where
-  // x is not; none where none is near.
+  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution if x is
+  // inconsistent; none if none is near.
   std::optional<Jet> consistent_at(double t);
-  // What is kept at a jet of the smallest values at the reference of the last search.
+  // Fraction of the smallest values kept at a jet, relative to the reference of the last search.
   double kept_of(const Jet& jet);
   // The same at the consistent jet near one from which no step succeeds: it may be farther away.
   std::optional<double> kept_consistently_at_end(const Jet& reference, const Jet& jet);
-  // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
-  // values are found near.
+  // The characteristic values at a singular point of the interpolated solution; undetermined if no consistent values
+  // are found nearby.
   CharacteristicValues values_at(double t);
-  // Of the two, at a jet near a singular point: what has fallen, relative to the reference of the last search.
+  // The part that has fallen at a jet near a singular point, relative to the reference of the last search.
   SingularPart fallen_part(const Jet& jet);
   SingularPart fallen_part_at(double t) { return fallen_part(interpolated(t)); }
-  // What is kept at `jet` of the smallest values at `reference`, 1 where that is not known.
+  // Fraction of the smallest values kept at `jet`, relative to `reference`; 1 if that is unknown.
   double kept(const Jet& reference, const Jet& jet);
 
  private:
@@ -96,7 +95,7 @@ class SingularitySearch {
   NullSpaceForm form_;
   StoredElimination elimination_;
   SingularitySample left_, middle_, right_;
-  // What smallest values are relative to.
+  // Reference of the smallest values.
   struct Reference {
     std::vector<double> rows;  // factors
     Kept kept;
@@ -105,8 +104,8 @@ class SingularitySearch {
   double dip_ = 0.0;
   bool is_measured_ = false;  // middle_ is a sample of the last suspicion, in this interval
   double measured_from_ = 0.0, measured_to_ = 0.0;
-  // The search that goes on: the length of its interval, the largest size of x at interpolated points that is credible,
-  // and whether a point could not be evaluated.
+  // The current search: the length of its interval, the largest credible size of x at interpolated points, and whether
+  // a point could not be evaluated.
   struct Range {
     double span = 0.0;
     double credible_size = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// Whether the structure of recorded equations rules a singular point out.
+// Structural test that rules out singular points of recorded equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "array/structural_witness.h"
 
@@ -9,7 +9,7 @@ namespace sfdae::core {
 
 namespace {
 
-// A determinant that keeps more than this of the smaller one at the ends has not fallen, as values kept have not
+// A determinant that keeps more than this fraction of the smaller one at the ends has not fallen, as for kept values
 // (docs/design/singular_points.md).
 constexpr double determinant_not_fallen = 0.7;
 

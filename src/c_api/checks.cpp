@@ -1,4 +1,4 @@
-// Checks of what users pass in.
+// Checks of user input.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "c_api/checks.h"
 
@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Recorded equations, and functions with patterns, may be solved with sparse matrices.
+// Limits on dimensions. Recorded equations, and functions with patterns, may be solved with sparse matrices.
 constexpr int largest_dimension = most_dense_unknowns, largest_sparse = 50000;
 
 bool is_flag(int value) { return value == 0 || value == 1; }
@@ -81,7 +81,7 @@ struct NamedPattern {
   bool is_given() const { return pattern.entries != 0 || pattern.start != nullptr || pattern.row != nullptr; }
 };
 
-// Of both matrices or none.
+// Checks that patterns of both matrices are given, or none.
 void check_patterns(const NamedPattern& first, const NamedPattern& second, int m, int n) {
   if (!first.is_given() && !second.is_given()) return;
   for (const NamedPattern* one : {&first, &second}) {
@@ -178,7 +178,7 @@ void check_problem(const sfdae_nonlinear_problem& problem) {
 
 namespace {
 
-// What has to be there for the constraints there are.
+// Checks that the functions for the given constraints are present.
 void check_functions(const sfdae_multibody_problem& problem) {
   const int nv = problem.num_velocities > 0 ? problem.num_velocities : problem.num_positions;
   if (problem.forces == nullptr) refuse_argument("neither equations nor the callback forces is set.");

@@ -1,4 +1,4 @@
-// Checks of what users pass in.
+// Checks of user input.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace sfdae::core {
 
-// These throw Failure, SFDAE_ILLEGAL_ARGUMENT or SFDAE_EMPTY_PROBLEM, with what is wrong.
+// These throw Failure, SFDAE_ILLEGAL_ARGUMENT or SFDAE_EMPTY_PROBLEM, with a message.
 void check_problem(const sfdae_linear_problem& problem);
 void check_problem(const sfdae_nonlinear_problem& problem);
 void check_problem(const sfdae_multibody_problem& problem);

@@ -1,4 +1,4 @@
-// Functions that create what a handle stands for: exceptions to status, and why the last one of this thread has failed.
+// Functions that create the object of a handle: exceptions to status, and the message of this thread's last failure.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

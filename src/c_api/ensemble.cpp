@@ -109,7 +109,7 @@ CallResult described(const EnsembleSummary& summary, int num_instances) {
               summary.failure.message};
 }
 
-// Results are written: they must not be lost for want of words. Short strings need no memory.
+// Results are written and must not be lost if there is no memory for a message. Short strings need no memory.
 CallResult result_of(const EnsembleSummary& summary, int num_instances) {
   try {
     return described(summary, num_instances);

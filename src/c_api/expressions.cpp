@@ -25,7 +25,7 @@ struct CallOperands {
   std::initializer_list<sfdae_expression> list;
 };
 
-// The record that all operands belong to, apart from plain numbers; null if all of them are plain numbers.
+// The record that all operands except plain numbers belong to; null if all of them are plain numbers.
 sfdae_record* record_of(const CallOperands& operands) {
   sfdae_record* record = nullptr;
   for (const sfdae_expression& operand : operands.list) {
@@ -40,7 +40,7 @@ sfdae_record* record_of(const CallOperands& operands) {
   return record;
 }
 
-// Records what `action` makes of the operands' nodes, or computes `number`. Nothing is thrown.
+// Records the result of `action` on the operands' nodes, or computes `number`. Nothing is thrown.
 template <class Action, class Number>
 sfdae_expression combine(const CallOperands& operands, Action action, Number number) noexcept {
   sfdae_record* record = nullptr;
@@ -57,7 +57,7 @@ sfdae_expression combine(const CallOperands& operands, Action action, Number num
     }
     return in(record, action(record->recorder, nodes));
   } catch (...) {
-    // Only memory can be missing. Short strings need none.
+    // Only memory can run out. Short strings need none.
     for (const sfdae_expression& operand : operands.list) {
       if (operand.record == nullptr) continue;
       record = operand.record;
@@ -74,7 +74,7 @@ sfdae_expression unary(Operation operation, const sfdae_expression& a) {
       [&] { return evaluate(operation, a.value); });
 }
 
-// What a recorder makes of operations; plain numbers go through one of their own.
+// Applies a recorder's operations; plain numbers use a separate recorder.
 template <class Action>
 sfdae_expression composed(const char* name, std::initializer_list<sfdae_expression> operands, Action action) {
   return combine({name, operands}, action, [&]() -> std::optional<double> {

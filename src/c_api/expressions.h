@@ -9,12 +9,12 @@
 
 namespace sfdae::core {
 
-// Calls the user's function once. Failure, with a public status: mistakes in the use of expressions, equations that
-// were not set, and what the function returned. F(t, x, x') has m entries, there are n unknowns.
+// Calls the user's function once. Throws Failure, with a public status, for mistakes in the use of expressions,
+// equations that were not set, and errors that the function returned. F(t, x, x') has m entries, there are n unknowns.
 std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user,
                                                const EquationNames& names = {});
 
-// E x' - A x - f from its coefficients: calls the function once, with the same failures.
+// Records E x' - A x - f from its coefficients: calls the function once, with the same failures.
 std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_function coefficients, int m, int n,
                                                       void* user, const EquationNames& names = {});
 

@@ -1,4 +1,4 @@
-// What stands behind the handle sfdae_hybrid.
+// The object of the handle sfdae_hybrid.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -35,7 +35,7 @@ int guarded(sfdae_hybrid* hybrid, Body body) noexcept {
 
 [[noreturn]] inline void refuse_without_run() { throw Failure(SFDAE_NOT_STARTED, "call sfdae_start_hybrid first."); }
 
-// With the system that it is a mode of; empty where there is none.
+// Report on the system that it is a mode of; empty if there is none.
 std::string modes_report(const sfdae_solver& solver);
 
 }  // namespace sfdae::core

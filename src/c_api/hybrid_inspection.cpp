@@ -1,4 +1,4 @@
-// What a hybrid system has done: the C API.
+// Inspection of a hybrid system's past integration: the C API.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Sensitivities of hybrid systems: what is asked for, and returned.
+// Sensitivities of hybrid systems: requests and results.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>

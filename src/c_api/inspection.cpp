@@ -1,4 +1,4 @@
-// Looking inside: the C API of reports, decisions, statistics, arrays, projectors.
+// Inspection: the C API of reports, decisions, statistics, arrays, projectors.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <string>
@@ -121,7 +121,7 @@ sfdae_initial_report public_report(const InitialReport& report) {
   refuse_argument("the result is NULL or its size is not set: call its init function.");
 }
 
-// Passes a mismatch on, with words if it is suspicious.
+// Returns a mismatch, with a message if it is suspicious.
 CallResult report_mismatch(const DerivativeMismatch& worst, const EquationNames& names,
                            sfdae_derivative_check* result) {
   CallResult words;

@@ -1,4 +1,4 @@
-// From the public struct of options to those of the core.
+// Conversion of the public struct of options to those of the core.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// From the public structs of problems to models of the core.
+// Conversion of the public structs of problems to models of the core.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "c_api/problems.h"
 
@@ -30,7 +30,7 @@ EquationNames names_of(const char* const* given, int count) {
   return EquationNames(std::move(names));
 }
 
-// Empty where nothing is left out of any array.
+// Empty if no array leaves out anything.
 std::vector<int> differentiations_of(const sfdae_nonlinear_problem& problem) {
   if (problem.differentiations == nullptr) return {};
   std::vector<int> counts(problem.differentiations, problem.differentiations + problem.num_equations);
@@ -44,7 +44,7 @@ JacobianForm form_of(int matrices) {
                                                  : JacobianForm::differences;
 }
 
-// None where there are none.
+// Null if there are no patterns.
 std::shared_ptr<const JacobianPatterns> patterns_of(const GivenPattern& F_x, const GivenPattern& F_xdot, int n) {
   if (F_x.start == nullptr) return nullptr;
   return std::make_shared<const JacobianPatterns>(
@@ -78,7 +78,7 @@ void add_conditions(const CallbackProblemStruct& problem, CallbackProblem& callb
     callback.set_conditions({problem.num_conditions, problem.conditions, problem.branches, problem.user});
 }
 
-// With branches that depend on x they are not linear.
+// With branches that depend on x, equations are not linear.
 std::unique_ptr<FormulatedModel> make_model_with_conditions(const sfdae_linear_problem& problem) {
   auto residuals = std::make_shared<LinearResiduals>(problem);
   auto callback = std::make_unique<CallbackProblem>(problem.num_equations, problem.num_unknowns,

@@ -1,4 +1,4 @@
-// From the public structs of problems to models of the core.
+// Conversion of the public structs of problems to models of the core.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-// The problems have been checked. Failure, with a public status, for mistakes in recording.
+// The problems have been checked. Throws Failure, with a public status, for mistakes in recording.
 std::unique_ptr<FormulatedModel> make_model(const sfdae_linear_problem& problem);
 // Recorded equations that are linear become a linear model.
 std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& problem);

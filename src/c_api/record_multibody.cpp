@@ -25,7 +25,7 @@ std::vector<sfdae_expression> unknowns(sfdae_record& record, int first, int coun
   return expressions;
 }
 
-// How messages call the formulas.
+// Names of the formulas in messages.
 struct Shape {
   const char* name;
   int rows;
@@ -44,7 +44,7 @@ std::vector<int> nodes_of(sfdae_record& record, const std::vector<sfdae_expressi
   return nodes;
 }
 
-// By node.
+// Flags, by node.
 std::vector<char> depends_on_velocities(const Recorder& recorder, int first_velocity) {
   std::vector<char> depends(index(recorder.num_nodes()), 0);
   for (int i = 0; i < recorder.num_nodes(); ++i) {

@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-// Calls the user's function once. `problem` has been checked. Failure, with a public status, for mistakes in
+// Calls the user's function once. `problem` has been checked. Throws Failure, with a public status, for mistakes in
 // recording.
 std::unique_ptr<RecordedMultibody> record_multibody(const sfdae_multibody_problem& problem);
 

@@ -1,4 +1,4 @@
-// Derivatives of recorded expressions, tables and functions of the user's.
+// Derivatives of recorded expressions, tables and user-supplied functions.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ namespace {
 
 sfdae_expression no_number() { return plain(std::numeric_limits<double>::quiet_NaN()); }
 
-// Remembers a mistake.
+// Stores a mistake.
 sfdae_expression refuse(sfdae_record* record, const std::string& message) {
   record->remember(SFDAE_ILLEGAL_ARGUMENT, message);
   return in(record, mistaken);
@@ -35,7 +35,7 @@ sfdae_expression recorded(sfdae_record* record, Body body) noexcept {
 
 bool is_variable(Operation operation) { return is_leaf(operation) && operation != Operation::constant; }
 
-// By all leaves that there are.
+// Differentiates by all present leaves.
 void differentiate(sfdae_record& record, int node) {
   std::vector<int> leaves;
   for (int i = 0; i <= node; ++i)

@@ -1,4 +1,4 @@
-// A recording under way.
+// A recording in progress.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@
 #include "expression/spline.h"
 #include "sfdae/sfdae.h"
 
-// Mistakes are remembered, the first one counts, and recording goes on.
+// Mistakes are stored, the first one counts, and recording goes on.
 struct sfdae_record {
   // has_derivatives: x' is a variable of the formulas.
   explicit sfdae_record(int num_unknowns, bool with_derivatives = true)
@@ -27,10 +27,10 @@ struct sfdae_record {
 
   sfdae::core::Recorder recorder;
   bool has_derivatives;
-  // Functions that were used, to know them again.
+  // Functions in use, so that equal ones are shared.
   std::vector<std::shared_ptr<const sfdae::core::Spline>> splines;
   std::vector<std::shared_ptr<const sfdae::core::ExternalFunction>> functions;
-  // The derivatives of the node that was differentiated last, by leaves that were there.
+  // The derivatives of the last differentiated node, by the leaves present then.
   int differentiated = -1;
   std::map<int, int> derivatives;
   int status = SFDAE_OK;
@@ -45,15 +45,15 @@ constexpr int not_set = -1, mistaken = -2;
 inline sfdae_expression plain(double value) { return {nullptr, value, 0}; }
 inline sfdae_expression in(sfdae_record* record, int node) { return {record, 0.0, node}; }
 
-// Most entries of large matrices are: they need neither a node of their own nor a name for messages.
+// Most entries of large matrices are plain zeros: they need neither a node of their own nor a name for messages.
 inline bool is_plain_zero(const sfdae_expression& operand) {
   return operand.record == nullptr && operand.value == 0.0;
 }
 
-// The operand's node; `mistaken` after remembering what is wrong with it.
+// The operand's node; `mistaken` after an error in it has been stored.
 int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where);
 
-// Failure, with a public status, for mistakes that have been remembered; and for what the user's function returned.
+// Throws Failure, with a public status, for stored mistakes, and for an error that the user's function returned.
 void check_record(const sfdae_record& record);
 void check_outcome(const sfdae_record& record, int returned);
 

@@ -1,4 +1,4 @@
-// What users say of sensitivities.
+// User input for sensitivities.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,7 +10,7 @@ namespace sfdae::core {
 
 inline constexpr int most_sensitivities = 10000;
 
-// Reads what the user says, NULL for the defaults.
+// Reads the user's options, NULL for the defaults.
 void read_sensitivity_options(int count, const sfdae_sensitivity_options* given, SensitivityRequest& request);
 // Arguments of gradients.
 struct GivenFunctionals {

@@ -13,14 +13,14 @@
 
 using namespace sfdae::core;
 
-// A solver has a weak pointer to the pieces: what is destroyed is not recorded any more.
+// A solver has a weak pointer to the pieces: a solution that was destroyed is not recorded any more.
 struct sfdae_solution {
   std::shared_ptr<SolutionPieces> pieces = std::make_shared<SolutionPieces>();
 };
 
 namespace {
 
-// First of all: what this is, the length in doubles and a checksum of all that follows.
+// Header: a mark, the length in doubles and a checksum of all that follows.
 constexpr double mark = 5.0e7 + 7353.0;  // no number that a solution begins with by chance
 constexpr int layout = 2;
 constexpr std::size_t header_size = 4;

@@ -1,4 +1,4 @@
-// What stands behind the handle sfdae_solver.
+// The object of the handle sfdae_solver.
 //
 // Folder c_api: the functions of the public headers: argument checks, exceptions to status, conversion of structs.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -17,15 +17,15 @@ struct sfdae_solver : sfdae::core::Solver {
   using Solver::Solver;
 
   const sfdae_hybrid* hybrid = nullptr;  // of which it is a mode, and which lives
-  // Of the last call. Functions that only read leave it alone where it explains a failure.
+  // Message of the last call. Functions that only read do not change it if it explains a failure.
   mutable char message[1536] = "";
   bool message_explains_failure = false;
 };
 
 namespace sfdae::core {
 
-// Whose words stay: those of the call always; those that explain an earlier failure; or these unless the call has
-// words to say with success, which are what was asked for.
+// Message to keep: always that of the call; one that explains an earlier failure; or that one unless the call succeeds
+// with a message, which is then its answer.
 enum class Text { of_call, of_failure, of_answer };
 
 // Runs the body of an API call: one at a time, exceptions to status and message.

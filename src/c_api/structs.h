@@ -1,4 +1,4 @@
-// Public structs across versions: the caller's `size` says how much of them exists.
+// Public structs across versions: the caller's `size` tells how much of them exists.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace sfdae::core {
 
-// Larger sizes are taken for garbage.
+// Larger sizes count as uninitialized memory.
 inline constexpr std::size_t largest_struct = 65536;
 
 inline bool is_plausible_size(std::size_t size) { return size >= sizeof(std::size_t) && size <= largest_struct; }
 
-// Writes `defaults` with the caller's size, and zeros to what this version does not know.
+// Writes `defaults` with the caller's size, and zeros to members that this version does not know.
 template <class Struct>
 int initialize(Struct* target, std::size_t size, const Struct& defaults) {
   if (target == nullptr || !is_plausible_size(size)) return SFDAE_ILLEGAL_ARGUMENT;

@@ -29,7 +29,7 @@ void write(const std::vector<int>& values, int* to) {
   if (to != nullptr) std::copy(values.begin(), values.end(), to);
 }
 
-// As many as a message has room for.
+// As many names as a message has room for.
 template <class Name>
 std::string listed(std::span<const int> items, Name name) {
   constexpr std::size_t most = 8;
@@ -76,7 +76,7 @@ void write_arrays(const Structure& structure, const PublicArrays& arrays) {
     for (int i : structure.blocks.equations(block)) arrays.block[i] = block;
 }
 
-// x, x' and what is known beyond them where equations are looked at, and t. Linear equations have the same
+// Point at which equations are evaluated: x, x', known higher derivatives, and t. Linear equations have the same
 // derivatives everywhere.
 struct Point {
   double t;
@@ -94,7 +94,7 @@ std::optional<Point> known_point(const sfdae_solver& solver) {
   return point;
 }
 
-// What the blocks say; returns it in words if they do not agree with the structure.
+// Checks the blocks against the structure; returns a message if they disagree.
 std::string judge_blocks(const Structure& structure, const Record& record, const Certificate& certificate,
                          sfdae_structure& result) {
   const int singular = certificate.first(BlockVerdict::singular);

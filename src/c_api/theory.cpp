@@ -1,4 +1,4 @@
-// The theory's objects: the C API of jets, derivative arrays, projectors, strangeness-free and extended systems.
+// Objects of the theory: the C API of jets, derivative arrays, projectors, strangeness-free and extended systems.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ void demand_numbers(const char* name, const double* values, std::size_t count) {
   if (!all_finite(values, count)) raise(SFDAE_ILLEGAL_ARGUMENT, format("%s contains NaN or Inf.", name));
 }
 
-// What objects are asked for at: t alone for linear problems, a jet of the solution for others.
+// Argument of objects: t alone for linear problems, a jet of the solution for others.
 Jet point_at(sfdae_solver& solver, double t, int level) {
   if (solver.model.linear() != nullptr) {
     Jet point;

@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Instances that are asked for a precedent in turn, if the first ones have none. (Chosen.)
+// The first instance whose analysis succeeds is the precedent; at most this many are tried. (Chosen.)
 constexpr int most_asked_for_precedent = 10;
 
 constexpr InstanceOutcome not_begun{SFDAE_STOPPED, 0, 0, "stopped on request before this instance was begun."};
@@ -33,7 +33,7 @@ class EnsembleRun {
     others.reserve(index(wanted));
     find_precedent(worker);
     summary_.threads = 1;
-    // Where threads or their memory are missing, fewer do.
+    // If threads or memory for them are missing, fewer threads do the work.
     try {
       while (static_cast<int>(others.size()) + 1 < wanted) others.emplace_back([this] { work_in_thread(); });
     } catch (const std::exception&) {
@@ -41,7 +41,7 @@ class EnsembleRun {
     work(worker);
     for (std::thread& other : others) other.join();
     for (int i = next_.load(); i < task_.ensemble.num_instances; ++i) write(i, not_begun);
-    // The last instance may have ended before: then nothing has taken it.
+    // If the last instance had already ended, no instance took the request.
     if (monitor_has_stopped_) prototype_.problem().take_stop_request();
     return summary_;
   }
@@ -53,7 +53,7 @@ class EnsembleRun {
     return std::min(asked, task_.ensemble.num_instances);
   }
 
-  // Which one does not depend on threads.
+  // The choice of the precedent does not depend on the number of threads.
   void find_precedent(EnsembleWorker& worker) {
     const int count = task_.ensemble.num_instances;
     if (prototype_.system() != nullptr) precedent_ = precedent_of(prototype_.system()->analysis());
@@ -73,7 +73,7 @@ class EnsembleRun {
       }
       work(worker);
     } catch (...) {
-      // Without memory for a worker the others do its part.
+      // Without memory for this worker, the others solve its instances.
     }
   }
 
@@ -131,7 +131,7 @@ class EnsembleRun {
   const EnsembleTask& task_;
   Precedent precedent_;
   std::atomic<int> next_{0};
-  std::mutex mutex_;  // of what follows, results and the monitor
+  std::mutex mutex_;  // guards the members below, the results and the monitor
   int ended_ = 0;
   bool monitor_has_stopped_ = false;
   EnsembleSummary summary_;

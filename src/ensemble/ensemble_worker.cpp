@@ -1,4 +1,4 @@
-// Instances of an ensemble, solved one after the other.
+// Worker of an ensemble: solves instances one after the other.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ensemble/ensemble_worker.h"
 
@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// That of an instance knows nothing of the others, and events are none.
+// The monitor and the events of the prototype do not apply to instances.
 SolverOptions options_of_instances(const Solver& prototype) {
   SolverOptions options = prototype.options;
   options.integration.monitor = nullptr;
@@ -23,7 +23,7 @@ SolverOptions options_of_instances(const Solver& prototype) {
   return options;
 }
 
-// What more than the ranks at the start might have to do with: structure, values, steps.
+// True for failures that wrong ranks may have caused: failures of the structure, of values or of steps.
 bool may_be_about_ranks(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status != SFDAE_MAX_STEPS; }
 
 void say(InstanceOutcome& outcome, int status, const char* message, const char* hint = "") {
@@ -108,7 +108,7 @@ InstanceOutcome EnsembleWorker::solve(int instance, const Precedent& precedent) 
   try {
     solver_.options.model.precedent = precedent;
     solve_once(instance, outcome);
-    // Ranks at one point may not be all that there is. Without a system, the analysis has failed.
+    // The ranks at one point may be wrong elsewhere. If there is no system, the analysis has failed.
     const bool may_be_precedented = is_precedented() || (solver_.system() == nullptr && precedent.values.mu >= 0);
     if (may_be_about_ranks(outcome.status) && may_be_precedented) {
       const int analyses = outcome.analyses;

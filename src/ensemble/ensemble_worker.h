@@ -1,5 +1,4 @@
-// One of those who solve the instances of an ensemble, one after the other: a solver of its own on the shared
-// recording.
+// Worker of an ensemble: solves instances one after the other with its own solver on the shared recording.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,45 +9,45 @@
 
 namespace sfdae::core {
 
-// An ensemble after all checks: the public structs as they are now.
+// Ensemble task after all checks: the public structs in their current version.
 struct EnsembleTask {
   const sfdae_ensemble& ensemble;
   const sfdae_ensemble_results& results;
-  std::vector<int> parameters;  // indices of those that differ
+  std::vector<int> parameters;  // indices of the parameters that differ
 };
 
 struct InstanceOutcome {
   int status = SFDAE_OK;
   int outputs = 0;
-  int analyses = 0;  // made from the beginning
+  int analyses = 0;  // complete analyses, without a precedent
   char message[1536] = "";
 };
 
 class EnsembleWorker {
  public:
-  // The prototype only lends its equations, options and parameters, and its requests to stop. Throws std::bad_alloc.
+  // The prototype only provides equations, options, parameters and stop requests. Throws std::bad_alloc.
   EnsembleWorker(Solver& prototype, const EnsembleTask& task);
 
-  // Writes the outputs of the instance. What it did before does not matter.
+  // Writes the outputs of the instance. Instances solved before have no influence.
   InstanceOutcome solve(int instance, const Precedent& precedent) noexcept;
-  // Of the instance; mu = -1 if its analysis fails.
+  // Analysis of the instance as a precedent; mu = -1 if the analysis fails.
   Precedent analyze(int instance) noexcept;
 
  private:
   // False, with an outcome, if values are not finite.
   bool set_parameters(int instance, InstanceOutcome& outcome);
   void solve_once(int instance, InstanceOutcome& outcome);
-  // Whether the analysis in use is one by precedent.
+  // True if the present analysis is based on the precedent.
   bool is_precedented() const { return solver_.system() != nullptr && solver_.system()->analysis().by_precedent; }
   void write_outputs(int instance, int count) const;
-  // Runs a call of the solver. What it says goes into the outcome; true if the instance goes on.
+  // Runs a call of the solver and stores its message in the outcome; true if the instance continues.
   template <class Body>
   bool goes_on_after(Body body, InstanceOutcome& outcome);
 
   const EnsembleTask& task_;
   Solver solver_;
   std::vector<double> x_, xdot_;
-  std::vector<double> outputs_, slopes_;  // n x K: of an instance, until it is known that they stay
+  std::vector<double> outputs_, slopes_;  // n x K: outputs of one instance until they are final
 };
 
 }  // namespace sfdae::core

@@ -18,7 +18,7 @@ namespace sfdae::core {
 
 namespace {
 
-// With unknowns in place of the user's parameters.
+// Record with unknowns in place of the user's parameters.
 std::shared_ptr<const Record> functions_of(const Record& record, const std::vector<int>& nodes) {
   const int n = record.n(), user = record.num_user_parameters();
   Recorder recorder(n + user);
@@ -113,11 +113,12 @@ std::optional<std::vector<double>> ConditionFunctions::shifts(const std::vector<
 
 namespace {
 
-// Widths are this fraction of the tolerances. Movements of x within a width add up in the integrals of x. (Chosen: a
-// block at rest creeps by 0.1 tolerances in a unit of time.)
+// Widths as a fraction of the tolerances. Movements of x within a width add up in the integrals of x. (Chosen: a block
+// at rest creeps by 0.1 tolerances in a unit of time.)
 constexpr double width_of_tolerances = 0.1;
-// Widths have so many roundings, for parts of branches to have the errors that are wanted (sliding_layers.h), and as
-// many as relative tolerances have parts, as unknowns may be proportional to parts of branches. (Chosen.)
+// Least number of rounding errors in a width, so that parts of branches are accurate enough (sliding_layers.h), and
+// rounding errors in a width times the relative tolerance, as unknowns may be proportional to parts of branches.
+// (Chosen.)
 constexpr double least_roundings = 1e7, roundings_of_tolerance = 10.0;
 
 }  // namespace
@@ -135,7 +136,7 @@ ConditionFunctions::Widths ConditionFunctions::widths(const double* slopes, std:
   return {std::min(open, std::max(width_of_tolerances * open, least)), open};
 }
 
-// Returns 0 where the function does not change by about its slopes on both sides of the point.
+// Returns 0 if the function does not change by about its slopes on both sides of the point.
 double ConditionFunctions::width_of(std::size_t function, const Point& at, const double* tolerances) {
   constexpr double least_change = 0.5;  // of the width. (Chosen.)
   std::vector<double> x(n_), g(count()), beside(count()), gradients(count() * width_);
@@ -155,8 +156,8 @@ double ConditionFunctions::width_of(std::size_t function, const Point& at, const
   return width;
 }
 
-// Leads from a point to the surface by Newton's method, along normals in units of the tolerances. part: of the length
-// of the step away from it.
+// Leads from a point to the surface by Newton's method, along normals in units of the tolerances. part: fraction of the
+// length of the step away from it.
 bool ConditionFunctions::find_zero(std::size_t function, double t, const double* tolerances, double part,
                                    Normal& at) {
   constexpr int most_iterations = 20;
@@ -182,8 +183,8 @@ bool ConditionFunctions::find_zero(std::size_t function, double t, const double*
   return false;
 }
 
-// Functions that are zero together at the point alone are not meant: several points of the surface are asked, at
-// several times. Those at which functions cannot be evaluated say nothing.
+// Functions that are zero together at the point alone are excluded: several points of the surface are checked, at
+// several times. Points at which functions cannot be evaluated are skipped.
 std::vector<ConditionFunctions::Side> ConditionFunctions::sides_beside(std::size_t leader, const Point& at,
                                                                        const double* tolerances) {
   constexpr double step = 1e-2, nearest = 1e-6;  // of the distance of points; of max(|x|, 1). (Chosen.)

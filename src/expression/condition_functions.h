@@ -19,8 +19,9 @@ inline bool is_met(double g) { return std::isgreater(g, 0.0); }
 
 class ConditionFunctions {
  public:
-  // Nodes of the record of the evaluator, which lives as long as this; parameters are those that it has when this is
-  // asked. Those of conditions count as 0. With a source: the nodes are all of its equations, in order.
+  // nodes: nodes of the record of the evaluator, which must outlive this object; parameters have the evaluator's values
+  // at the time of a call. Parameters of conditions count as 0. With a source, the nodes are all of its equations, in
+  // order.
   ConditionFunctions(const TaylorEvaluator& evaluator, const std::vector<int>& nodes);
 
   struct Point {
@@ -30,19 +31,19 @@ class ConditionFunctions {
 
   std::size_t count() const { return alone_.size(); }
   bool depend_on_derivatives() const { return depend_on_derivatives_; }
-  // At a point, a number for each; NaN where one cannot be evaluated. Nothing is allocated.
+  // Values at a point, one for each function; NaN if one cannot be evaluated. Allocates nothing.
   void evaluate(double t, const double* x, const double* xdot, double* g);
-  // Values, and derivatives by the unknowns: count() x n, columns first, of an array with width() columns. False where
-  // they cannot be evaluated. Nothing is allocated.
+  // Values, and derivatives by the unknowns: count() x n, columns first, in an array with width() columns. Returns
+  // false if they cannot be evaluated. Allocates nothing.
   bool linearize(double t, const double* x, const double* xdot, double* g, double* gradients);
   std::size_t width() const { return width_; }
-  // Widths that a surface may have where a function has these slopes (n values, `stride` apart): the best one is far
-  // below what x is known to by its tolerances, which is the largest one, and far above rounding errors. 0: none.
+  // Widths that a surface may have if a function has these slopes (n values, `stride` apart). The largest width is the
+  // uncertainty of x by its tolerances; the best one is far below that and far above rounding errors. 0: none.
   struct Widths {
     double best, largest;
   };
   Widths widths(const double* slopes, std::size_t stride, const double* x, const double* tolerances) const;
-  // By how much each may change if x changes by so much (n values); 0 where that cannot be evaluated.
+  // Change of each function if x changes by `changes` (n values); 0 if it cannot be evaluated.
   std::vector<double> resolution(double t, const double* x, const double* xdot, const double* changes);
   // Returns the surfaces on which these functions, which are zero near the point, are to become continuous, with others
   // that are zero on the same surfaces. Functions of x', and those that do not pass zero there, have no such surface.
@@ -50,8 +51,8 @@ class ConditionFunctions {
   std::vector<RegularizedCondition> surfaces(const std::vector<std::size_t>& functions, const Point& at,
                                              const double* tolerances);
   // Returns dt/dp of the time at which these functions have the values that they have at a point, for each direction j:
-  // x moves by column j of S (n rows) and the parameter parameters[j], none where that is negative, by 1. The result is
-  // empty where times of the functions move differently, or one of them stands still, and 0 if there are no functions.
+  // x moves by column j of S (n rows) and the parameter parameters[j] by 1 (none if that is negative). The result is
+  // empty if the times of the functions move differently, or one of them stands still, and 0 if there are no functions.
   // No function depends on x'.
   std::optional<std::vector<double>> shifts(const std::vector<std::size_t>& functions, const Point& at, ConstView S,
                                             const std::vector<int>& parameters);
@@ -63,7 +64,7 @@ class ConditionFunctions {
   void load(const double* x, const double* xdot);
   std::optional<Rates> rates(const Point& at);
   double width_of(std::size_t function, const Point& at, const double* tolerances);
-  // Sides of a surface on which functions are met: above or below it, now above and now below, or none as they have
+  // Sides of a surface on which functions are met: above it, below it, both at different points, or none if they have
   // other zeros.
   enum class Side { none, above, below, both };
   std::vector<Side> sides_beside(std::size_t leader, const Point& at, const double* tolerances);

@@ -59,7 +59,7 @@ class Search {
     return true;
   }
 
-  // The node `top` and those it depends on, branches that were not chosen left out; operands first.
+  // The node `top` and all nodes it depends on, except branches that were not chosen; operands first.
   std::vector<int> chosen_nodes(int top) const {
     std::set<int> found;
     std::vector<int> stack{top};
@@ -113,7 +113,7 @@ class Search {
     }
   }
 
-  // What a function says of its arguments, or returns for a derivative that is needed; else none.
+  // Failure of a function that rejects its arguments or lacks a derivative that is needed; else none.
   std::optional<EvaluationFailure> refusal(int i) const {
     if (record_.node(i).operation != Operation::function) return std::nullopt;
     const FunctionCall& call = record_.call(i);
@@ -154,7 +154,7 @@ class Search {
         application(node) + format(" has no finite derivative of order %d", order) + in_equation() + remedy(node)};
   }
 
-  // For operations at the boundary of their domain, as far as they depend on unknowns.
+  // Advice for operations at the boundary of their domain that depend on unknowns.
   std::string remedy(const Node& node) const {
     const bool is_angle = node.operation == Operation::asin || node.operation == Operation::acos;
     const bool is_root = node.operation == Operation::sqrt || node.operation == Operation::power;
@@ -166,7 +166,7 @@ class Search {
                   unknowns.c_str(), way, other);
   }
 
-  // The first ones that a node depends on.
+  // Names of the first unknowns that a node depends on.
   std::string unknowns_of(int node) const {
     constexpr std::size_t most = 3;
     std::set<int> unknowns;

@@ -31,13 +31,13 @@ struct Slots {
   const double* operator[](int slot) const { return values + static_cast<std::ptrdiff_t>(slot) * stride; }
 };
 
-// What was asked for: orders of values and of gradients, -1: none.
+// The equation that failed, and the orders of values and of gradients that were wanted (-1: none).
 struct FailedEquation {
   int equation;
   int order, order_of_gradients;
 };
 
-// The status of a call that ends so: SFDAE_NOT_FINITE, or what the code of a function asks for.
+// Status of a call that ends with this failure: SFDAE_NOT_FINITE, or the one that the code of a function asks for.
 int status_of(const EvaluationFailure& failure);
 
 EvaluationFailure diagnose(const Record& record, Slots slots, FailedEquation failed);

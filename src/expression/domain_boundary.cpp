@@ -15,10 +15,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Far above all that coefficients are multiplied by, but so that products of several do not overflow.
+// Far above all factors of coefficients, but products of several of them do not overflow.
 constexpr double other_number = 1e60;
 
-// By how much the operand is outside of the domain; negative: it is inside. NaN: there is no boundary.
+// Distance of the operand outside of the domain; negative: it is inside. NaN: there is no boundary.
 double outside(const Instruction& instruction, const double* slots) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const double a = slots[instruction.a];
@@ -109,7 +109,7 @@ void BoundarySweep::execute_other(const Instruction& instruction, int order, boo
   if (outside(instruction, slots_) >= 0.0) correct(instruction, order, with_slopes);
 }
 
-// The branch that is taken is that of the point itself.
+// The moved point takes the branch of the point itself.
 void BoundarySweep::move(const Instruction& instruction) {
   double* const moved = moved_.data();
   if (instruction.code == Code::choose)
@@ -155,7 +155,7 @@ double BoundarySweep::in_place(double near) const {
   return unknowns_ == Unknowns::other ? -other_number : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Of the value, from the first one on. Returns whether they are finite.
+// Sets the coefficients of the value from the first one on. Returns whether they are finite.
 bool BoundarySweep::set_coefficients(const Instruction& instruction, int order) {
   const double* const a = slots_ + instruction.a;
   double* const v = slots_ + instruction.v;

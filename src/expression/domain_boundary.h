@@ -21,19 +21,18 @@
 
 namespace sfdae::core {
 
-// By how much unknowns may move: the tolerances of one unknown, or one for all.
+// Distances by which unknowns may move: tolerances of each unknown, or one for all.
 struct Movement {
   std::vector<double> rtol{1e-6}, atol{1e-6};
   // The movement of unknown j, or of its derivative, from a value; it is not 0.
   double of(int j, double value) const;
 };
 
-// Executes instructions once more, for slots whose values an ordinary execution has left behind, at the point and at
-// the moved one.
+// Executes instructions again, at the point and at the moved one, on slots with the values of an ordinary execution.
 class BoundarySweep {
  public:
-  // What stands in place of what is unknown: values of a nearby point, or 0; others, far above these; none, so that a
-  // diagnosis finds it.
+  // Values in place of unknown ones: those of a nearby point, or 0; other numbers, far above these; or none, so that a
+  // diagnosis finds them.
   enum class Unknowns { near, other, none };
   // stride: of slots.
   BoundarySweep(const Tape& tape, const Movement& movement, std::vector<double>& slots, int stride,

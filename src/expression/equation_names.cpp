@@ -1,4 +1,4 @@
-// What users call their equations.
+// Names that users give their equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/equation_names.h"
 

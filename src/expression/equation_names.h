@@ -1,4 +1,4 @@
-// What users call their equations, and how messages call them.
+// Names that users give their equations, and their form in messages.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,15 +11,15 @@ namespace sfdae::core {
 // Copies share the names.
 class EquationNames {
  public:
-  // None: numbers are names enough.
+  // No names: messages use numbers.
   EquationNames() = default;
-  // An empty name is none. What would break a line of a message, or fill it, is left out.
+  // An empty string stands for no name. Line breaks are removed, and long names are cut.
   explicit EquationNames(std::vector<std::string> names);
 
   // The text, and the name of the equation in parentheses if it has one: "equation 7 (balance of mass)".
   std::string appended_to(std::string text, int equation) const;
   std::string in_words(int equation) const { return appended_to("equation " + std::to_string(equation), equation); }
-  // Of its row in a matrix: "row 7", or "equation 7 (balance of mass)".
+  // Name of the equation's row in a matrix: "row 7", or "equation 7 (balance of mass)".
   std::string row(int equation) const;
   // Empty if it has none.
   const std::string& operator[](int equation) const;

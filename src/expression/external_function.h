@@ -1,4 +1,4 @@
-// Functions of the user's in recorded equations.
+// User-supplied functions in recorded equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// A zero of a function between two places where its values have other signs.
+// Zero of a function between two points at which its values differ in sign.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,8 +11,8 @@ struct Bracket {
   double a, b, at_a, at_b;  // places, and values there, of which one is positive and the other is not
 };
 
-// By the rule of false position, where the value at an end that stays again counts half (Illinois), and by halving each
-// fourth time, until both ends are so near to each other, or no number is left between them: b.
+// The rule of false position, where the value at an end that stays again counts half (Illinois), with bisection in each
+// fourth step, until both ends are closer than `near`, or no number is left between them. Returns b.
 // [Dow71] M. Dowell, P. Jarratt: A modified regula falsi method for computing the root of an equation. BIT 11
 //         (1971), 168-174.
 template <class Function>
@@ -25,7 +25,7 @@ double zero_between(Function function, Bracket in, double near = 0.0) {
       return in.b;
     double c = k % bisects_every == 0 ? middle : (in.at_a * in.b - in.at_b * in.a) / (in.at_a - in.at_b);
     if (!std::isfinite(c)) c = middle;
-    // Beside an end that is next to the zero, so that the other one gets there, too.
+    // Stays away from an end that is next to the zero, so that the other end gets there, too.
     const double least = 0.5 * near;
     const double low = std::max(std::nextafter(in.a, in.b), in.a + least);
     const double high = std::min(std::nextafter(in.b, in.a), in.b - least);

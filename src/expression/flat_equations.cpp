@@ -18,11 +18,11 @@ namespace sfdae::core {
 
 namespace {
 
-// An entry of F_x counts as flat if the equation changes by more than ten times what it says. (Chosen.)
+// An entry of F_x is flat if the equation changes by more than ten times what the entry predicts. (Chosen.)
 constexpr double flat = 0.1;
-// Changes of an equation, in what it is open by, beyond which it is not flat. (Chosen.)
+// Changes of an equation, in units of its uncertainty, beyond which it is not flat. (Chosen.)
 constexpr double steep = 100.0;
-// Widths are tried from a tolerance on, each twice the one before. (Chosen: up to 1e12 tolerances.)
+// Widths are tried from one tolerance on, each twice the one before. (Chosen: up to 1e12 tolerances.)
 constexpr int most_widths = 40;
 
 class FlatSearch {
@@ -47,7 +47,7 @@ class FlatSearch {
   std::vector<FlatEquation> find() {
     std::vector<FlatEquation> found;
     if (!find_entries(x_, entries_)) return found;
-    // Entries that are the same elsewhere belong to linear terms.
+    // Entries that are the same at another point belong to linear terms.
     std::vector<double> beside(x_), other;
     for (std::size_t i = 0; i < n_; ++i) beside[i] += tolerances_[i];
     if (!find_entries(beside, other)) return found;
@@ -58,7 +58,7 @@ class FlatSearch {
       for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i) + 1]; ++e) {
         const std::size_t j = index(tape.targets[e].unknown);
         if (is_differentiated_[j] != 0 || entries[e] == other[e]) continue;
-        // As far as that is from where the slope is zero the equation changes by far more than it is open.
+        // Over the distance to zero slope the equation changes by far more than its uncertainty.
         const double distance = tolerances_[j] * entries[e] / (other[e] - entries[e]);
         if (std::fabs(entries[e] * distance) > steep * openness(i, e, entries)) continue;
         if (const auto equation = flat_near(i, e)) found.push_back(*equation);
@@ -74,7 +74,7 @@ class FlatSearch {
     return equations_.entries(t_, jet_.data(), 0, std::vector<int>(values_.size(), 0), entries.data());
   }
 
-  // Returns what tolerances of other unknowns than that of entry e leave open of equation i.
+  // Returns the uncertainty of equation i from the tolerances of the unknowns other than that of entry e.
   double openness(int i, std::size_t e, const std::vector<double>& entries) const {
     const Tape& tape = equations_.tape();
     double sum = 0.0;
@@ -90,7 +90,7 @@ class FlatSearch {
     return values_[index(i)];
   }
 
-  // Looks there, and where the equation has no slope, if that is near.
+  // Checks this point, and the point of zero slope if that is near.
   std::optional<FlatEquation> flat_near(int i, std::size_t e) {
     constexpr int most_moves = 20;
     const std::size_t j = index(equations_.tape().targets[e].unknown);
@@ -114,7 +114,7 @@ class FlatSearch {
     const double open = openness(i, e, entries_);
     const std::optional<double> here = value(i, j, center);
     if (!here || !(open > 0.0) || !std::isfinite(open) || !(tolerances_[j] > 0.0)) return std::nullopt;
-    // A term of this size would be linear up to there.
+    // A linear term of this slope would have this size there.
     const double most = flat * open / std::fabs(entries_[e]);
     double width = tolerances_[j];
     for (int tried = 0; tried < most_widths && width <= most; ++tried, width *= 2.0) {
@@ -131,7 +131,8 @@ class FlatSearch {
     return std::nullopt;
   }
 
-  // Returns whether other unknowns matter to the equation about as much on both sides: they do not cease to do so here.
+  // Returns whether the influence of other unknowns on the equation is about the same on both sides, so that it does
+  // not end here.
   bool others_stay(int i, std::size_t e, double center, double width, double open) {
     constexpr double similar = 2.0;  // (Chosen.)
     std::vector<double> beside(x_), entries;

@@ -19,7 +19,7 @@ namespace sfdae::core {
 
 namespace {
 
-// More than any value of a condition: the sum with it has its sign. The sum does not overflow.
+// Larger than any value of a condition, so that it decides the sign of a sum. The sum does not overflow.
 constexpr double held = 1e300;
 
 // Flags of nodes that vary with x or x', and not from one number to another alone, as conditions of conditions do.
@@ -43,7 +43,7 @@ std::string unused_name(const Record& record, std::size_t number) {
   return name;
 }
 
-// The first operand of a node that switches, what it depends on with the others, and what it switches at.
+// The first operand of a node that switches, its dependence, and the values it switches at.
 struct Switching {
   SwitchingNode at;
   Dependence dependence = 0;
@@ -90,7 +90,7 @@ class Branches {
   }
 
  private:
-  // Those with that property, in the copy.
+  // Switching nodes of the copy with that property.
   std::vector<SwitchingNode> switches(const std::vector<int>& copies, bool (Switching::*has_property)() const) {
     std::vector<SwitchingNode> found;
     for (int i = 0; i < record_.num_nodes(); ++i) {
@@ -219,7 +219,7 @@ void HeldConditions::release() {
   changed_();
 }
 
-// At values that are no numbers there is none.
+// At values that are not numbers there is no switch.
 std::optional<std::size_t> HeldConditions::stepped_switch(const Point& from, const Point& to) {
   const std::vector<SwitchingNode>& all = evaluator_.record().stepped_switches();
   if (all.empty()) return std::nullopt;
@@ -251,7 +251,7 @@ std::vector<PassedSwitch> HeldConditions::passed(const Values& before, const Val
 
 std::string HeldConditions::equation_with(std::size_t condition) const {
   if (supplied_.evaluate) return "the callbacks (condition " + std::to_string(condition) + ")";
-  // That of its parameter, as the recorder may write the sum with it otherwise.
+  // Looks for the condition's parameter, as the recorder may rewrite the sum with it.
   const Record& record = evaluator_.record();
   int leaf = 0;
   while (record.node(leaf).operation != Operation::parameter ||
@@ -288,7 +288,7 @@ double HeldConditions::value_on_line(std::size_t k, const Point& from, const Poi
   return on_line_[k];
 }
 
-// With branches as these values lead to.
+// Residuals with the branches of these values of g.
 bool HeldConditions::residuals(double t, const double* jet, const double* g, std::vector<double>& F) {
   const auto branch = [&](std::size_t k) { return g == nullptr ? 0.0 : is_met(g[k]) ? held : -held; };
   if (supplied_.evaluate) {
@@ -335,8 +335,8 @@ HeldConditions::Passing HeldConditions::passing(std::size_t k, const double* g, 
   return matters ? Passing::kink : Passing::nothing;
 }
 
-// Finds what residuals change by with the branches that g leads to (clearly, where changes are given), in place of
-// those that these values lead to.
+// Finds the change of residuals from the branches at the point to those of g. With `changes`, only branches of clear
+// signs are exchanged.
 bool HeldConditions::changes_of_branches(const Point& at, const double* g, const double* changes,
                                          std::vector<double>& result) {
   const std::size_t n = jet_.size() / 2;
@@ -354,7 +354,7 @@ bool HeldConditions::changes_of_branches(const Point& at, const double* g, const
   return true;
 }
 
-// Returns whether the point `to`, at which changes of residuals are known, does not show what branches do here.
+// Returns whether `to`, a point with known changes of residuals, does not show the effect of branches here.
 bool HeldConditions::leaves_no_trace(const Point& at, const double* g, const double* changes) {
   constexpr double shown = 2.0;  // times what the second point shows
   if (!changes_of_branches(at, g, changes, here_)) return true;

@@ -1,5 +1,5 @@
-// Conditions on x or x' of recorded equations, g(t, x, x') > 0, and the branches that choices take: as g says, or one
-// that is held, whatever g says. With branches held equations are smooth where g passes zero.
+// Conditions on x or x' of recorded equations, g(t, x, x') > 0, and the branches of choices: the one by the sign of g,
+// or one that is held regardless of g. With branches held, equations are smooth where g passes zero.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,19 +20,19 @@
 
 namespace sfdae::core {
 
-// Returns whether equations switch where something depends on x, or on t and parameters.
+// Returns whether equations switch by conditions on x, or on t and parameters.
 bool contains_switches(const Record& record);
-// Returns the same equations with conditions that can be held; they also list what else switches. layers: nodes that
-// are conditions of layers.
+// Returns the same equations with conditions that can be held and lists of all other switches. layers: nodes that are
+// conditions of layers.
 std::shared_ptr<const Record> with_conditions(std::shared_ptr<const Record> record,
                                               const std::vector<int>& layers = {});
 
 class HeldConditions {
  public:
-  // The evaluator, of equations with such conditions, lives as long as this. changed: called when branches are others;
-  // none: branches cannot be held, as steps are made by other equations, and hold() does nothing.
+  // evaluator: of equations with such conditions, must outlive this object. changed: called when branches change; none:
+  // branches cannot be held, as other equations are integrated, and hold() does nothing.
   HeldConditions(TaylorEvaluator& evaluator, std::function<void()> changed);
-  // Conditions of functions that a user supplies. evaluator: has a source, and these conditions as its equations.
+  // Conditions of user-supplied functions. evaluator: has a source, and these conditions as its equations.
   struct SuppliedResiduals {
     int m;
     std::function<bool(double t, const double* jet, double* F)> evaluate;  // with the branches that are held
@@ -49,18 +49,18 @@ class HeldConditions {
   // Calls SwitchSearch::find_simple, with values of all conditions.
   bool find_simple_switches(const PointsOfCurve& points, const double* g_start, const double* g_end);
   bool can_be_held() const { return changed_ != nullptr; }
-  // From now on equations have the branches that these values of g lead to.
+  // From now on equations take the branches of these values of g.
   void hold(const double* g);
-  // From now on equations have the branches that g leads to.
+  // From now on equations take the branches of g itself.
   void release();
-  // The layers of these equations, which live as long as this; null: none.
+  // The layers of these equations, which must outlive this object; null: none.
   SlidingLayers* layers() const { return layers_; }
   void set_layers(SlidingLayers* layers) { layers_ = layers; }
   // Returns the equation that contains a condition, as messages call it.
   std::string equation_with(std::size_t condition) const;
 
-  // Returns the conditions that have other branches with the second values of g than with the first. The times are
-  // those at which g is zero, if it is linear from one time to the other. Edges of layers are left out.
+  // Returns the conditions with other branches at the second values of g than at the first. Their times are the zeros
+  // of g interpolated linearly. Edges of layers are left out.
   struct Values {
     double t;
     const std::vector<double>& g;
@@ -68,26 +68,27 @@ class HeldConditions {
   std::vector<PassedSwitch> passed(const Values& before, const Values& after) const;
 
   using Point = ConditionFunctions::Point;
-  // What residuals do where condition k is zero, the others as these values of g have it, on the line from one point to
-  // another, where it has another sign: they jump, they are continuous, or they do not depend on it.
+  // Behavior of residuals at the zero of condition k on the line between two points at which its signs differ, with the
+  // other conditions as these values of g have them: a jump, a kink, or no dependence.
   enum class Passing { jump, kink, nothing };
   Passing passing(std::size_t k, const double* g, const Point& from, const Point& to);
 
   // Finds the first of the points between two others at which branches change residuals more than at the second of the
-  // two, `to`, so that `to` does not show it. Compared are the branches that g leads to at a point and those that the
-  // given values of g lead to. Values of g count as uncertain by what they change by as x does by `changes`.
+  // two, `to`, so that `to` does not show it. Compares the branches of g at a point with those of the given values of
+  // g. The uncertainty of g is its change as x changes by `changes`.
   std::optional<std::size_t> first_hidden(const double* g, const std::vector<Point>& between, const Point& to,
                                           const double* changes);
 
   // Functions of t alone that switch equations, at times that depend on parameters.
   ConditionFunctions& timed_functions() { return timed_functions_; }
-  // Which of these switch from one time to another, some roundings later, but not because they jump themselves, where
-  // others switch. And whether residuals at this x jump there, compared with what they are earlier, too.
+  // timed_switches: those that switch from one time to another, some rounding errors later, unless they jump
+  // themselves, where others switch. jumps_between: whether residuals at this x jump there, also compared with an
+  // earlier time.
   std::vector<std::size_t> timed_switches(double from, double to);
   bool jumps_between(double from, double to, double earlier, const double* x);
 
-  // Arguments of floors, remainders and tables of x or x'; their branches cannot be held. One that switches from one
-  // point to another, and the equation that contains it.
+  // Arguments of floors, remainders and tables that depend on x or x'; their branches cannot be held. stepped_switch:
+  // one that switches from one point to another.
   ConditionFunctions& stepped_functions() { return stepped_functions_; }
   std::optional<std::size_t> stepped_switch(const Point& from, const Point& to);
   std::string equation_with_stepped(std::size_t which) const;

@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-// Also the leaf that stands for none; those of functions follow each other.
+// Includes the leaf that stands for no operand; operands of functions are adjacent.
 template <class Take>
 void for_operands(const Instruction& instruction, Take take) {
   if (instruction.code == Code::function) {

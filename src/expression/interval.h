@@ -25,7 +25,7 @@ struct Interval {
   double magnitude() const { return std::max(std::fabs(low), std::fabs(high)); }
 };
 
-// By a unit in the last place or a little more; infinite numbers and 0 stay as they are.
+// Moves x by a unit in the last place or a little more; infinite numbers and 0 stay unchanged.
 inline double below(double x) {
   const double less = x - std::fabs(x) * std::numeric_limits<double>::epsilon();
   return std::isnan(less) ? x : less;
@@ -44,7 +44,7 @@ inline double sum_below(double a, double b) {
 }
 inline double sum_above(double a, double b) { return -sum_below(-a, -b); }
 
-// Anything, if one of them is not a number.
+// The entire line if one of them is not a number.
 inline Interval between(double a, double b) {
   if (a <= b) return {a, b};
   return b < a ? Interval{b, a} : Interval::entire();

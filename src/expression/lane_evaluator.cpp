@@ -61,7 +61,7 @@ template <bool with_slopes, class Order>
   }
 }
 
-// Points beyond those that are there repeat the last one: what is computed lane by lane is not computed again.
+// Unused lanes repeat the last point; operations that run lane by lane skip them.
 bool repeats_lane_before(const Lanes& values, int l) {
   const LaneMask& bits = reinterpret_cast<const LaneMask&>(values);
   return l > 0 && bits[l] == bits[l - 1];
@@ -72,8 +72,8 @@ void apply_to_each(const Lanes& a, Lanes& v, Function function) {
   for (int l = 0; l < lane_count; ++l) v[l] = repeats_lane_before(a, l) ? v[l - 1] : function(a[l]);
 }
 
-// Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none. Not inlined into each of the
-// passes: that took the compiler a minute.
+// Executes the points one by one, as TaylorEvaluator does. Slot 0 is a leaf: a result there means none. Not inlined
+// into each of the passes, as that took the compiler a minute.
 template <bool with_slopes, class Order>
 [[gnu::noinline]] void execute_singly(const Instruction& given, Lanes* slots, Order K) {
   if (given.code == Code::function) return execute_function_singly<with_slopes>(given, slots, K);
@@ -144,7 +144,7 @@ bool sin_cos(const Lanes* a, Lanes* s, Lanes* c, Order K) {
   return true;
 }
 
-// Larger arguments overflow: that of each point says so.
+// Larger arguments overflow, and each point is checked by itself.
 template <class Order>
 bool exp(const Lanes* a, Lanes* v, Order K) {
   constexpr double largest_argument = 709.0;
@@ -182,7 +182,7 @@ void reciprocal(double c, const Lanes* b, Lanes* v, Order K) {
   }
 }
 
-// The same operations in the same order as execute(); false where lanes have to be looked at one by one.
+// Same operations in the same order as execute(). Returns false if lanes have to be checked one by one.
 template <bool with_slopes, class Order>
 bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
   const Lanes* const a = slots + instruction.a;
@@ -232,7 +232,7 @@ void execute_all(const InstructionList& list, Lanes* slots, Order K) {
   });
 }
 
-// What an edge hands on, as in edges.h.
+// Contribution of an edge, as in edges.h.
 template <class Order>
 void hand_on(const Edge& edge, const Lanes* from, const Lanes* factor, Lanes* handed, Order K) {
   std::copy_n(from, K + 1, handed);
@@ -369,8 +369,8 @@ Tasks tasks_of(const Pass& pass) {
   return tasks;
 }
 
-// Everything is inlined here, for each instruction set (SFDAE_LANE_KERNEL): execute_all has one call for each order,
-// with and without slopes, as the compiler takes seconds for each of them.
+// Inlines everything, once for each instruction set (SFDAE_LANE_KERNEL). execute_all has one call for each order, with
+// and without slopes, as the compiler takes seconds for each of them.
 void execute_tasks(const Tasks& tasks, Lanes* slots) {
   for (std::size_t i = 0; i < tasks.count; ++i) {
     const auto& [list, order, with_slopes] = tasks.list[i];
@@ -450,7 +450,7 @@ bool LaneEvaluator::evaluate_all(const TaylorEvaluator& source, const Points& po
   return pass.is_finite;
 }
 
-// Room for series of this order in every slot.
+// Allocates series of this order in every slot.
 void LaneEvaluator::reserve(const TaylorEvaluator& source, int order,
                             const std::shared_ptr<const OrderLimits>& limits) {
   // Other extensions of the same equations may have limits of their own, which are the same as a rule.
@@ -481,7 +481,7 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order,
   stride_ = stride;
 }
 
-// Those that the equations depend on, which become known.
+// Loads the parameters that the equations depend on. Returns whether any has changed.
 bool LaneEvaluator::parameters_are_new(const TaylorEvaluator& source) {
   const std::vector<Tape::Number>& used = source.tape().parameters;
   const bool is_first = time_order_ < 0;

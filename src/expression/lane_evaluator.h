@@ -1,7 +1,7 @@
-// Recorded equations at several points in one pass of their tape: values and Taylor coefficients, to the last bit those
-// of TaylorEvaluator, and gradients, of which there may be coefficients, too.
+// Evaluates recorded equations at several points in one pass of their tape: values and Taylor coefficients that equal
+// those of TaylorEvaluator bit by bit, gradients, and coefficients of gradients.
 //
-// The tape and the parameters are those of a TaylorEvaluator; this is the memory that one thread needs beside.
+// The tape and the parameters belong to a TaylorEvaluator; this object is the additional memory of one thread.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,8 +19,8 @@ namespace sfdae::core {
 class LaneEvaluator {
  public:
   static constexpr int highest_order = 2;
-  // x(t + s) = sum x_k s^k: x[k] points to the unknowns. Coefficients beyond the order asked for are not read, where x'
-  // occurs those beyond the next order.
+  // x(t + s) = sum x_k s^k: x[k] points to the unknowns. Coefficients beyond the order (beyond the next order, if x'
+  // occurs) are not read.
   struct Points {
     const LaneBlock* t;
     std::array<const LaneBlock*, highest_order + 2> x;
@@ -32,12 +32,12 @@ class LaneEvaluator {
     return points;
   }
 
-  // Coefficients of F up to the order, and F_x if asked for. False where anything is not finite, at any of the points,
-  // whatever the reason; the TaylorEvaluator can tell which. F_x is for equations without x' alone.
+  // Coefficients of F up to the order, and F_x if asked for. Returns false if anything is not finite at any of the
+  // points; the TaylorEvaluator can tell the reason. F_x is for equations without x' alone.
   bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
 
   // Coefficients of F_x and F_x' up to limits[i], at most the order, of equation i: gradients(), those of target e of
-  // the tape from e (order + 1) on; what lies beyond limits has no meaning. False: as above.
+  // the tape from e (order + 1) on; coefficients beyond limits are undefined. False: as above.
   bool evaluate_entries(const TaylorEvaluator& source, const Points& points, int order,
                         const std::vector<int>& limits);
 
@@ -46,7 +46,7 @@ class LaneEvaluator {
   bool evaluate_within(const TaylorEvaluator& source, const Points& points,
                        const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
 
-  // Of equation i, coefficient after coefficient.
+  // Value of equation i, coefficient after coefficient.
   const LaneBlock* value(int i) const { return slots_.data() + values_[index(i)]; }
   // Entries of F_x that can differ from zero, in the order of the targets of the tape.
   const LaneBlock* gradients() const { return gradients_.data(); }

@@ -7,8 +7,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Records node i of the record, whose operands are recorded as `copies` says; leaf: what those but constants become;
-// choice: what choices become.
+// Records node i of the record with the copies of its operands. leaf: makes the copies of leaves except constants;
+// choice: those of choices.
 template <class Leaf, class Choice>
 int copy_node(const Record& record, int i, const std::vector<int>& copies, Recorder& recorder, Leaf leaf,
               Choice choice) {
@@ -39,14 +39,14 @@ std::vector<int> copy_all(const Record& record, Recorder& recorder, Leaf leaf, C
   return copies;
 }
 
-// Returns what copies choices as they are.
+// Returns a function that copies choices unchanged.
 auto choices_in(Recorder& recorder) {
   return [&recorder](const CopiedChoice& copied) {
     return recorder.apply(Operation::choose, copied.condition, copied.if_met, copied.otherwise);
   };
 }
 
-// Returns the copy of a leaf that stays what it is, but for parameters.
+// Returns the unchanged copy of a leaf that is not a parameter.
 int copy_of_leaf(const Node& leaf, Recorder& recorder) {
   if (leaf.operation == Operation::time) return recorder.time();
   if (leaf.operation == Operation::unknown) return recorder.unknown(leaf.a);

@@ -1,4 +1,4 @@
-// The record of equations that are known by the unknowns and derivatives they contain, and no further.
+// Record of equations of which only the unknowns and derivatives in them are known.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,10 +16,10 @@ struct JacobianPatterns {
   ColumnPattern F_x, F_xdot;
 };
 
-// Each equation is a function of t, of these x_j and of these x_j' that cannot be evaluated by itself: what evaluates
-// all is an EquationSource.
+// Each equation is a function of t, of these x_j and of these x_j' that cannot be evaluated by itself: an
+// EquationSource evaluates all of them.
 Record opaque_record(int num_equations, const JacobianPatterns& patterns, const EquationNames& names);
-// The same with functions of these names, which are conditions, too: their parameters are the only ones.
+// Same for functions of these names that are also conditions: the record's parameters are those of the conditions.
 Record opaque_conditions(int count, const JacobianPatterns& patterns, const std::vector<std::string>& names);
 
 }  // namespace sfdae::core

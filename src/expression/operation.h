@@ -42,17 +42,18 @@ enum class Operation : std::uint8_t {
   function
 };
 
-// As it is called in messages.
+// Name of an operation in messages.
 const char* name_of(Operation operation);
 
 constexpr bool is_leaf(Operation operation) { return operation <= Operation::derivative; }
 
-// Whether there is a derivative by operand number k: none by the condition of a choice, and none by what is rounded.
+// Returns whether a derivative by operand number k exists: there is none by the condition of a choice, nor through
+// floor.
 constexpr bool is_differentiated(Operation operation, int k) {
   return operation != Operation::floor && (operation != Operation::choose || k > 0);
 }
 
-// Of functions: 1, see operands_of.
+// For functions the result is 1, see operands_of.
 constexpr int num_operands(Operation operation) {
   switch (operation) {
     case Operation::add:

@@ -1,4 +1,4 @@
-// Orders that operands are wanted to.
+// Orders of Taylor coefficients that operands are needed to.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/order_limits.h"
 

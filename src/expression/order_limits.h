@@ -1,4 +1,4 @@
-// Equations whose Taylor coefficients are wanted up to orders of their own: what their operands are wanted for.
+// Orders of Taylor coefficients that each equation, and thus each of its operands, is evaluated to.
 //
 // Minimal extensions differentiate few equations, the constraints of a mechanism twice, but not its balance of
 // forces, which has most of the operations.
@@ -21,8 +21,8 @@ struct OrderLimits {
   int highest;
 };
 
-// The instructions of a tape on x or x', by the orders that their results are wanted to; operands are wanted to the
-// same orders and to higher ones.
+// The instructions of a tape on x or x', by the orders of their results; operands are needed to the same or higher
+// orders.
 struct InstructionsByOrder {
   InstructionsByOrder() = default;
   InstructionsByOrder(const Tape& tape, const OrderLimits& limits);

@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Unknowns have the names that they have in messages.
+// Replaces the names of unknowns by those in messages.
 std::string with_names(std::string formula) {
   for (const auto& [name, better] : {std::pair("zdot[", "xdot["), std::pair("z[", "x[")}) {
     const std::size_t length = std::string(name).size();

@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// Equations have come to another branch.
+// A switch of equations to another branch.
 struct PassedSwitch {
   double t;
   std::shared_ptr<const Record> record;
@@ -31,10 +31,10 @@ double branch_at(const SwitchingNode& at, double value);
 // Conditions, floors, remainders and tables of t alone, in recorded equations.
 class TimedSwitches {
  public:
-  // Parameters are those that the evaluators have when this is asked; they live as long as this.
+  // Parameters have the values that the evaluators, which must outlive this object, have at the time of a call.
   explicit TimedSwitches(const std::vector<const TaylorEvaluator*>& evaluators);
 
-  // Returns those that have other branches at the second time than at the first.
+  // Returns those with other branches at the second time than at the first.
   std::vector<PassedSwitch> passed(double from, double to);
 
  private:

@@ -22,7 +22,7 @@ class Tensor {
  public:
   explicit Tensor(const PointFunction& function) : function_(function) {}
 
-  // Returns what the function did, or a code of its own.
+  // Returns the function's result, or a code of its own.
   int load(int order, const double* arguments) {
     size_ = 1;
     for (int i = 0; i < order; ++i) {
@@ -36,7 +36,7 @@ class Tensor {
     return std::all_of(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(size_),
                        [](double value) { return std::isfinite(value); });
   }
-  // Those by `first` before all others; and by one more argument.
+  // Slice of derivatives by `first`, then by all others; or by `first` and one more argument.
   const double* slice(const std::vector<int>& first) const { return values_.data() + place_of(first).offset; }
   const double* slice(const std::vector<int>& first, int next) const {
     const Place place = place_of(first);
@@ -77,7 +77,7 @@ class Terms {
   }
 
  private:
-  // Indices that do not decrease, so far; a multi-index has one such sequence.
+  // Nondecreasing indices so far; each multi-index has one such sequence.
   struct Place {
     int depth, last, repeated;
     std::size_t offset;
@@ -99,7 +99,7 @@ class Terms {
     }
   }
 
-  // Of products of depth + 1 factors the coefficients below that order vanish.
+  // Coefficients below order depth + 1 of a product of depth + 1 factors vanish.
   void multiply(int depth, const double* argument) {
     const auto& from = products_[index(depth)];
     auto& to = products_[index(depth + 1)];

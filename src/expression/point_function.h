@@ -23,23 +23,23 @@ class PointFunction {
   PointFunction(const PointFunction&) = delete;
   PointFunction& operator=(const PointFunction&) = delete;
 
-  // As messages call it.
+  // Name in messages.
   const std::string& name() const { return name_; }
   int num_arguments() const { return num_arguments_; }
 
-  // All partial derivatives of the order at finite arguments, to an array of k^order zeros. Returns 0, or what a
-  // callback may return. From several threads at a time.
+  // All partial derivatives of the order at finite arguments, written to an array of k^order zeros. Returns 0, or the
+  // code of a callback. Several threads may call it at a time.
   virtual int derivatives(int order, const double* arguments, double* values) const = 0;
-  // Whether it has a value there; else, in words, why not.
+  // Empty if the function has a value there, else the reason why not, for messages.
   virtual std::string objection(const double* /*arguments*/) const { return {}; }
-  // Of functions of one argument: where a derivative jumps, increasing.
+  // Increasing arguments at which a derivative jumps, for functions of one argument.
   virtual const std::vector<double>& breakpoints() const {
     static const std::vector<double> none;
     return none;
   }
-  // Which order of derivatives jumps there; it is constant in between.
+  // Order of the derivative that jumps there; this derivative is constant in between.
   virtual int jumping_order() const { return 0; }
-  // Adds what is known of the function beyond its name and its number of arguments.
+  // Adds the function's data to the hash, beyond its name and its number of arguments.
   virtual void add_data(WordHash&) const {}
 
  private:
@@ -65,8 +65,8 @@ struct CallSeries {
 };
 void evaluate(const FunctionCall& call, const CallSeries& series, int order);
 
-// What the function returned for the first order up to this one that it does not supply, 0 if it supplies all, and
-// which.
+// The first order up to this one that the function does not supply, and the code that it returned; code 0 if it
+// supplies all.
 struct MissingOrder {
   int code = 0, order = 0;
 };

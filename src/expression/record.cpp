@@ -1,4 +1,4 @@
-// What can be read off recorded equations.
+// Properties of recorded equations that follow from their form.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/record.h"
 

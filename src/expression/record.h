@@ -1,4 +1,4 @@
-// Recorded equations F(t, x, x') = 0: an immutable graph, and what it says by its form.
+// Recorded equations F(t, x, x') = 0: an immutable graph, and properties that follow from its form.
 //
 // Folder expression: recorded equations: their graph, values and gradients in power series, patterns.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -17,7 +17,7 @@
 
 namespace sfdae::core {
 
-// What a value depends on.
+// Quantities that a value depends on.
 using Dependence = unsigned;
 using StoredDependence = std::uint8_t;
 constexpr Dependence on_parameters = 1, on_time = 2, on_unknowns = 4, on_derivatives = 8;
@@ -30,7 +30,7 @@ struct Node {
   int a = -1, b = -1, c = -1;
 };
 
-// Of a node of a graph with these calls.
+// Operands of a node of a graph with these calls.
 class Operands {
  public:
   Operands(const Node& node, const std::vector<FunctionCall>& calls)
@@ -48,7 +48,7 @@ class Operands {
   const FunctionCall* call_;
 };
 
-// The nodes of a graph that does not change any more, in little memory.
+// The nodes of a graph that is complete, stored compactly.
 class Nodes {
  public:
   explicit Nodes(const std::vector<Node>& nodes);
@@ -85,7 +85,7 @@ struct Parameter {
   double value;  // at first
 };
 
-// A node on whose sign choices depend: on that of its sum with a parameter, which nobody but held_conditions.h sets.
+// A node on whose sign choices depend: the sign of its sum with a parameter, which only held_conditions.h sets.
 struct Condition {
   int node, parameter;
   // Its sign changes within a layer that is thinner than errors of x between the points of a step
@@ -93,8 +93,8 @@ struct Condition {
   bool is_of_layer = false;
 };
 
-// A node at certain values of which equations switch: at 0, if it is the condition of a choice, at integers (floor), or
-// at knots of a table.
+// A node and the values at which equations switch: 0 for the condition of a choice, integers for floor, knots for a
+// table.
 struct SwitchingNode {
   Operation operation;
   int node;
@@ -134,14 +134,14 @@ class Record {
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
   Node node(int i) const { return nodes_[index(i)]; }
   Operands operands(int i) const { return {node(i), parts_.calls}; }
-  // Of a node that is a function.
+  // The function of a node that calls one.
   const PointFunction& function(const Node& node) const { return *parts_.calls[index(node.a)].function; }
   const FunctionCall& call(int i) const { return parts_.calls[index(node(i).a)]; }
   Dependence dependence(int i) const { return dependence_[index(i)]; }
   bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
   double constant(int i) const { return parts_.constants[index(i)]; }
   int residual(int equation) const { return parts_.residuals[index(equation)]; }
-  // As messages call it.
+  // Name of an equation in messages.
   std::string name(int equation) const;
   const EquationNames& equation_names() const { return parts_.equation_names; }
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
@@ -175,7 +175,7 @@ class Record {
 
 StoredDependence dependence_of(const Node& node, const Operands& operands, const StoredDependence* dependence);
 
-// What the derivative of a node by its operand number k depends on.
+// Dependence of the derivative of a node by its operand number k.
 Dependence dependence_of_partial(const Record& record, int node, int k);
 
 // The adjoint of a node is the derivative of one equation by it.

@@ -15,13 +15,13 @@ namespace sfdae::core {
 
 namespace {
 
-// Dividing by it and multiplying by its inverse is the same.
+// Returns whether dividing by the value equals multiplying by its inverse.
 bool has_exact_inverse(double value) {
   int exponent = 0;
   return std::fabs(std::frexp(value, &exponent)) == 0.5 && exponent > -1000 && exponent < 1000;
 }
 
-// For one more, which can be added then without failing.
+// Reserves memory for one more entry, so that adding it cannot fail.
 template <class Entry>
 void make_room(std::vector<Entry>& entries) {
   if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 16);
@@ -46,7 +46,7 @@ std::optional<double> Recorder::number(int i) const {
   return parts_.constants[index(node(i).a)];
 }
 
-// Where the node is in the table, or the free place that it would have.
+// Place of the node in the table, or the free place for it.
 std::size_t Recorder::place_of(const Node& node) const {
   const std::size_t mask = known_.size() - 1;
   std::size_t place = hash_of(node) & mask;
@@ -62,7 +62,7 @@ void Recorder::make_room_for_places() {
   for (int i = 0; i < num_nodes(); ++i) known_[place_of(node(i))] = i;
 }
 
-// Where memory is missing nothing is added, and recording goes on.
+// If memory runs out, nothing is added, and recording can continue.
 int Recorder::intern(const Node& node) {
   make_room(dependence_);
   make_room(parts_.nodes);
@@ -101,7 +101,7 @@ int Recorder::apply(Operation operation, int a, int b, int c) {
     if (const auto value = number(operands[k])) values[k] = *value;
     else all_numbers = false;
   }
-  // What is not defined stays in the graph: evaluation will name it.
+  // Undefined results stay in the graph, so that evaluation can report them.
   if (all_numbers)
     if (const auto value = evaluate(operation, values[0], values[1], values[2])) return constant(*value);
   switch (operation) {

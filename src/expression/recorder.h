@@ -1,4 +1,4 @@
-// Recording of equations: nodes that are equal are one, numbers are computed at once, trivial algebra is done.
+// Recording of equations: equal nodes are shared, constants are folded, trivial algebra is simplified.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -40,7 +40,7 @@ class Recorder {
   // 1 if it holds, else 0.
   int greater(int a, int b) { return when(apply(Operation::subtract, a, b), 1.0, 0.0); }
   int greater_equal(int a, int b) { return when(apply(Operation::subtract, b, a), 0.0, 1.0); }
-  // Of truth values: > 0 is true.
+  // Logic: a truth value > 0 is true.
   int conjunction(int a, int b) { return apply(Operation::choose, a, when(b, 1.0, 0.0), constant(0.0)); }
   int disjunction(int a, int b) { return apply(Operation::choose, a, constant(1.0), when(b, 1.0, 0.0)); }
   int negation(int a) { return when(a, 0.0, 1.0); }
@@ -61,14 +61,14 @@ class Recorder {
 
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names = {});
-  // What the next equations have: conditions that can be held, whose parameters are the last ones, and the other.
+  // Sets the switches of the next record: conditions that can be held, with the last parameters, and all others.
   void set_switches(std::vector<Condition> conditions, std::vector<SwitchingNode> timed,
                     std::vector<SwitchingNode> stepped) {
     parts_.conditions = std::move(conditions);
     parts_.timed_switches = std::move(timed);
     parts_.stepped_switches = std::move(stepped);
   }
-  // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
+  // Equations with the first num_unknowns unknowns, and their names in messages; recording can go on.
   std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,
                                         std::vector<std::string> names) const;
 
@@ -92,7 +92,7 @@ class Recorder {
 
   Record::Parts parts_;
   std::vector<StoredDependence> dependence_;
-  // Nodes by what they are: a table with open addressing, at most half full, its size a power of two. -1: free.
+  // Hash table of nodes with open addressing, at most half full, its size a power of two. -1: free.
   std::vector<int> known_;
   std::unordered_map<std::uint64_t, int> constants_;  // index by the bits of the value
 };

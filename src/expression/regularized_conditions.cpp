@@ -89,7 +89,7 @@ class CombinedSides {
     return surface;
   }
 
-  // The combination with these sides `below` becomes what it is on both sides of the surface.
+  // Replaces the combination with these sides `below` by the mixture across the surface.
   void mix(std::size_t surface, const Combination& above, std::size_t below) {
     Combination& mixed = combinations_[below];
     const int u = mixed.parts[surface];
@@ -99,9 +99,9 @@ class CombinedSides {
       mixed.parts[k] = mixture(u, above.parts[k], mixed.parts[k]);
   }
 
-  // Returns the one value for u <= 0, the other for u > 1, and both in parts between. If branches are held that
-  // contradict each other (u > 1 holds and u > 0 does not) parts are exchanged, so that the value is continuous at both
-  // ends whichever branch is held.
+  // Returns one value for u <= 0, the other for u > 1, and a mixture of both between. If branches are held that
+  // contradict each other (u > 1 holds and u > 0 does not), parts are exchanged, so that the value is continuous at
+  // both ends whichever branch is held.
   int mixture(int u, int above, int below) {
     if (above == below) return above;
     const int one = recorder_.constant(1.0), beyond = subtract(u, one), change = subtract(above, below);

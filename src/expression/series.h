@@ -13,7 +13,7 @@
 
 namespace sfdae::core::series {
 
-// Of values: max_derivative_order + 1, as x' of a jet has one order less than x.
+// Highest order of values: max_derivative_order + 1, as x' of a jet has one order less than x.
 constexpr int highest_order = 62;
 
 // An order that the compiler knows.
@@ -127,7 +127,7 @@ inline void sqrt(Numbers a, Result v, Order K) {
   }
 }
 
-// v' = v a'. Overflow is found beforehand, for it would be an exception.
+// v' = v a'. Overflow is tested beforehand, as it would raise a floating-point exception.
 template <class Order>
 inline void exp(Numbers a, Result v, Order K) {
   constexpr double largest_argument = 709.782712893383973096;  // log of the largest number
@@ -300,7 +300,7 @@ inline void atan2(Numbers y, Numbers x, Result v, Result p, Result q, Order K) {
   }
 }
 
-// v = factor a^exponent at a_0 = 0, where it is as smooth as the exponent is large.
+// v = factor a^exponent at a_0 = 0, where its smoothness depends on the exponent.
 template <class Order>
 inline void power_at_zero(Numbers a, double exponent, double factor, Result v, Order K) {
   if (factor == 0.0) exponent = 0.0;

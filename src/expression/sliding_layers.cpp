@@ -12,10 +12,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Widths may differ by this factor from what slopes of g ask for. (Chosen: errors of the part u, and movements within
+// Factor by which widths may differ from those for the slopes of g. (Chosen: errors of the part u, and movements within
 // widths, stay within the same factor.)
 constexpr double similar = 4.0;
-// So many widths away x has left a surface. (Chosen: ten tolerances, as a rule.)
+// Number of widths at which x has left a surface. (Chosen: ten tolerances, as a rule.)
 constexpr double far = 100.0;
 
 }  // namespace
@@ -40,7 +40,7 @@ bool SlidingLayers::is_left(const Round& round, std::size_t k, bool with_sensiti
   return with_sensitivities && std::fabs(round.g[k]) > far * round.conditions[k].width;
 }
 
-// Returns whether condition k and the one of its leader are met on the sides where they have been.
+// Returns whether condition k and the one of its leader are met on the same sides as before.
 bool SlidingLayers::is_on_side(const Round& round, std::size_t k, std::size_t leader) const {
   double sides = 0.0;
   for (std::size_t i = 0; i < round.functions->width(); ++i) sides += round.slope(k, i) * round.slope(leader, i);
@@ -57,7 +57,7 @@ bool SlidingLayers::turn(const LayerPoint& at) {
   return false;
 }
 
-// Returns whether condition k fits, whose surface has x within its layer.
+// Returns whether condition k fits, if x is within the layer of its surface.
 bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at, double factor) const {
   const RegularizedCondition& own = round.conditions[k];
   const std::size_t leader = round.leader_of(k);
@@ -69,7 +69,7 @@ bool SlidingLayers::fits(const Round& round, std::size_t k, const LayerPoint& at
   return is_on_side(round, k, leader);
 }
 
-// Returns whether condition k and its surface stay what they are.
+// Returns whether condition k and its surface stay the same.
 bool SlidingLayers::stays(const Round& round, std::size_t k, const LayerPoint& at) const {
   if (is_left(round, round.leader_of(k), at.with_sensitivities)) return false;
   return round.are_entered[k] == 0 || fits(round, k, at, similar);
@@ -82,7 +82,7 @@ void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<d
   for (Round& round : rounds_) {
     if (round.conditions.empty()) continue;
     if (!round.functions->linearize(at.t, at.x, nullptr, round.g.data(), round.gradients.data())) {
-      // A layer that x was within cannot be looked at any more.
+      // A layer that x was within cannot be evaluated any more.
       fit_ = fit_ && !round.is_any_entered();
       continue;
     }
@@ -101,7 +101,7 @@ void SlidingLayers::find_limits(const LayerPoint& at, double part, std::vector<d
   }
 }
 
-// Numbers of later rounds depend on the conditions of those before: where these differ, the later ones are left out.
+// Numbers of later rounds depend on the conditions of those before: if these differ, the later ones are left out.
 // Conditions of surfaces that x still moves along lead back to their zeros again.
 RegularizationRounds SlidingLayers::fitting(const RegularizationRounds& rounds, const LayerPoint& at) {
   RegularizationRounds fitting;

@@ -2,8 +2,8 @@
 // limit the errors that x may have there.
 //
 // Within the width of a surface the part u of a branch changes from 0 to 1 while x changes by no more than its
-// tolerances. Errors of x that do not matter as such are errors of forces then, which do: too coarse a step may not see
-// that u leaves 0 ... 1 for a while, and x with it.
+// tolerances. Errors of x that are harmless as such then cause errors of forces, which are not. A step that is too
+// large may miss that u leaves 0 ... 1 for a while, and x with it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,8 +19,8 @@
 
 namespace sfdae::core {
 
-// Conditions that became continuous one after the other: numbers of each round are those of the record that the rounds
-// before have led to.
+// Conditions that became continuous one after the other. Numbers of each round are those of the record that resulted
+// from the rounds before.
 using RegularizationRounds = std::vector<std::vector<RegularizedCondition>>;
 
 struct LayerPoint {
@@ -31,19 +31,19 @@ struct LayerPoint {
 
 class SlidingLayers {
  public:
-  // Conditions of these equations, which have the values that parameters have in `parameters`.
+  // Adds conditions of these equations, with the values of parameters in `parameters`.
   void add(std::shared_ptr<const Record> record, const TaylorEvaluator& parameters,
            const std::vector<RegularizedCondition>& which);
-  // Sets limits, as many as unknowns, of errors of x: with these the error of u is `part` at most in all layers that x
-  // lies in; infinity where there are none. Nothing is allocated.
+  // Sets limits of errors of x, one for each unknown: with these the error of u is at most `part` in all layers that x
+  // lies in; infinity if there are none. Allocates nothing.
   void find_limits(const LayerPoint& at, double part, std::vector<double>& limits);
-  // Returns whether the layers fit at the point that limits were asked for last, and can be looked at: widths depend on
-  // slopes of g, and on which side of a surface several conditions are met. With sensitivities surfaces that x has left
-  // do not fit, either: where x only passes them, sensitivities jump.
+  // Returns whether the layers can be evaluated and fit at the point of the last limits: widths depend on slopes of g,
+  // and on the side of a surface on which each condition is met. With sensitivities, surfaces that x has left do not
+  // fit, either: where x only passes them, sensitivities jump.
   bool fit() const { return fit_; }
   // Returns whether x was within one of them there.
   bool are_entered() const { return entered_; }
-  // Returns whether the layers that x was within cease to fit at a point, by far more than they may: steps end before
+  // Returns whether the layers that x was within cease to fit at a point, by far more than allowed: steps end before
   // it.
   bool turn(const LayerPoint& at);
   // Returns the rounds with layers that fit, near the point.

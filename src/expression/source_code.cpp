@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// How tightly a formula holds together: what has less than its place asks for stands in parentheses.
+// Binding strength of a formula: one weaker than its place requires gets parentheses.
 enum Binding { loose, of_sum, of_product, tight };
 
 struct Formula {

@@ -11,15 +11,15 @@ namespace sfdae::core {
 
 enum class Language { C, Fortran };
 
-// The shortest number that reads as this one.
+// The shortest decimal number that reads as this value.
 std::string source_of(double value, Language language);
 // "word[3]", or "word(4)".
 std::string element(const char* word, int i, Language language);
 
-// A line of at most 100 columns as a rule, continued on others.
+// A line of at most 100 columns as a rule, with continuation lines.
 std::string wrapped(const std::string& line, Language language);
 
-// What statements call for.
+// Helper functions that statements call.
 struct HelpersUsed {
   bool floor = false, modulo = false;
 };
@@ -29,8 +29,8 @@ struct Assignment {
   int node;
 };
 
-// `target = formula` in the names t, z, zdot, p (unknowns, their derivatives, parameters), and before these what they
-// share: constants v0, v1, ... in C, elements of an array v in Fortran, num_values of them.
+// `target = formula` in the names t, z, zdot, p (unknowns, their derivatives, parameters), after shared subexpressions:
+// constants v0, v1, ... in C, elements of an array v in Fortran, num_values of them.
 struct Statements {
   std::string text;
   int num_values = 0;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int max_degree = 7;
 
-// Each end as often as makes the spline end there.
+// Each end is repeated so often that the spline ends there.
 std::vector<double> knots_of(const TableData& data) {
   const int n = static_cast<int>(data.x.size()), p = data.degree, half = (p + 1) / 2;
   std::vector<double> knots(index(p + 1), data.x.front());
@@ -128,7 +128,8 @@ void Spline::make_pieces(const std::vector<double>& knots, const std::vector<dou
   }
 }
 
-// To rounding, which loses a few digits where points lie unevenly. Ends of the pieces are seen by their values there.
+// Returns whether the spline passes through the data but for rounding errors, of which uneven points cost a few digits.
+// The values at the ends of pieces are compared.
 bool Spline::passes_through_data() const {
   constexpr double allowed = 1e-9;
   double size = 0.0;
@@ -152,7 +153,7 @@ std::size_t Spline::piece_of(double x) const {
   return static_cast<std::size_t>(after - data_.x.begin()) - 1;
 }
 
-// Arguments that are the end but for rounding errors count as within.
+// Arguments that equal an end but for rounding errors count as within.
 bool Spline::is_within(double x) const {
   const double first = data_.x.front(), last = data_.x.back();
   // More than half the gap of a kink (time_breakpoints.cpp): steps across the end of data that an argument is limited

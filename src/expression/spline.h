@@ -24,15 +24,15 @@ struct TableData {
 // coefficients as data, and polynomials of that degree are reproduced.
 class Spline : public PointFunction {
  public:
-  // What is wrong with the data, in words; "" if nothing is.
+  // Error message about the data; "" if they are valid.
   static std::string complaint(const TableData& data);
 
-  // Of data without complaint. Null if rounding errors keep it from passing through the data: points that lie too
-  // unevenly for the degree.
+  // Spline through valid data. Null if rounding errors keep it from passing through the data, as points are too uneven
+  // for the degree.
   static std::shared_ptr<const Spline> through(const TableData& data);
 
   const TableData& data() const { return data_; }
-  // 1 outside of the data.
+  // Returns 1 outside of the data.
   int derivatives(int order, const double* arguments, double* values) const override;
   std::string objection(const double* arguments) const override;
   const std::vector<double>& breakpoints() const override { return breakpoints_; }

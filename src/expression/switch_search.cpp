@@ -20,11 +20,11 @@ namespace sfdae::core {
 namespace {
 
 constexpr std::size_t most_points = PointsOfCurve::most;
-// Switches within a step that are looked at; steps with more of them become shorter.
+// Largest number of switches in a step; steps with more of them become shorter.
 constexpr std::size_t most_times = 64;
 
-// Parameters in this order: the user's, the start, the length, points beside both ends of the way, margins, divided
-// differences of each unknown.
+// Places of parameters, in this order: the user's, the start, the length, points outside both ends of the way, margins,
+// divided differences of each unknown.
 struct Places {
   explicit Places(const Record& record, std::size_t conditions)
       : start(record.num_user_parameters()),
@@ -35,7 +35,7 @@ struct Places {
   int start, length, points, margins, differences;
 };
 
-// The degree in t and x of each node, more than 1 for what is no polynomial.
+// The degree in t and x of each node, more than 1 for anything but a polynomial.
 std::vector<int> degrees_of(const Record& record) {
   constexpr int high = 2;
   std::vector<int> degree(index(record.num_nodes()), 0);
@@ -209,7 +209,7 @@ namespace {
 
 using Differences = std::array<double, most_points>;
 
-// The part of the way at which a point is.
+// Position of a point as a fraction of the way.
 double part_of(const PointsOfCurve& points, std::size_t i) {
   return i == 1 ? 1.0 : (points.t[i] - points.t[0]) / (points.t[1] - points.t[0]);
 }
@@ -237,7 +237,8 @@ void SwitchSearch::set_differences(const PointsOfCurve& points) {
   divided_differences(part, count, unknowns, row);
 }
 
-// Beside the straight line a polynomial is s (s - 1) r(s), s = 0 ... 1: r and r' are bounded by Horner's scheme.
+// The deviation from the straight line is a polynomial s (s - 1) r(s), s = 0 ... 1: r and r' are bounded by Horner's
+// scheme.
 void SwitchSearch::set_bends(const PointsOfCurve& points) {
   const Differences part = parts_of(points);
   const std::size_t unknowns = unknowns_.size();
@@ -257,7 +258,7 @@ void SwitchSearch::set_bends(const PointsOfCurve& points) {
   }
 }
 
-// The value of a linear condition at a part of the way.
+// Value of a linear condition at a fraction of the way.
 double SwitchSearch::value_of(const Line& line, double part) const {
   double bend = 0.0;
   for (const ConditionSlopes::Factor& factor : *line.factors) {

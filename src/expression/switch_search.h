@@ -1,5 +1,5 @@
-// Conditions g(t, x) > 0 while x moves along a polynomial from one point to another: all times at which they switch, as
-// g is a function of t alone then (switching_times.h).
+// All times at which conditions g(t, x) > 0 switch while x moves along a polynomial from one point to another; g is
+// then a function of t alone (switching_times.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,11 +15,11 @@
 
 namespace sfdae::core {
 
-// Which conditions are linear in t and x, and their derivatives by x.
+// Conditions that are linear in t and x, and their derivatives by x.
 class ConditionSlopes {
  public:
-  // unknowns: those that the conditions depend on; the numbers of factors are places there. Beyond the unknowns of the
-  // record, n + k is the value of condition k, which says all about it.
+  // unknowns: those that the conditions depend on; the numbers of factors are places in this list. Beyond the unknowns
+  // of the record, n + k is the value of condition k, which determines it completely.
   ConditionSlopes(const Record& record, const std::vector<Condition>& conditions, const std::vector<int>& unknowns);
   struct Factor {
     std::size_t unknown;
@@ -42,23 +42,23 @@ class ConditionSlopes {
 
 class SwitchSearch {
  public:
-  // Conditions are nodes of the record of the evaluator, which lives as long as this; parameters are those that it has
-  // when this is asked. No condition depends on x', and none on a user-supplied function, of which nothing is known
-  // between points.
-  // Those of layers are polynomials through the values that they have at the points.
+  // conditions: nodes of the record of the evaluator, which must outlive this object; parameters have the evaluator's
+  // values at the time of a call. No condition depends on x' or on a user-supplied function, as nothing is known of the
+  // latter between points.
+  // Those of layers are interpolated by polynomials through their values at the points.
   SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions);
 
   std::size_t count() const { return margins_.size(); }
 
-  // As find(), without margins and cheap: false, and nothing is known, unless conditions are linear in t and x, and
-  // divided differences say that each switches once at most. g is known at both ends.
+  // As find(), without margins and cheap. Succeeds only if conditions are linear in t and x, and divided differences
+  // show that each switches at most once; false: nothing is known. g is known at both ends.
   bool find_simple(const PointsOfCurve& points, const double* g_start, const double* g_end);
 
-  // Finds a time between every two switches that follow each other, of any conditions, on the way from the first to the
-  // second of these points, up to known_to(). A condition switches where it passes zero by its margin; null: margins
-  // are 0. The function allocates nothing.
+  // Finds a time between every two successive switches of any conditions, on the way from the first to the second of
+  // these points, up to known_to(). A condition switches where it passes zero by its margin; null: margins are 0.
+  // Allocates nothing.
   const std::vector<double>& find(const PointsOfCurve& points, const double* margins);
-  // Both belong to the last search: these times, and the time up to which all switches are known.
+  // Results of the last search: these times, and the time up to which all switches are known.
   const std::vector<double>& times_between() const { return times_between_; }
   double known_to() const { return known_to_; }
   std::optional<double> first_switch() const { return first_; }

@@ -1,4 +1,4 @@
-// Functions of t alone on whose values it depends which branch recorded equations take.
+// Functions of t alone whose values decide which branch recorded equations take.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/switching_functions.h"
 
@@ -26,8 +26,8 @@ bool switches(const Instruction& instruction) {
          is_table(instruction);
 }
 
-// At each knot: whether the derivative of that order differs on both sides. Ends of the data do not count: beyond
-// them there is nothing, or another choice.
+// Flags for the knots: the derivative of that order differs on both sides. Ends of the data do not count: beyond them
+// there is no value, or another choice.
 std::vector<char> jumps_of(const PointFunction& table) {
   constexpr double few = 1e-9;  // far beyond rounding errors
   const std::vector<double>& all = table.breakpoints();
@@ -55,7 +55,7 @@ double branch_of(Code code, const FunctionCall* call, Interval argument) {
   return first == last ? first : undecided;
 }
 
-// That is met first by an argument that goes up or down from a value, which is known as an interval.
+// The border that an argument, rising or falling from a value known as an interval, meets first.
 double next_border(Code code, const FunctionCall* call, Interval from, bool goes_up) {
   if (code == Code::choose) return 0.0;
   if (code != Code::function) return goes_up ? std::floor(from.low) + 1.0 : std::floor(from.high);
@@ -120,7 +120,7 @@ void SwitchingFunctions::find_branches(Interval t, Branch* branches) {
   find_used(branches);
 }
 
-// Backward along what equations depend on.
+// Follows the dependences of the equations backward.
 void SwitchingFunctions::find_used(Branch* branches) {
   std::copy(roots_.begin(), roots_.end(), is_used_.begin());
   for (auto use = uses_.rbegin(); use != uses_.rend(); ++use) {

@@ -1,5 +1,5 @@
-// Functions of t alone on whose values it depends which branch recorded equations take: conditions of choices, what is
-// rounded down, quotients of remainders, arguments of tables.
+// Functions of t alone whose values decide which branch recorded equations take: conditions of choices, arguments of
+// floor, quotients of remainders, arguments of tables.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,24 +26,25 @@ struct Crossing {
   double border;  // the value of the switching function there
 };
 
-// The functions of one evaluator. User-supplied functions are not called: what depends on them is none of these.
+// The switching functions of one evaluator. User-supplied functions are not called: functions that depend on them are
+// excluded.
 class SwitchingFunctions {
  public:
-  // The evaluator lives as long as this, and its parameters are those that it has when this is asked.
+  // The evaluator must outlive this object; parameters have its values at the time of a call.
   explicit SwitchingFunctions(const TaylorEvaluator& evaluator);
 
   std::size_t count() const { return switches_.size(); }
   long version() const { return values_.version(); }
 
-  // Branches on an interval. Nothing is allocated, here and below.
+  // Branches on an interval. This and the functions below allocate nothing.
   void find_branches(Interval t, Branch* branches);
-  // After that: decides more branches by values at the middle and at both ends, together with enclosures of slopes. The
-  // result is a crossing by one function of those that stay open, if one of them rises or falls throughout the
-  // interval: the one that it meets first from the end `from` of the interval.
+  // After find_branches: decides more branches by values at the middle and at both ends, together with enclosures of
+  // slopes. The result is a crossing by one of the undecided functions, if one of them rises or falls throughout the
+  // interval: the one that is met first from the end `from` of the interval.
   std::optional<Crossing> find_crossing(Interval t, double from, Branch* branches);
   // The time of a crossing within an interval, to the last bit.
   double locate(const Crossing& crossing, Interval t);
-  // The least order of derivatives by t that may jump where a branch becomes another.
+  // The least order of derivatives by t that may jump at a change of branch.
   int jumping_order(std::size_t which, double before, double after) const;
 
  private:

@@ -1,4 +1,4 @@
-// Times at which what recorded equations compute from t alone switches to another branch.
+// Times at which functions of t alone in recorded equations switch to another branch.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/switching_times.h"
 
@@ -12,13 +12,13 @@ namespace sfdae::core {
 
 namespace {
 
-// A part of the size of times: gaps about smaller times are as wide as about this one. (Design, section 17.)
+// Fraction of the size of times: gaps about smaller times are as wide as about this one. (Design, section 17.)
 constexpr double least_size = 1e-3;
-// Pieces that are looked at in one search. (Design, section 17: 60 were the most in 35 kinds of inputs.)
+// Largest number of pieces in one search. (Design, section 17: 60 were the most in 35 kinds of inputs.)
 constexpr int most_pieces = 256;
-// Gaps that are kept. Steps and outputs within them ask for the last two.
+// Number of gaps in memory. Steps and outputs within them ask for the last two.
 constexpr std::size_t most_gaps = 8;
-// In half gaps: a search begins so far before the time that is asked for, farther than most gaps are wide.
+// Start of a search before the requested time, in half gaps; most gaps are narrower.
 constexpr double looks_back = 1024.0;
 
 bool is_undecided(const Branch& branch) { return branch.is_used && std::isnan(branch.number); }
@@ -43,7 +43,7 @@ SwitchingTimes::SwitchingTimes(const std::vector<const TaylorEvaluator*>& evalua
 
 double SwitchingTimes::half_gap(double t) const { return half_of_gap(t, least_size * size_); }
 
-// The search begins anew at a time before `from`, outside of gaps.
+// Restarts the search at a time before `from`, outside of gaps.
 void SwitchingTimes::forget(double from, double beside) {
   constexpr double farther = 4.0;
   constexpr int most = 16;
@@ -81,7 +81,7 @@ const std::vector<SwitchingGap>& SwitchingTimes::find(double from, double toward
   return gaps_;
 }
 
-// Up to the next gap, at most a while beyond `toward`; false: without an end where it had to give up.
+// Extends the search up to the next gap, at most a while beyond `toward`. False: the search ended early.
 bool SwitchingTimes::extend(double toward) {
   double& known = direction_ > 0.0 ? high_ : low_;
   const double ahead = known + looks_ahead_ * (toward - known);
@@ -91,7 +91,7 @@ bool SwitchingTimes::extend(double toward) {
   find_branches(Interval::of(known));
   before_ = branches_;
   for (int looks = 0; (known - toward) * direction_ < 0.0; ++looks) {
-    // Behind a gap at the end there is a bit more to look at.
+    // Behind a gap at the end a short piece remains to be searched.
     if (pieces_.empty()) pieces_.push_back({open_.end, open_.end + 4.0 * direction_ * half_gap(open_.end), false});
     const Piece piece = pieces_.back();
     if (looks >= most_pieces || pieces_.size() + 3 > most_pieces) return false;
@@ -101,7 +101,7 @@ bool SwitchingTimes::extend(double toward) {
   return true;
 }
 
-// True: a gap is found.
+// Returns true if a gap is found.
 bool SwitchingTimes::look_at(const Piece& piece) {
   if (piece.is_gap) {
     if (!open_.is_open) open_ = {piece.start, piece.end, true};
@@ -144,7 +144,7 @@ void SwitchingTimes::split(const Piece& piece, std::size_t part, const Crossing&
   if ((start - piece.start) * direction_ > 0.0) pieces_.push_back({piece.start, start, false});
 }
 
-// Half of it: as wide as it takes to know the branches on both sides.
+// Half of a gap, just wide enough that the branches on both sides are known.
 double SwitchingTimes::gap_about(double t, std::size_t part, std::size_t which, double room) {
   constexpr double wider = 4.0;
   double half = half_gap(t);
@@ -160,7 +160,7 @@ double SwitchingTimes::gap_about(double t, std::size_t part, std::size_t which, 
   return half;
 }
 
-// The open gap, at the start of a piece on which branches are known; true: something has switched in it, or just there.
+// Closes the open gap at the start of a piece with known branches. True: something has switched in it, or just there.
 bool SwitchingTimes::close(double at) {
   int order = std::numeric_limits<int>::max();
   bool has_switched = false;

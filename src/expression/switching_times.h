@@ -1,5 +1,5 @@
-// Times at which what recorded equations compute from t alone switches to another branch, all of them, however near to
-// each other they are: by interval arithmetic and halving, as [Moo66] finds zeros.
+// All times at which functions of t alone in recorded equations switch to another branch, however close to each other:
+// by interval arithmetic and bisection, as [Moo66] finds zeros.
 //
 // [Moo66] R. E. Moore: Interval Analysis. Prentice-Hall, 1966. Chapter 7.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -15,13 +15,13 @@
 
 namespace sfdae::core {
 
-// Half of a gap about a time within which rounding errors may decide which branch is taken: 64 of them. A linear
-// function of t, modulo a period, has a few. size: of times that t is a difference of.
+// Half the width of a gap about a time within which rounding errors may decide the branch: 64 of them. A linear
+// function of t, modulo a period, has a few. size: magnitude of the times that t is a difference of.
 inline double half_of_gap(double t, double size) {
   return 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(t), size);
 }
 
-// Times within which rounding errors decide which branch is taken.
+// Interval of times within which rounding errors decide the branch.
 struct SwitchingGap {
   double start, end;
   int jumping_order;  // the least order of derivatives that may jump
@@ -29,22 +29,21 @@ struct SwitchingGap {
 
 class SwitchingTimes {
  public:
-  // Parameters are those that the evaluators have when this is asked; they live as long as this.
+  // Parameters have the values that the evaluators, which must outlive this object, have at the time of a call.
   explicit SwitchingTimes(const std::vector<const TaylorEvaluator*>& evaluators);
 
   bool empty() const { return branches_.empty(); }
-  // How large times of the integration are; gaps about times next to 0 depend on it.
+  // Magnitude of times of the integration; gaps about times next to 0 depend on it.
   void set_size(double size) {
     size_ = size;
     version_ = -1;  // what has been found before does not count
   }
-  // Times are searched for so many times as far as they are needed; 4 at first, so that most steps find the answer.
+  // Factor by which a search extends beyond the time needed; 4 at first, so that most steps find the answer.
   void set_looks_ahead(double factor) { looks_ahead_ = factor; }
   double half_gap(double t) const;
 
-  // The gaps in an interval, increasing, up to `known_to()`. That is before `toward` where a gap beyond `from` has been
-  // found, and where the search had to give up: at `from` itself if nothing can be said of times next to it, as
-  // rounding errors alone decide which branch is taken.
+  // The gaps in an interval, increasing, up to `known_to()`. That is before `toward` if a gap beyond `from` has been
+  // found, or if the search ended early: at `from` itself if rounding errors alone decide the branch next to it.
   const std::vector<SwitchingGap>& find(double from, double toward);
   double known_to() const { return known_to_; }
 

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Formulas as C++ writes them.
+// Formulas in C++ notation.
 struct Term {
   Recorder& recorder;
   int node;
@@ -27,7 +27,7 @@ Term operator-(Term a) { return a.with(Operation::negate); }
 
 using Adjoints = std::array<int, 3>;  // of operands; -1: none
 
-// What the adjoint `y` of the value v = f(a, b, c) adds to those of its operands.
+// Terms that the adjoint `y` of the value v = f(a, b, c) adds to the adjoints of its operands.
 Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int y_node) {
   const Term v{recorder, v_node}, y{recorder, y_node}, a{recorder, f.a}, b{recorder, f.b};
   const Term one = v.number(1.0);
@@ -77,13 +77,13 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
   return {-1, -1, -1};
 }
 
-// What the adjoint y of v = a^b adds to that of b, which may be a parameter.
+// Term that the adjoint y of v = a^b adds to that of b, which may be a parameter.
 int adjoint_of_exponent(Recorder& recorder, const Node& f, int v, int y) {
   const int logarithm = recorder.apply(Operation::log_of_base, f.a);
   return recorder.apply(Operation::multiply, recorder.apply(Operation::multiply, y, v), logarithm);
 }
 
-// A node and all that it is made of, ascending: of large recordings that is little.
+// A node and all nodes it depends on, ascending; in large recordings these are few.
 class NodesBelow {
  public:
   NodesBelow(const Recorder& recorder, int node) {
@@ -112,7 +112,7 @@ class NodesBelow {
   std::vector<int> nodes_;
 };
 
-// Whether these depend on the leaves.
+// Flags of the nodes that depend on the leaves.
 std::vector<char> dependents(const Recorder& recorder, const NodesBelow& below, const std::vector<int>& leaves) {
   std::vector<char> depends(below.nodes().size(), 0);
   for (int leaf : leaves)

@@ -12,17 +12,16 @@
 
 namespace sfdae::core {
 
-// Nodes of the derivatives of `node` by the first `count` unknowns; where there are kinks, those of the branch that
-// holds.
+// Nodes of the derivatives of `node` by the first `count` unknowns; at kinks, those of the active branch.
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count);
-// By nodes of leaves.
+// Derivatives by nodes of leaves.
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves);
 
-// Nodes of the partial derivatives of a node by its operands, -1 where there is none: of any operation but leaves,
+// Nodes of the partial derivatives of a node by its operands, -1 if there is none. For any operation except leaves,
 // calls of functions and `choose`, whose operands count on their branch only.
 std::array<int, 3> symbolic_partials(Recorder& recorder, int node);
 
-// The derivative along time, x' being that of x; none if that needs x'', as the node depends on x'.
+// The total derivative by time, in terms of x'; none if that needs x'', as the node depends on x'.
 std::optional<int> symbolic_time_derivative(Recorder& recorder, int node);
 
 }  // namespace sfdae::core

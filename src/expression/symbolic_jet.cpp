@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// The nodes that a node needs and that are not done, operands first: recursion would be as deep as sums are long.
+// The unfinished nodes that a node needs, operands first. Recursion would be as deep as sums are long.
 template <class IsDone>
 std::set<int> open_operands(const Recorder& recorder, int node, IsDone is_done) {
   std::set<int> open;
@@ -101,7 +101,7 @@ int SymbolicJet::compute_leaf(const Node& node, int k) {
     case Operation::time: return k == 0 ? to_.time() : number(k == 1 ? 1.0 : 0.0);
     default: break;
   }
-  // Those of conditions, which are not held.
+  // Parameters of conditions count as 0, as these are not held.
   if (index(node.a) >= parameters_->size()) return number(0.0);
   const Parameter& parameter = (*parameters_)[index(node.a)];
   return k == 0 ? to_.parameter(parameter.name, parameter.value) : number(0.0);

@@ -1,8 +1,7 @@
 // Taylor coefficients of recorded expressions along a jet, recorded themselves, and their first derivatives.
 //
 // [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Section 13.2: recurrences of
-// coefficients,
-//        of a cost that is quadratic in the order, where differentiating formulas again and again is exponential.
+// coefficients; their cost is quadratic in the order, while repeated differentiation of formulas is exponential.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,11 +14,11 @@
 
 namespace sfdae::core {
 
-// Whether the equations call functions of users or tables.
+// Returns whether the equations call user-supplied functions or tables.
 bool has_functions(const Record& record);
 
-// First derivatives by unknowns and their derivatives. Carried forward, so that a branch that was not chosen stays
-// without influence, even where its derivatives do not exist.
+// First derivatives by unknowns and their derivatives. Carried forward, so that a branch that was not chosen has no
+// influence, even if its derivatives do not exist.
 class SymbolicPartials {
  public:
   explicit SymbolicPartials(Recorder& recorder) : recorder_(recorder) {}

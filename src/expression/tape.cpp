@@ -55,7 +55,7 @@ std::vector<bool> live_nodes(const Record& record) {
 
 namespace {
 
-// Its derivative is neither a number nor a value that is there anyway.
+// Returns whether the derivative is neither a number nor a value that exists anyway.
 bool has_slope(Code code) {
   switch (code) {
     case Code::negate:
@@ -72,18 +72,18 @@ bool has_slope(Code code) {
   }
 }
 
-// There are two operands with derivatives that have to be kept, or the second one has.
+// Returns whether the derivative by the second operand has to be stored.
 bool has_second_slope(Code code) { return code == Code::divide || code == Code::atan2 || code == Code::modulo; }
 
-// Slots that are missing are 0 in lists.
+// Missing slots are 0 in lists.
 Instruction without_gaps(Instruction instruction) {
   for (int* slot : {&instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
     *slot = std::max(*slot, 0);
   return instruction;
 }
 
-// Takes instructions in blocks, so that what they compute stays in the cache: those that need no result of each other
-// side by side, those of one kind together. What is computed is the same.
+// Reorders instructions within blocks, so that their data stay in the cache: independent instructions are adjacent,
+// grouped by kind. The results do not change.
 class InRuns {
  public:
   explicit InRuns(InstructionList& list) : list_(list) {}
@@ -106,7 +106,7 @@ class InRuns {
   }
 
  private:
-  // Slots that it computes get the level, too.
+  // The slots that it computes get the level, too.
   int level_of(const Instruction& instruction) {
     const bool is_function = instruction.code == Code::function;
     const int arguments = is_function ? instruction.call->function->num_arguments() : 0;
@@ -134,7 +134,7 @@ class InRuns {
   std::vector<int> block_of_, level_of_;            // of slots
 };
 
-// Edges, and adjoints of targets, that have been seen before are not kept again.
+// Stores equal lists of edges, and of adjoints of targets, once.
 class Forms {
  public:
   explicit Forms(Tape& tape) : tape_(tape) {
@@ -327,7 +327,7 @@ class Builder {
     return hyperbolic_partner_[index(node)];
   }
 
-  // Products and quotients with numbers.
+  // Uses the variants for products and quotients with numbers.
   void choose_variant(const Node& node, Instruction& instruction) const {
     if (instruction.code == Code::divide && is_number(node.b)) instruction.code = Code::divide_by_number;
     if (instruction.code != Code::multiply) return;
@@ -398,7 +398,7 @@ class Builder {
     if (has_factor(code)) tape_.factors.push_back(std::max(factor, 0));
   }
 
-  // False: it has an adjoint in this equation already.
+  // Returns false if it has an adjoint in this equation already.
   bool touch(int slot) {
     if (touched_[index(slot)] == equation_) return false;
     touched_[index(slot)] = equation_;

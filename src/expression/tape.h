@@ -1,6 +1,5 @@
-// The graph of recorded equations, laid out for evaluation: what does not contribute to an equation is left out,
-// every value has a slot, and the gradients are lists of edges to be followed backward, which equations of one form
-// share.
+// The graph of recorded equations, laid out for evaluation: unused nodes are left out, every value has a slot, and the
+// gradients are lists of edges for a backward sweep, which equations of one form share.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -42,8 +41,8 @@ enum class Code : std::uint8_t {
   choose     // v = b if a > 0, else c
 };
 
-// Slots of the result, the operands and the derivatives that are needed. None: -1, in the lists of a tape 0, which is
-// the slot of a leaf.
+// Slots of the result, the operands and the derivatives that are needed. None: -1; in the lists of a tape 0, the slot
+// of a leaf.
 struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
@@ -66,21 +65,20 @@ enum class EdgeCode : std::uint8_t {
   pass_otherwise
 };
 
-// The instruction that computes an operation (which is no leaf): without regard to what kind of operands it has.
+// The general instruction for an operation (not a leaf), regardless of the kind of its operands.
 Code code_of(Operation operation);
 
-// Instructions in their order. Most are of four kinds with two operands, of which the slots are kept and the kind
-// once for all that follow each other, and so is the slot of the result where these follow each other as well; others
-// are kept as they are.
+// Instructions in their order. Most are binary instructions of four kinds, stored as slots of operands, with the kind
+// once for each run, and the slot of the result once if results are adjacent; all others are stored completely.
 class InstructionList {
  public:
   struct Operands {
     int a, b;
   };
-  // Instructions of that code, of the binary ones; others, whatever they are, where the code is none of these.
+  // A run of binary instructions of that code, or of any others if the code is none of these.
   struct Run {
     Code code;
-    // Of the first binary one, those of the others are `step()` apart; -1: they are listed.
+    // Result of the first binary instruction; the others are `step()` apart. -1: they are listed.
     int result;
     std::size_t count;
   };
@@ -105,7 +103,7 @@ class InstructionList {
   const int* listed_results() const { return results_.data(); }
   int step() const { return step_; }
   const Instruction* others() const { return others_.data(); }
-  // Whether there is an instruction of such a code, none of the binary ones.
+  // Returns whether the list has an instruction of such a code, which is not a binary one.
   template <class Test>
   bool has_other(Test is_wanted) const {
     return std::any_of(others_.begin(), others_.end(),
@@ -120,7 +118,7 @@ class InstructionList {
   std::vector<Instruction> others_;
 };
 
-// How a derivative is handed from a value to one of its operands. Adjoints are numbered within each equation, that of
+// Step of the backward sweep from a value to one of its operands. Adjoints are numbered within each equation, that of
 // the residual is the first.
 struct Edge {
   EdgeCode code;
@@ -163,8 +161,8 @@ struct Tape {
   int time = -1;  // slot, -1: not used
   std::vector<Number> constants, parameters;
   std::vector<Leaf> leaves;
-  // To be done after a change of parameters; of the time; of x or x'. Operands come first, and those of x or x' that
-  // are of one kind follow each other (InRuns in tape.cpp).
+  // Instructions to execute after a change of parameters, of the time, of x or x'. Operands come first, and those of x
+  // or x' of one kind are adjacent (InRuns in tape.cpp).
   InstructionList of_parameters, of_time, of_state;
   std::vector<int> residuals;  // slots
   bool has_choices = false;    // among the values that depend on x or x'
@@ -176,7 +174,7 @@ struct Tape {
     const int* factors;  // slots
   };
   EdgesOfEquation edges_of(std::size_t equation) const { return edges_of(equation, edges, factors); }
-  // Where edges and factors have been copied.
+  // Edges of an equation within copies of edges and factors.
   EdgesOfEquation edges_of(std::size_t equation, const std::vector<Edge>& all_edges,
                            const std::vector<int>& all_factors) const {
     const std::size_t form = index(form_of[equation]);

@@ -19,7 +19,7 @@ namespace {
 
 using series::Fixed;
 
-// Calls an action with the order, as a constant if it is one of those that are in use all the time.
+// Calls an action with the order, which is a constant for the most frequent orders.
 template <class Action>
 auto with_order(int order, Action action) {
   switch (order) {
@@ -160,7 +160,7 @@ bool TaylorEvaluator::entries_within(double t, const double* jet, const std::sha
 
 bool TaylorEvaluator::entries(double t, const double* jet, VaryingEntries& varying, double* values) {
   if (!source_ && varying.version == changes_of_parameters_ && varying_entries(t, jet, varying, values)) return true;
-  // All of them, which also says what is wrong.
+  // Evaluates all of them, which also reports the error.
   varying.version = -1;
   const std::vector<int> none(index(record_->m()), 0);
   if (!entries(t, jet, 0, none, values)) return false;
@@ -190,7 +190,7 @@ bool TaylorEvaluator::varying_entries(double t, const double* jet, const Varying
   return finite;
 }
 
-// Room for series of this order in every slot. Never shrinks.
+// Allocates series of this order in every slot. Never shrinks.
 void TaylorEvaluator::reserve(int order, const std::shared_ptr<const OrderLimits>& limits) {
   // Other extensions of the same equations may have limits of their own, which are the same as a rule.
   const bool are_same = limits == limits_ || (limits && limits_ && limits->of_equations == limits_->of_equations);
@@ -246,7 +246,7 @@ bool TaylorEvaluator::load(double t, const double* jet, int order) {
   return finite || note_not_finite();
 }
 
-// Without lists of their own there are values of order 0 alone.
+// Without separate lists only values of order 0 are available.
 bool TaylorEvaluator::load_within(double t, const double* jet, int more) {
   if (stride_ == 1) return load(t, jet, 0);
   bool finite = std::isfinite(t);
@@ -307,8 +307,8 @@ std::vector<double> TaylorEvaluator::residuals_in_slots(int order) const {
   return found;
 }
 
-// False: no operation is at the boundary of its domain, nothing has changed. Residuals that depend on what is unknown
-// there do not exist.
+// Returns false, with nothing changed, if no operation is at the boundary of its domain. Residuals that depend on
+// unknown values there do not exist.
 bool TaylorEvaluator::run_at_boundary(const Pass& pass) {
   using Unknowns = BoundarySweep::Unknowns;
   const BoundarySweep first = sweep_at_boundary(pass, Unknowns::other);
@@ -382,7 +382,7 @@ bool TaylorEvaluator::write_values_of(int count, EquationAt equation, int order,
       }
     }
     if (finite) return true;
-    // Which of them is not finite is named, if it is used.
+    // Reports the one that is not finite, if it is used.
     const bool has_limits = limits != nullptr && !limits->empty();
     for (int next = 0; next < count; ++next) {
       const int i = equation(next), own = has_limits ? std::min<int>(K, (*limits)[index(i)]) : static_cast<int>(K);
@@ -425,14 +425,14 @@ bool TaylorEvaluator::write_entries(int order, const std::vector<int>& limits, d
 
 namespace {
 
-// The orders wanted that an equation is differentiated to.
+// The wanted orders, limited to the order that an equation is differentiated to.
 SeriesOrders within(SeriesOrders orders, int limit) {
   return {orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
 }
 
 }  // namespace
 
-// Of the source, which knows entries only. What it does not differentiate stays zero.
+// Gradients from the source, which computes entries only. Derivatives that it does not supply stay zero.
 bool TaylorEvaluator::ask_for_gradients(double t, const double* jet, SeriesOrders orders, double* F_xdot, double* F_x,
                                         const std::vector<int>* limits) {
   const int order = orders.of_gradients();
@@ -477,7 +477,7 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
   });
 }
 
-// From the residual, the derivative of which by itself is 1, to the leaves.
+// Backward sweep from the residual, whose derivative by itself is 1, to the leaves.
 template <class Order>
 void TaylorEvaluator::sweep_back(int equation, Order order) {
   double* const adjoints = adjoints_.data();

@@ -35,9 +35,9 @@ struct SeriesOrders {
 
 class TaylorEvaluator {
  public:
-  // source: evaluates the equations, which are no formulas; null: the record does. One at a time uses it.
+  // source: evaluates equations without formulas; null: the record does. Only one evaluator at a time uses it.
   explicit TaylorEvaluator(std::shared_ptr<const Record> record, std::shared_ptr<EquationSource> source = nullptr);
-  // Of the same recording, which is shared, with the values that parameters have now.
+  // Shares the recording, and copies the present values of parameters.
   TaylorEvaluator(const TaylorEvaluator& other) = default;
   TaylorEvaluator& operator=(const TaylorEvaluator&) = delete;
 
@@ -45,26 +45,26 @@ class TaylorEvaluator {
   const std::shared_ptr<const Record>& shared_record() const { return record_; }
   const Tape& tape() const { return tape_; }
 
-  // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the
-  // Taylor coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be
-  // used. limits: none, or the highest order of each equation that is used.
+  // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the Taylor
+  // coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); the output is undefined. limits: none, or
+  // the highest order of each equation that is used.
   bool values(double t, const double* jet, int order, double* F, const std::vector<int>* limits = nullptr);
-  // The same of the equations chosen alone; others are not touched. No equations of a source.
+  // Same for the chosen equations alone; others are not touched. Not for equations of a source.
   bool values_of(const std::vector<int>& equations, double t, const double* jet, int order, double* F);
 
-  // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the
-  // highest one asked for; outputs of order -1 are not touched and may be null.
-  // limits: none, or the highest order wanted of each equation; gradients of others are zero, F is not to be used.
+  // Coefficients of F and of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is
+  // the highest one requested; outputs of order -1 are not touched and may be null. limits: none, or the highest order
+  // wanted of each equation; gradients of others are zero, F is not to be used.
   bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
                  const std::vector<int>* limits = nullptr);
 
-  // Of the gradients what is not identically zero: the Taylor coefficients of the derivative by tape().targets[e] from
-  // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
+  // Gradients without identical zeros: the Taylor coefficients of the derivative by tape().targets[e] from values[e
+  // (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
-  // Values and entries as above, each equation up to its limit + more, where that is not negative; others are not
-  // evaluated. Values: m x (highest + more + 1), entries: from values[e (highest + 1)] on. Of the jet columns are
-  // read as far as these orders go. There is no allocation after prepare() while limits stay and `more` is not
+  // Values and entries as above, each equation up to its limit + more, if that is not negative; others are not
+  // evaluated. Values: m x (highest + more + 1), entries: from values[e (highest + 1)] on. Only the columns of the jet
+  // that these orders need are read. There is no allocation after prepare() while limits stay and `more` is not
   // positive.
   bool values_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits, int more,
                      double* F);
@@ -73,32 +73,32 @@ class TaylorEvaluator {
     if (!source_) reserve(limits->highest, limits);
   }
 
-  // As entries() of order 0, with `values` as the last call with `varying` has left them: those that are numbers are
-  // not evaluated again before parameters change.
+  // As entries() of order 0, with `values` from the last call with `varying`: constant entries are not evaluated again
+  // before parameters change.
   bool entries(double t, const double* jet, VaryingEntries& varying, double* values);
 
-  // Beyond rounding errors, relative: see EquationSource::noise.
-  // Functions of the user's, no formulas.
+  // Relative errors beyond rounding errors: see EquationSource::noise.
+  // True if a source, not formulas, evaluates the equations.
   bool has_source() const { return source_ != nullptr; }
   double noise_of_entries() const { return source_ ? source_->noise() : 0.0; }
 
-  // After false.
+  // Valid after a call that returned false.
   const EvaluationFailure& failure() const { return failure_; }
 
-  // Infinite derivatives at the boundary of a domain are replaced by those of a point about so far inside.
+  // Infinite derivatives at the boundary of a domain are replaced by those of a point about this far inside.
   void set_movement(Movement movement) { movement_ = std::move(movement); }
 
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
-  // Of the user's.
+  // Number of a parameter of the user's.
   std::optional<int> find_parameter(const std::string& name) const;
   double parameter(int i) const { return parameters_[index(i)]; }
   void set_parameter(int i, double value);
-  // Since the equations were recorded.
+  // Number of changes since the equations were recorded.
   long changes_of_parameters() const { return changes_of_parameters_; }
 
  private:
-  // Indices that are slots in a tape are offsets here. Empty where these are the same, with one coefficient in a
-  // slot: large systems seldom need more, and instructions and edges are the largest part of a recording.
+  // The tape's lists with offsets in place of slots. Empty if both are the same, with one coefficient in a slot: large
+  // systems seldom need more, and instructions and edges are the largest part of a recording.
   struct Program {
     InstructionList of_parameters, of_time, of_state;
     InstructionsByOrder by_order;  // in place of of_state where there are limits
@@ -132,7 +132,7 @@ class TaylorEvaluator {
   bool varying_entries(double t, const double* jet, const VaryingEntries& varying, double* values);
   bool write_values(int order, double* F, const std::vector<int>* limits);
   bool write_values_within(int more, double* F);
-  // Of equation(0), equation(1), ..., equation(count - 1).
+  // Evaluates equation(0), equation(1), ..., equation(count - 1).
   template <class EquationAt>
   bool write_values_of(int count, EquationAt equation, int order, double* F,
                        const std::vector<int>* limits = nullptr);

@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// A part of half a gap: ends of gaps that are nearer to each other count as one.
+// Fraction of half a gap: ends of gaps that are nearer to each other count as one.
 constexpr double same_end = 0.25;
 
 }  // namespace
@@ -101,7 +101,7 @@ double TimeBreakpoints::size() const {
   return largest > 0.0 ? largest : size_of_times_;
 }
 
-// Two on each side: gaps may hold each other's times.
+// Searches two times on each side, as gaps may contain each other's times.
 void TimeBreakpoints::search_times(Search& search_for) const {
   const auto place = std::lower_bound(times_.begin(), times_.end(), search_for.t) - times_.begin();
   const auto last = std::min<std::ptrdiff_t>(place + 2, static_cast<std::ptrdiff_t>(times_.size()));

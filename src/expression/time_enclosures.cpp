@@ -1,4 +1,4 @@
-// Enclosures of what depends on t alone.
+// Enclosures of values that depend on t alone.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/time_enclosures.h"
 
@@ -18,7 +18,7 @@ const TimeSeries unknown_series{Interval::entire(), Interval::entire(), Interval
 
 TimeSeries constant(Interval value) { return {value, {}, {}}; }
 
-// f(a), of enclosures of f, f' and f'' / 2 over the values of a.
+// f(a), from enclosures of f, f' and f'' / 2 over the values of a.
 TimeSeries composed(const TimeSeries& a, Interval f, Interval slope, Interval bend) {
   return {f, slope * a.slope, slope * a.bend + bend * square(a.slope)};
 }
@@ -75,7 +75,7 @@ TimeSeries arc_tangent(const TimeSeries& a) {
   const Interval slope = reciprocal(Interval::of(1.0) + square(a.value));
   return composed(a, monotone([](double x) { return std::atan(x); }, a.value), slope, -a.value * square(slope));
 }
-// Anything where it may cross its cut.
+// The result is unbounded if it may cross its cut.
 TimeSeries arc_tangent(const TimeSeries& y, const TimeSeries& x) {
   if (!(x.value.low > 0.0))
     return {between(-std::numbers::pi, std::numbers::pi), Interval::entire(), Interval::entire()};
@@ -100,8 +100,8 @@ TimeSeries choice(const TimeSeries& condition, const TimeSeries& b, const TimeSe
   return {hull(b.value, c.value), Interval::entire(), Interval::entire()};
 }
 
-// Between its breakpoints the function is a polynomial of degree `jumping_order()`: of its derivative of an order, on
-// middle +- radius.
+// Between its breakpoints the function is a polynomial of degree `jumping_order()`. Encloses its derivative of an order
+// on middle +- radius.
 Interval values_of_piece(const PointFunction& table, int order, double middle, double radius) {
   // A derivative is a sum of products of at most so many roundings. (Measured: 3 in tests of splines of degree 5.)
   constexpr double roundings = 16.0 * std::numeric_limits<double>::epsilon();
@@ -145,7 +145,7 @@ TimeSeries values_of_table(const PointFunction& table, int order, Interval x) {
   return is_defined ? result : unknown_series;
 }
 
-// Those that slots depend on.
+// Instructions that slots depend on.
 std::vector<Instruction> instructions_for(const Tape& tape, const std::vector<int>& slots) {
   std::vector<Instruction> kept;
   std::vector<char> is_needed(index(tape.num_slots), 0);

@@ -1,5 +1,5 @@
-// Enclosures of the values and derivatives that what depends on t alone has over an interval of t, by interval
-// arithmetic on Taylor coefficients.
+// Enclosures of the values and derivatives of functions of t alone over an interval of t, by interval arithmetic on
+// Taylor coefficients.
 //
 // [Moo66] R. E. Moore: Interval Analysis. Prentice-Hall, 1966. Chapters 3, 11.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -21,12 +21,12 @@ struct TimeSeries {
 
 class TimeEnclosures {
  public:
-  // slots: those of the tape that are asked for.
+  // slots: the wanted slots of the tape.
   TimeEnclosures(const Tape& tape, const std::vector<int>& slots);
 
-  // False: user-supplied functions contribute to the k-th one; nothing is known of them between points.
+  // False: user-supplied functions, which are unknown between points, contribute to the k-th one.
   bool is_enclosed(std::size_t k) const { return is_enclosed_[index(wanted_[k])] != 0; }
-  // numbers: the slots of the tape, of which those that do not depend on t are read. Nothing is allocated.
+  // numbers: the slots of the tape; only those that do not depend on t are read. Allocates nothing.
   void enclose(const double* numbers, Interval t);
   const TimeSeries& operator[](std::size_t k) const { return series_[index(wanted_[k])]; }
 

@@ -27,7 +27,7 @@ std::vector<int> input_slots(const Tape& tape) {
   return all;
 }
 
-// Of those that are no sums or products.
+// Returns whether an instruction is more than a sum, product, sine or cosine.
 bool is_steep(Code code) {
   return code != Code::negate && code != Code::divide_by_number && code != Code::sin_cos && code != Code::copy;
 }

@@ -1,4 +1,4 @@
-// Inputs of recorded equations: what depends on t alone, where what depends on x or x' is made of it.
+// Inputs of recorded equations: subexpressions of t alone that are combined with x or x'.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,23 +13,22 @@ namespace sfdae::core {
 
 class TimeInputs {
  public:
-  // Parameters are those that the evaluators have when they are asked; they live as long as this.
+  // Parameters have the values that the evaluators, which must outlive this object, have at the time of a call.
   explicit TimeInputs(const std::vector<const TaylorEvaluator*>& evaluators);
 
-  // t itself is none.
+  // The number of inputs; t itself is none.
   int count() const { return with_slopes_ ? 2 * count_ : count_; }
-  // Derivatives of inputs are inputs, too, after these: of equations that are differentiated.
+  // Counts derivatives of inputs as inputs, too, after the inputs, for equations that are differentiated.
   void count_slopes(bool with_slopes) { with_slopes_ = with_slopes; }
-  // What is made of x and x' besides is more than sums, products, sines: it may be next to nothing until an input is
+  // Returns whether x and x' occur in more than sums, products, sines. Such terms may be negligible until an input is
   // at its largest, as the current of a diode.
   bool are_with_steep_functions() const { return are_with_steep_functions_; }
-  // Their values at t; not finite where a function fails, within a QuietArithmetic of the caller's. Nothing is
-  // allocated.
+  // Their values at t; not finite if a function fails, within a QuietArithmetic of the caller's. Allocates nothing.
   void evaluate(double t, double* values);
-  // Enclosures of each over an interval of t, after `evaluate` and within a QuietArithmetic of the caller's; anything
-  // where user-supplied functions contribute.
+  // Enclosures of each over an interval of t, after `evaluate` and within a QuietArithmetic of the caller's; unbounded
+  // if user-supplied functions contribute.
   void enclose(Interval t, TimeSeries* all);
-  // Whether no user-supplied function contributes to an input, to any of them.
+  // Returns whether an input, or all inputs, are free of user-supplied functions.
   bool is_enclosed(std::size_t input) const { return is_enclosed_[input % is_enclosed_.size()] != 0; }
   bool are_enclosed() const;
 

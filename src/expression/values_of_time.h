@@ -11,16 +11,17 @@ namespace sfdae::core {
 
 class ValuesOfTime {
  public:
-  // Parameters are those that the evaluator, which lives as long as this, has when it is asked. It has no source.
+  // Parameters have the values of the evaluator, which must outlive this object, at the time of a call. It has no
+  // source.
   explicit ValuesOfTime(const TaylorEvaluator& evaluator);
 
   const Tape& tape() const { return evaluator_->tape(); }
-  // Another one after a change of parameters.
+  // Changes whenever parameters change.
   long version() const { return evaluator_->changes_of_parameters(); }
-  // Slots of all values: of constants, parameters and what depends on t alone there; others stay as they are. Not
-  // finite where a function fails, within a QuietArithmetic of the caller's. Nothing is allocated.
+  // Slots of all values: those of constants, parameters and functions of t alone are set, others stay unchanged. Not
+  // finite if a function fails, within a QuietArithmetic of the caller's. Allocates nothing.
   double* at(double t);
-  // Of the last time.
+  // Slots of the last time.
   const double* numbers() const { return slots_.data(); }
 
  private:

@@ -1,4 +1,4 @@
-// What of a tape has to be done for those derivatives alone that are no numbers.
+// Operations of a tape that derivatives which are not constant require.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/varying_entries.h"
 
@@ -58,8 +58,8 @@ void VaryingEntries::choose_instructions(const Tape& tape, std::vector<char>& is
   for (auto next = chosen.rbegin(); next != chosen.rend(); ++next) instructions_.push_back(*next);
 }
 
-// Edges come from the residual to the leaves. A sum of numbers is one; what is handed on to something that varies is
-// needed, whether it varies or not.
+// Edges come from the residual to the leaves. A sum of numbers is a number. A value that is handed on to a varying one
+// is needed, whether it varies or not.
 void VaryingEntries::choose_edges(const Tape& tape, int equation, std::vector<char>& is_needed) {
   const auto [first, last, factors] = tape.edges_of(index(equation));
   std::vector<int> varying, wanted;

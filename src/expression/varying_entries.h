@@ -1,5 +1,5 @@
-// What of a tape has to be done for those derivatives alone that are no numbers: most equations are sums of terms
-// with constant factors, whose derivatives need not be evaluated at each point.
+// Operations of a tape that derivatives which are not constant require. Most equations are sums of terms with constant
+// factors, whose derivatives need not be evaluated at each point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,14 +14,14 @@ namespace sfdae::core {
 class VaryingEntries {
  public:
   VaryingEntries() = default;
-  // Of the targets of the tape those with flags; the others are evaluated together with those that are numbers.
+  // is_wanted: flags of the targets of the tape to evaluate; the others are evaluated together with the constant ones.
   explicit VaryingEntries(std::vector<char> is_wanted) : is_wanted_(std::move(is_wanted)) {}
 
   // Slots become offsets, `stride` numbers for each.
   void set(const Tape& tape, int stride);
   int stride() const { return stride_; }
 
-  // Of the instructions of_state of the tape those that are needed.
+  // The needed ones of the tape's instructions of_state.
   const InstructionList& instructions() const { return instructions_; }
   // Equations with such derivatives, the edges that lead to these, and their numbers among the targets of the tape.
   struct Row {

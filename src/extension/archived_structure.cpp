@@ -12,7 +12,7 @@ namespace {
 
 using Row = std::vector<Signature::Entry>;
 
-// Reading: each line has at most `most` parts.
+// When reading, each line has at most `most` parts.
 template <class Part, class ArchivePart>
 void archive_parts(std::vector<Part>& parts, int most, Archive& archive, ArchivePart archive_part) {
   int count = static_cast<int>(parts.size());
@@ -40,7 +40,7 @@ void archive_equation(std::vector<EquationTerm>& terms, Row& row, int n, Archive
   });
 }
 
-// Each unknown once in the row, with a derivative that the terms may contain.
+// True if the row has each unknown at most once, with a derivative that the terms may contain.
 bool is_row_of(const std::vector<EquationTerm>& terms, const Row& row, const Signature& recorded) {
   std::vector<int> highest(index(recorded.size()), -1);
   for (const EquationTerm& term : terms)

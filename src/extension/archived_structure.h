@@ -1,5 +1,4 @@
-// Equations that were replaced, in checkpoints: points at random have found them once, and the same are to be taken
-// again.
+// Replaced equations in checkpoints: they were found with random points, so the same ones must be restored.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +11,7 @@ namespace sfdae::core {
 
 void archive_structure(const Structure& structure, Archive& archive);
 
-// recorded: of the equations as they are. Throws DamagedArchive.
+// recorded: the structure of the original equations. Throws DamagedArchive.
 std::shared_ptr<const Structure> archived_structure(const Structure& recorded, Archive& archive);
 
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
 // Certificates of the structure of an extension at the points of a solution, and the distance of its system Jacobian
 // from singular matrices.
 //
-// Points are certified one in a while, as ranks are elsewhere; a system Jacobian that does not depend on the point is
+// A point is certified once in a while, as ranks are elsewhere; a system Jacobian that does not depend on the point is
 // certified once for all points with the same parameters.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -19,16 +19,16 @@ namespace sfdae::core {
 
 class ConfirmedStructure {
  public:
-  // The extension lives longer.
+  // The extension has to outlive this object.
   ConfirmedStructure(MinimalExtension& extension, double rank_tol);
 
   enum class Certificates { kept, not_kept };
   // noise: rounding error bounds of the jet, or empty. Not ok: the error, or `changed`, which about_change() explains.
   PointStatus certify(const Jet& jet, const std::vector<double>& noise, CallbackError& error,
                       Certificates certificates = Certificates::not_kept);
-  // The same, without an effect on when the next point is due.
+  // Like certify(), without an effect on when the next point is due.
   PointStatus certify_aside(const Jet& jet, const std::vector<double>& noise, CallbackError& error);
-  // One more point; true: it has to be certified.
+  // Counts one more point; true if it has to be certified.
   bool is_due() { return ++points_ >= points_between_certificates; }
   // Frees the memory that certificates need, once one holds at all points.
   void forget_what_certifies();
@@ -54,7 +54,7 @@ class ConfirmedStructure {
   StructureJudge judge_;
   Certificate certificate_;
   bool is_certified_ = false;
-  // The system Jacobian does not depend on the point, and parameters were those when it was certified.
+  // The system Jacobian does not depend on the point; the version of the parameters when it was certified.
   bool has_constant_blocks_;
   long certified_parameters_ = -1;
   double smallest_kept_ = 1.0;

@@ -1,4 +1,4 @@
-// Sensitivities at a start.
+// Sensitivities of consistent initial values.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/consistent_directions.h"
 
@@ -16,10 +16,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what is added up: residuals of equations that are fulfilled, those that may be rounding errors of
-// others, and changes that are none. Chosen, not measured.
+// Relative to the sum of terms: residuals of satisfied equations, residuals that may be roundoff of other equations,
+// and negligible changes. Chosen, not measured.
 constexpr double fulfilled = 1e-8, rounding_of_rows = 1e-12, no_change = 1e-13;
-// Each takes away what weights of 1e-10 leave.
+// Each solution removes most of the effect of weights of 1e-10.
 constexpr int solutions_to_let_go = 3;
 
 }  // namespace
@@ -96,7 +96,7 @@ void ConsistentDirections::find(const double* right, const double* directions, d
   }
   step_.analyze(equations_);
   if (!step_.factor(equations_, values_, W_, held_)) fail();
-  // What may end anywhere is drawn to where the last solution has it, so that it moves nothing else.
+  // Unknowns that may end anywhere are drawn to their values in the last solution, so that they move nothing else.
   std::fill(dx_.begin(), dx_.end(), 0.0);
   for (int solution = 0; solution < solutions_to_let_go; ++solution) {
     for (std::size_t k = 0; k < dx_.size(); ++k)

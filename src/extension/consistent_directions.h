@@ -1,6 +1,6 @@
-// Sensitivities at a start: the derivatives of consistent values by parameters, nearest to directions as a request
-// measures changes of x. At a consistent point, which is its own nearest one, that is the linear problem of least
-// change (docs/design/sensitivities.md).
+// Sensitivities of consistent initial values: their derivatives by parameters, nearest to directions in the measure of
+// changes of x of a request. At a consistent point, which is its own nearest one, this is the linear least-change
+// problem (docs/design/sensitivities.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,15 +15,14 @@ namespace sfdae::core {
 
 class ConsistentDirections {
  public:
-  // values: derivatives of the rows at the jet, which is consistent. request: with tolerances. Throws Failure where
-  // there are none.
+  // values: derivatives of the rows at the jet, which is consistent. request: with tolerances. Throws Failure if there
+  // are no such directions.
   ConsistentDirections(MinimalExtension& extension, const ConsistencyRequest& request, const Jet& jet,
                        const std::vector<double>& values);
 
-  // right: by rows; directions and S: of all x_j. Throws Failure SFDAE_FIXED_VALUES where fixed directions cannot be
-  // had.
+  // right: by rows; directions and S: of all x_j. Throws Failure SFDAE_FIXED_VALUES if fixed directions are impossible.
   void find(const double* right, const double* directions, double* S);
-  // Whether S, which fulfils the equations, leaves all directions that are to stay as they are.
+  // True if S, which satisfies the equations, leaves all directions unchanged that are to stay.
   bool stay(const double* directions, const double* S) const;
 
  private:

@@ -1,4 +1,4 @@
-// Consistent jets of the extension.
+// Consistent jets of the minimal extension.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/consistent_extension.h"
 
@@ -19,17 +19,17 @@ namespace sfdae::core {
 
 namespace {
 
-// In squares of the sizes of x, W of what may move freely: far below what is to stay, far above rounding. Chosen, not
-// measured.
+// Weight W of unknowns that may move freely, in squares of the sizes of x: far below that of the others, far above
+// roundoff. Chosen, not measured.
 constexpr double weight_of_free = 1e-10;
-// Of the tolerances, and of what is changed: changes that count. By judgement.
+// Least changes that count, relative to the tolerances and to the changed value. By judgement.
 constexpr double moved = 1e-6, beyond_rounding_of_x = 64.0 * unit_roundoff;
-// Derivatives of higher order lose digits from step to step where all equations are solved together. By judgement.
+// Derivatives of higher order lose digits from step to step if all equations are solved together. By judgement.
 constexpr int highest_order_to_approach = 6;
-// Of the tolerances: no step toward the nearest point that is left out is larger.
+// Largest step toward the nearest point that may be left out, relative to the tolerances.
 constexpr double thousandth = 1e-3;
-// Of a derivative in sizes of its unknown, in the equations' own unit of time: a rounding error of x changes it by
-// about its size.
+// Size of a derivative relative to its unknown, in the equations' own unit of time, at which a rounding error of x
+// changes it by about its size.
 constexpr double beyond_rounding = 1.0 / unit_roundoff;
 
 }  // namespace
@@ -43,7 +43,7 @@ std::vector<char> differentiated_unknowns(const Signature& signature) {
 }
 
 void ConsistentExtension::fail(const Jet& jet, const char* why) const {
-  // No guess helps where blocks of the system Jacobian are singular everywhere.
+  // No guess helps if blocks of the system Jacobian are singular everywhere.
   const char* const advice =
       why == StageSearch::singular
           ? " If structure misleads, set structure = SFDAE_STRUCTURE_OFF; if that is a singular point alone, give "
@@ -90,8 +90,8 @@ Jet ConsistentExtension::find(const PointOfInterest& point) {
                                                                           : std::move(nearest);
 }
 
-// Something has moved, and a jet that moves everything by less than its tolerance may exist: the nearest one has the
-// least sum of squares.
+// True if something has moved, and a jet may exist that moves everything by less than its tolerance: the nearest one
+// has the least sum of squares.
 bool ConsistentExtension::may_be_digits(const double* given, const Jet& found) const {
   double sum = 0.0;
   int count = 0;
@@ -115,7 +115,7 @@ bool ConsistentExtension::is_within(const std::vector<double>& tolerances, const
 }
 
 Jet ConsistentExtension::find_nearest(const PointOfInterest& point) {
-  // Nearly singular matrices make numbers that are not finite, which searches look at.
+  // Nearly singular matrices lead to numbers that are not finite, which the searches check.
   const QuietArithmetic quiet;
   Jet guess;
   guess.t = point.t;
@@ -126,7 +126,7 @@ Jet ConsistentExtension::find_nearest(const PointOfInterest& point) {
   units_.time =
       time_unit(extension_.problem().evaluator(), {guess.t, guess.x.data(), units_.sizes}, extension_.jet_order());
   Jet jet = guess;
-  // What is beyond the extension has no meaning.
+  // Derivatives beyond the extension have no meaning.
   for (int j = 0; j < extension_.n(); ++j)
     if (extension_.offsets().d[index(j)] == 0) jet.column(1)[j] = 0.0;
   for (int stage = extension_.first_stage(); stage <= 0; ++stage) solve_stage(stage, guess, jet);
@@ -134,7 +134,7 @@ Jet ConsistentExtension::find_nearest(const PointOfInterest& point) {
   return jet;
 }
 
-// Stages move what they have to, but not with an eye on those that come; fixed values they do not know of.
+// True if the stages have moved values that are to stay: they ignore later stages and fixed values.
 bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   if (request_.is_weighted()) return true;
   for (int j = 0; j < extension_.n(); ++j) {
@@ -146,7 +146,7 @@ bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   return false;
 }
 
-// Derivatives, of which nothing is known, count little.
+// Solves one stage. Derivatives, which are unknown, get little weight.
 void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   const int rows = extension_.first_row(stage + 1) - extension_.first_row(stage);
   const int first = extension_.first_column(stage), last = extension_.first_column(stage + 1);
@@ -160,7 +160,7 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   if (const char* const why = StageSearch(extension_, stage, std::move(W), units_).run(guess, jet)) fail(jet, why);
 }
 
-// Derivatives that all equations together do not determine to any digit, one stage after the other as they may.
+// True if all equations together do not determine any digit of some derivative; stage by stage they may.
 bool ConsistentExtension::has_derivatives_beyond_rounding(const Jet& jet) const {
   for (const auto& [unknown, order] : extension_.columns()) {
     const double size = std::max(std::fabs(jet.x[index(unknown)]), units_.sizes[index(unknown)]);
@@ -174,7 +174,7 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
   LeastChangeSearch::Demands demands;
   if (request_.differentiated_stay()) demands.negligible = thousandth * thousandth;
-  bool is_candidate = true;  // consistent, and what is fixed is where it should be
+  bool is_candidate = true;  // consistent, and fixed values are as given
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto [unknown, order] = columns[k];
     const bool is_fixed = is_held(columns[k]);
@@ -185,11 +185,11 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
     if (is_fixed && std::fabs(change) > moved * units_.sizes[index(unknown)]) is_candidate = false;
     if (is_fixed) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
-  // The jet is consistent, if not the nearest one.
+  // The jet is consistent, though it need not be the nearest one.
   const bool may_stay = !request_.is_weighted() && request_.kind != InitialValues::fixed;
   if (may_stay && has_derivatives_beyond_rounding(jet)) return;
   LeastChangeSearch search(extension_, std::move(demands), units_);
-  // From values that are consistent already, as searches may where equations are nearly dependent.
+  // From values that are consistent already, searches may run away if equations are nearly dependent.
   const auto runs_away = [&](const Jet& found) {
     return is_candidate && search.sum(guess, found) > search.sum(guess, jet);
   };
@@ -199,7 +199,7 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
       jet = std::move(quick);
       return;
     }
-    // Where constraints are bent whole steps may converge slowly, or not at all.
+    // If constraints are curved, full steps may converge slowly, or not at all.
     if (may_stay) {
       if (extension_.jet_order() <= highest_order_to_approach) search.approach(guess, jet);
       return;

@@ -1,8 +1,7 @@
-// Consistent jets: values of all unknowns of the extension that fulfil its equations, with x near values given.
-//
-// First stage by stage [P01]: the equations of a stage determine its unknowns, or as many of them as there are
-// equations, given those of the stages before; then, where values given have to move, all together so that the
-// changes of x are least.
+// Consistent jets: values of all unknowns of the extension that satisfy its equations, with x near given values. They
+// are found stage by stage [P01]: the equations of a stage determine its unknowns, or as many of them as there are
+// equations, given those of the earlier stages. If given values have to move, all equations are then solved together so
+// that the changes of x are least.
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -34,17 +33,16 @@ class ConsistentExtension {
     if (!request.weights.empty()) least_weight_ = *std::min_element(request.weights.begin(), request.weights.end());
   }
 
-  // Near the x and, if it is there, x' of the point: what is differentiated moves in proportion to its values where
-  // their last digits explain that, as published values are off by these (docs/design/consistent_initialization.md).
+  // Finds a jet near the x and, if given, x' of the point. Differential variables move in proportion to their values if
+  // their last digits explain the change, as published values are rounded (docs/design/consistent_initialization.md).
   // Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
-  // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not
-  // allow that.
+  // Reports the changes of given values by find() as requested. Throws Failure if the request does not allow them.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
 
-  // Of the square of a change, as the request wants it; value: of the column, as far as it is known.
+  // Weight of the square of a change, by the request; value: of the column, as far as it is known.
   double weight(const MinimalExtension::Column& column, double value = 0.0) const;
-  // Whether a value is to stay near the guess; others end where they have to, wherever they began. Whether it is fixed.
+  // is_drawn: a value is to stay near the guess; others end where they have to. is_held: it is fixed.
   bool is_drawn(const MinimalExtension::Column& column) const;
   bool is_held(const MinimalExtension::Column& column) const;
   bool stays(int j) const { return is_held({j, 0}) || is_drawn({j, 0}); }
@@ -62,7 +60,7 @@ class ConsistentExtension {
   MinimalExtension& extension_;
   const ConsistencyRequest& request_;
   SearchUnits units_;
-  std::vector<double> drawn_sizes_;  // changes of what is drawn that count as one
+  std::vector<double> drawn_sizes_;  // changes of drawn values that count as one
   std::vector<char> differentiated_;
   double least_weight_ = 1.0;  // only ratios of weights count
 };

@@ -1,4 +1,4 @@
-// The equations that are left for the states of all stages.
+// Coupled equations for the states of all stages.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/coupled_states.h"
 
@@ -39,7 +39,7 @@ void CoupledStates::set_pairs(int d, const std::vector<Pair>& pairs) {
   }
 }
 
-// z_b in terms of z_a of all stages, in the rows of equations_.
+// Condensed equations: z_b in terms of z_a of all stages, in the rows of equations_.
 void CoupledStates::fill_condensed() {
   const int left = static_cast<int>(kept_.size()), size = s_ * left;
   const auto D = [this](int i, int k) { return D_[index(i + k * s_)]; };
@@ -79,7 +79,7 @@ bool CoupledStates::factor_matrix() {
   return size() <= most_by_loops ? small::factor_lu(M, pivots_.data()) : factor_lu(M, pivots_.data());
 }
 
-// x := L^-1 x of a whole panel, L with ones in its diagonal.
+// x := L^-1 x of a whole panel, L with a unit diagonal.
 void CoupledStates::solve_unit_lower(ConstView panel, double* x) {
   double z[panel_width];
   for (int i = 0; i < panel_width; ++i) z[i] = x[i];
@@ -92,7 +92,7 @@ void CoupledStates::solve_unit_lower(ConstView panel, double* x) {
   for (int i = 0; i < panel_width; ++i) x[i] = z[i];
 }
 
-// By panels of few columns; what is right of them by products of matrices.
+// Factors by panels of few columns; the part to their right is updated by products of matrices.
 bool CoupledStates::factor_by_panels() {
   const int n = size();
   const View M{matrix_.data(), n, n, std::max(n, 1)};
@@ -147,7 +147,7 @@ void CoupledStates::solve() {
     }
   }
   solve_lu(lu, pivots_.data(), z_.data());
-  // Beside z_a the right-hand side of its equation is still wanted.
+  // Besides z_a the right-hand side of its equation is still needed.
   for (int i = 0; i < s_; ++i)
     for (const Pair& pair : pairs_) w(i, pair.b) = -w(i, pair.a);
   for (int i = 0; i < s_; ++i)

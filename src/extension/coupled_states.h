@@ -1,14 +1,12 @@
-// The equations that are left for the states where each stage of an implicit Runge-Kutta step has been eliminated
-// down to them:
+// Coupled equations for the states, after each stage of an implicit Runge-Kutta step has been reduced to them:
 //
 //     sum_k D_ik / h z_k - B_i z_i = w_i,    i = 1, ..., s,    d each.
 //
-// Where the slope of a state is another state, as that of a position is a velocity, that row of B_i is a unit vector,
-// and
+// If the slope of a state is another state, as that of a position is a velocity, that row of B_i is a unit vector, and
 //
 //     z_i,b = sum_k D_ik / h z_k,a - w_i,a    for each such pair a, b
 //
-// leaves s (d - pairs) equations. With time in units of h these pivots are 1 beside entries of D.
+// leaves s (d - pairs) equations. With time in units of h these pivots are 1, next to entries of D.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,25 +24,25 @@ class CoupledStates {
   // slope(a, b, i): entry (a, b) of B_i. False: singular.
   template <class Slope>
   bool factor(const StageMethod& method, double h, int d, Slope slope);
-  // The same with pairs eliminated, slope(a, b, i) of which is 1, and others of a zero. Each state is in one of them
-  // at most.
+  // Like factor(), with pairs eliminated: in row a of B_i the entry of b is 1, and all others are 0. Each state is in
+  // at most one pair.
   struct Pair {
     int a, b;
   };
   void set_pairs(int d, const std::vector<Pair>& pairs);
-  // Rows of B_i that are left.
+  // Remaining rows of B_i.
   const std::vector<int>& equations() const { return equations_; }
   // slope(c, b, i): in the row of equations()[c].
   template <class Slope>
   bool factor_condensed(const StageMethod& method, double h, Slope slope);
-  // w, stage after stage, which becomes the solution.
+  // w, stage after stage; solve() replaces it by the solution.
   double* right() { return w_.data(); }
   void solve();
-  // Of the matrix that was factored.
+  // Size of the matrix that was factored.
   int size() const { return s_ * static_cast<int>(kept_.size()); }
   int pairs() const { return static_cast<int>(pairs_.size()); }
 
-  // Up to this order the loops of small_kernels.h, of which LAPACK takes 1.6 times the instructions for 20 equations.
+  // Largest order for the loops of small_kernels.h; LAPACK takes 1.6 times their instructions for 20 equations.
   static constexpr int most_by_loops = 40;
 
  private:
@@ -59,10 +57,10 @@ class CoupledStates {
   int s_ = 0, d_ = 0;
   std::vector<double> D_, D2_;  // D / h, and its square
   std::vector<Pair> pairs_;
-  // States but for the b of pairs, which are the unknowns; the equations of the others but for the a; for each state
-  // its pair as a or b, and its place among the unknowns, or -1.
+  // States except the b of pairs, which are the unknowns; equations except those of the a; for each state its pair as a
+  // or b, and its place among the unknowns, or -1.
   std::vector<int> kept_, equations_, pair_of_a_, pair_of_b_, place_;
-  std::vector<double> slopes_;  // the rows of B_i that are left, column-major, stage after stage
+  std::vector<double> slopes_;  // the remaining rows of B_i, column-major, stage after stage
   std::vector<double> matrix_, w_, z_;
   std::vector<int> pivots_;
 };

@@ -12,8 +12,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Nodes of formulas for each of the equations and for each derivative: more of them take longer than sweeps do. By
-// judgement.
+// Most nodes of formulas for each node of the equations and for each derivative: longer formulas take more time than
+// sweeps. By judgement.
 constexpr std::size_t most_of_nodes = 6, most_of_entries = 4;
 
 }  // namespace

@@ -99,7 +99,7 @@ class Export {
   }
   static int sum(Recorder& recorder, int a, int b) { return recorder.apply(Operation::add, a, b); }
 
-  // Taylor coefficient of x_j. Those beyond the extension cancel in all rows that contain them.
+  // Taylor coefficient of x_j. Coefficients beyond the extension cancel in all rows that contain them.
   int coefficient(Recorder& to, int j, int order) const {
     if (order > extension_.offsets().d[index(j)]) return to.constant(0.0);
     const bool is_slope = order == 1 && choice_.is_state(j);

@@ -2,9 +2,10 @@
 //
 //     f_i^(k) = 0,  k = 0, ..., c_i,   in the unknowns z = (x_j^(l), l = 0, ..., d_j, but x_j' of the states),
 //
-// x_j' of a state j being the derivative of its entry of z; derivatives that are entries of z themselves are
-// algebraic unknowns, the dummy derivatives of [MS93]. These are as many equations as unknowns, strangeness-free (mu
-// = 0) as long as the states determine the other unknowns. Derivatives are plain ones, without factorials.
+// x_j' of a state j is the derivative of its entry of z; derivatives that are entries of z themselves are algebraic
+// unknowns, the dummy derivatives of [MS93]. There are as many equations as unknowns, and the system is
+// strangeness-free (mu = 0) as long as the states determine the other unknowns. Derivatives are plain ones, without
+// factorials.
 //
 // [MS93] S. E. Mattsson, G. Soederlind: Index Reduction in Differential-Algebraic Equations Using Dummy Derivatives.
 //        SIAM J. Sci. Comput. 14 (1993), 677-692.
@@ -39,14 +40,14 @@ struct ExportedSystem {
   std::vector<Unknown> unknowns;
   std::vector<Equation> equations;
   std::vector<Partial> partials;  // those that are not zero, by rows
-  // Of equations: F first, then the partials.
+  // Equations: F first, then the partials.
   std::shared_ptr<const Record> formulas;
   double t = 0.0;
-  std::vector<double> z, zdot;  // at t; derivatives of entries that are no states count for nothing in F
+  std::vector<double> z, zdot;  // at t; F does not contain derivatives of entries that are not states
 };
 
-// jet: consistent, where the states were chosen. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, where equations call
-// functions that are no formulas.
+// jet: consistent, where the states were chosen. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, if equations call functions
+// that are not formulas.
 ExportedSystem exported_system(const MinimalExtension& extension, const StateChoice& choice, const Jet& jet);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Singular points between steps of the extension.
+// Detection of singular points between steps of the extension.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/extension_change_watch.h"
 
@@ -13,22 +13,22 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the step: how far the point found may be from the singular one, as x is interpolated.
+// Uncertainty of the point found, relative to the step, as x is interpolated.
 constexpr double uncertain = 0.02;
-// Of the step in which a point was found first: one that is short enough to report it.
+// Step that is short enough to report a point, relative to the step in which it was found first.
 constexpr double short_enough = 1e-5;
-// By so much determinants have become smaller then if they vanish, and do not only jump: to first order by
-// short_enough, by its root where solutions end.
+// Determinants that vanish, and do not only jump, have then fallen by this factor: to first order by short_enough, by
+// its root where solutions end.
 constexpr double vanished = 1e-2;
-// Of times: a step about a singular point is not shorter than so many roundings.
+// Least step about a singular point, in units of roundoff of t.
 constexpr double roundings = 1024.0;
 // A determinant that falls by this factor inside a step may touch zero there.
 constexpr double dip = 5e-2;
-// Determinants of many unknowns vary by orders of magnitude, all pivots together: dips tell nothing then. Chosen, not
+// Determinants of many unknowns vary by orders of magnitude, all pivots together: their dips mean nothing. Chosen, not
 // measured.
 constexpr int most_unknowns = 10;
-// Before steps fail in front of a singular point determinants have fallen to this part of their largest value, and by
-// this in the last step, which is tiny.
+// Before steps fail at a singular point, determinants have fallen to this fraction of their largest value, and by this
+// factor in the last step, which is tiny.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
 double ratio(double log2, double log2_of_reference) { return std::exp2(std::min(log2 - log2_of_reference, 900.0)); }
@@ -68,7 +68,7 @@ void ExtensionChangeWatch::accept() {
     if (last_.values[k].sign != 0) highest_[k] = std::max(highest_[k], last_.values[k].log2);
 }
 
-// The point accepted last is measured once more if that was not possible before.
+// The last accepted point is measured once more if that was not possible before.
 bool ExtensionChangeWatch::has_sample() {
   if (samples_ == 0 && measure(system_.accepted_jet(), last_)) samples_ = 1;
   return samples_ > 0;
@@ -89,8 +89,8 @@ std::optional<int> ExtensionChangeWatch::turned_block(const Sample& now) const {
   return std::nullopt;
 }
 
-// The line through the two points before goes about as far below zero as the value is above, or below zero where the
-// value has turned: steps may end far beyond the point.
+// A block for which the line through the two points before goes about as far below zero as the value is above, or below
+// zero if the value has turned: steps may end far beyond the point.
 std::optional<int> ExtensionChangeWatch::dipping_block() const {
   constexpr double about = 0.75;
   if (samples_ < 2) return std::nullopt;
@@ -106,7 +106,7 @@ std::optional<int> ExtensionChangeWatch::dipping_block() const {
   return std::nullopt;
 }
 
-// At this part of the way from the last point to the one tried.
+// Measures at this part of the way from the last point to the one tried.
 bool ExtensionChangeWatch::measure_between(double part) {
   Jet& jet = between_.jet;
   jet = last_.jet;
@@ -127,7 +127,7 @@ double ExtensionChangeWatch::find_turn(int block) {
   return last_.t() + 0.5 * (left + right) * (now_.t() - last_.t());
 }
 
-// By golden section.
+// Golden-section search.
 StepSearch ExtensionChangeWatch::find_dip(int block) {
   constexpr double golden = 0.3819660112501051;
   constexpr int most = 40;
@@ -154,7 +154,7 @@ StepSearch ExtensionChangeWatch::find_dip(int block) {
   return {change_at(last_.t() + middle * (now_.t() - last_.t()), block)};
 }
 
-// At t, in the step to the point tried: to be confirmed by a shorter step, or reported, or dismissed as a jump.
+// A change at t, in the step that is tried: to be confirmed by a shorter step, or reported, or dismissed as a jump.
 std::optional<LocatedChange> ExtensionChangeWatch::change_at(double t, int block) {
   const double step = std::fabs(now_.t() - last_.t()), t_size = std::max(std::fabs(now_.t()), std::fabs(last_.t()));
   const double size = std::max(last_.values[index(block)].log2, now_.values[index(block)].log2);
@@ -166,7 +166,7 @@ std::optional<LocatedChange> ExtensionChangeWatch::change_at(double t, int block
   change.uncertainty = uncertain * step;
   const double shortest = roundings * unit_roundoff * t_size;
   if (step > std::max(short_enough * suspect_->step, shortest / uncertain)) return change;
-  // Where steps cannot become so much shorter nothing tells a jump.
+  // If steps cannot become so much shorter, jumps cannot be told from zeros.
   const bool can_tell = short_enough * suspect_->step >= shortest;
   if (can_tell && size > suspect_->log2 + std::log2(vanished)) return std::nullopt;
   change.uncertainty = 0.0;
@@ -176,7 +176,7 @@ std::optional<LocatedChange> ExtensionChangeWatch::change_at(double t, int block
   return change;
 }
 
-// As a square root, which is how determinants vanish where solutions end.
+// Extrapolates as a square root, which is how determinants vanish where solutions end.
 std::optional<LocatedChange> ExtensionChangeWatch::find_beyond() {
   if (samples_ < 2) return std::nullopt;
   LocatedChange change;
@@ -191,7 +191,7 @@ std::optional<LocatedChange> ExtensionChangeWatch::find_beyond() {
   return std::nullopt;
 }
 
-// What is measured is measured again.
+// Determinants are not archived but measured again.
 void ExtensionChangeWatch::archive(Archive& archive, double direction) {
   if (archive.is_reading()) start(direction);
   if (determinants_.count() == 0) return;

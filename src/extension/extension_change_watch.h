@@ -1,8 +1,8 @@
-// Singular points between steps of the extension: where the determinant of a block of the system Jacobian changes its
-// sign, or touches zero, from one accepted point to the next. Structure has fewer free values there than it says.
+// Singular points between steps of the extension: the determinant of a block of the system Jacobian changes its sign,
+// or touches zero, between accepted points. There are fewer free values there than structural analysis predicts.
 //
-// A suspicion in a long step is confirmed by shorter ones: x in between is interpolated. Determinants that jump, as
-// formulas with conditions have them, do not become small with the step.
+// A suspicion in a long step is confirmed by shorter ones, as x in between is interpolated. Determinants that jump,
+// because of conditions in formulas, do not become small with the step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,19 +22,19 @@ class ExtensionChangeWatch final : public ChangeWatch {
   void start(double direction) override;
   StepSearch find(double t_last) override;
   void accept() override;
-  // Steps that become short locate it.
+  // Shortened steps locate it.
   std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
   std::optional<LocatedChange> find_beyond() override;
   void archive(Archive& archive, double direction) override;
 
  private:
-  // Of the blocks, at a point with x and x' as they were found.
+  // Determinants of the blocks at a point with its x and x'.
   struct Sample {
     Jet jet;
     std::vector<BlockDeterminants::Value> values;
     double t() const { return jet.t; }
   };
-  // The singular point found first: where, in a step of which size, and log2 of the determinant about it.
+  // The singular point found first, the step in which it was found, and log2 of the determinant about it.
   struct Suspect {
     double t, step, log2;
     int block;
@@ -53,10 +53,10 @@ class ExtensionChangeWatch final : public ChangeWatch {
   BlockDeterminants determinants_;
   double direction_ = 1.0;
   Sample older_, last_, now_, between_;
-  int samples_ = 0;       // accepted ones that are there, up to two
+  int samples_ = 0;       // number of accepted ones, up to two
   bool has_now_ = false;  // of the step that is tried
   std::optional<Suspect> suspect_;
-  std::vector<double> highest_;  // log2 of the determinants since the start, the largest
+  std::vector<double> highest_;  // largest log2 of the determinants since the start
 };
 
 }  // namespace sfdae::core

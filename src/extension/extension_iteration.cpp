@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Without a step there is no other way than more iterations. As for other nonlinear systems.
+// Without a step there is no alternative to more iterations. As for other nonlinear systems.
 constexpr int most_iterations_held = 30, most_iterations_of_slopes = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
@@ -33,7 +33,7 @@ void ExtensionIteration::set_slopes(const StateChoice& choice, double c, const d
   for (int j : choice.states()) jet.column(1)[j] = c * jet.x[index(j)] + w_rest[j];
 }
 
-// Changes of derivatives count as far as they act over the step.
+// Changes of derivatives count by their effect over the step.
 void ExtensionIteration::set_weights(double c, const double* inverse_weights, const StateChoice& choice) {
   weights_.resize(choice.changed().size());
   double* to = weights_.data();
@@ -64,7 +64,7 @@ double ExtensionIteration::apply_change(double factor, const double* z, const Ex
   return norm;
 }
 
-// That of another c is kept while it contracts; changes multiplied by 2 / (1 + c / c of the matrix) then
+// A matrix for another c is reused while it contracts; changes are then multiplied by 2 / (1 + c / c of the matrix)
 // (docs/design/iteration_matrices.md).
 bool ExtensionIteration::prepare_matrix(double c, ExtensionLinearization& linearization) {
   deviation_ = 0.0;
@@ -135,7 +135,7 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
   return status;
 }
 
-// r_ by slots.
+// r_: changes by slots.
 ExtensionIteration::Norms ExtensionIteration::apply_held(const Yardsticks& yardsticks, const StateChoice& choice,
                                                          Jet& jet) {
   Norms norms;
@@ -157,7 +157,7 @@ ExtensionIteration::Norms ExtensionIteration::apply_held(const Yardsticks& yards
 
 PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales,
                                            Hope hope, Jet& jet) {
-  // Until changes stop becoming smaller, after the first ones at some hundred roundings of x; derivatives of high
+  // Ends when changes stop decreasing, after the first ones at some hundred units of roundoff of x; derivatives of high
   // order may lose more.
   constexpr double negligible = 4.0 * unit_roundoff, small_derivatives = 1e-8;
   const double small = hope == Hope::none ? 1e-10 : 1e-13;
@@ -169,7 +169,7 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
     const PointStatus status = evaluate(jet, r_.data());
     if (status != PointStatus::ok) return status;
     linearization.solve_held(r_.data());
-    // Where the equations were linearized the unknowns may have been much smaller, as at a start from rest.
+    // At the point of the linearization the unknowns may have been much smaller, as at a start from rest.
     if (iteration == 2) {
       larger_noise = linearization.noise_at(jet);
       for (std::size_t k = 0; k < larger_noise.size(); ++k)
@@ -183,7 +183,7 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
     const bool are_derivatives_there =
         norms.of_derivatives <= small || (iteration > 1 && norms.of_derivatives > 0.5 * before.of_derivatives);
     if (is_x_there && (norms.of_derivatives <= small_derivatives || are_derivatives_there)) return PointStatus::ok;
-    // What one iteration gains the next may lose in part: linearizations are from elsewhere.
+    // The next iteration may lose part of the gain, as the linearization is from another point.
     if (ChordIteration::is_too_slow(iteration, norms.of_x, std::max(before.of_x, earlier.of_x)) && norms.of_x > small)
       return PointStatus::not_converged;
     earlier = before;
@@ -192,11 +192,11 @@ PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization
   return PointStatus::not_converged;
 }
 
-// All rows differentiated once more determine x_j^(d_j + 1): what the extension knows of x' is in the jet, the other
-// x' are those of unknowns with d_j = 0.
+// All rows differentiated once more determine x_j^(d_j + 1). The jet has the x' that the extension determines; the
+// other x' are those of unknowns with d_j = 0.
 PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization, Hope hope, const Jet& jet,
                                            double* xdot) {
-  // Linearizations from elsewhere may contract slowly: only what is small then may be rounding errors.
+  // Linearizations from another point may contract slowly: only small changes may then be roundoff.
   constexpr double small = 1e-10, small_where_slow = 1e-8;
   const int n = extension_.n();
   const std::vector<int>& d = extension_.offsets().d;

@@ -24,29 +24,28 @@ struct StepTask {
 
 class ExtensionIteration {
  public:
-  // callback_error: that of the last evaluation is kept there.
+  // callback_error receives the error of the last evaluation.
   ExtensionIteration(MinimalExtension& extension, CallbackError& callback_error)
       : extension_(extension), callback_error_(callback_error) {}
 
-  // jet: in: a guess, out: the jet that fulfils all equations and the task.
+  // jet: a guess; becomes the jet that satisfies all equations and the task.
   PointStatus solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet);
-  // jet: in: a guess, out: the jet that fulfils all equations with the states as they are, as accurately as rounding
-  // permits. scales: changes of the unknowns that do not matter, n values. Whether the iteration is slow stays as it
-  // was. There is no better linearization: changes that have stopped becoming smaller are rounding errors, if they
-  // are small.
+  // jet: a guess; becomes the jet that satisfies all equations with the states held, to machine precision. scales:
+  // negligible changes of the unknowns, n values. The rate flag of the chord iteration is not changed. Hope::none:
+  // there is no better linearization, so small changes that no longer decrease are rounding errors.
   enum class Hope { other_linearization, none };
   PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Hope hope,
                          Jet& jet);
-  // x' of all unknowns at such a jet, n values, also where the extension has no x_j'.
+  // x' of all unknowns at such a jet, n values, even if x_j' is not in the extension.
   PointStatus derivative(ExtensionLinearization& linearization, Hope hope, const Jet& jet, double* xdot);
-  // The jet that it has found last, of one order more, with x_j^(d_j + 1) if not all x_j' are in the extension.
+  // The jet that derivative() found last, of one order more, with x_j^(d_j + 1) if not all x_j' are in the extension.
   const Jet& longer_jet() const { return longer_; }
 
   ChordIteration& chord() { return chord_; }
   CallbackError& callback_error() { return callback_error_; }
-  // The step matrix is for another c, which slow iterations come from: a new one may be all that is needed.
+  // True if slow iterations may be due to a step matrix for another c: a new one may be all that is needed.
   bool blames_matrix() const;
-  // What steps depend on besides the linearization.
+  // Archives the data besides the linearization that steps depend on.
   void archive(Archive& archive) {
     chord_.archive_rate(archive);
     archive.real(waste_);
@@ -54,13 +53,13 @@ class ExtensionIteration {
 
   // The residuals of the jet, by rows, times -1.
   PointStatus evaluate(const Jet& jet, double* r);
-  // Adds `factor` times z, by slots, to the jet, but for x_j' of states. Returns the largest change, by the weights.
+  // Adds `factor` times z, by slots, to the jet, except to x_j' of states. Returns the largest weighted change.
   double apply_change(double factor, const double* z, const ExtensionLinearization& linearization, Jet& jet);
-  // Those of the changes of a step with this c, until they are set again.
+  // Sets the weights of the changes of a step with this c, until they are set again.
   void set_weights(double c, const double* inverse_weights, const StateChoice& choice);
   static void set_slopes(const StateChoice& choice, double c, const double* w_rest, Jet& jet);
   // Adds up terms of the rows at a jet, in a step with these weights. value(e): derivatives of the extension by its
-  // entries; slope(j): by how much x_j' of a state differs by x.
+  // entries; slope(j): size of x_j' of a state, or of its change.
   struct Place {
     const Jet& now;
     const double* change;  // the last one, by slots
@@ -72,7 +71,7 @@ class ExtensionIteration {
  private:
   class StepEquations;
   bool prepare_matrix(double c, ExtensionLinearization& linearization);
-  // Of changes of x, and of its derivatives, relative.
+  // Relative changes of x and of its derivatives.
   struct Norms {
     double of_x = 0.0, of_derivatives = 0.0;
   };
@@ -85,8 +84,8 @@ class ExtensionIteration {
   MinimalExtension& extension_;
   CallbackError& callback_error_;
   ChordIteration chord_;
-  double deviation_ = 0.0;  // of c: the contraction that keeping the matrix costs
-  double waste_ = 0.0;      // iterations that the matrix kept has cost so far
+  double deviation_ = 0.0;  // of c: the contraction due to reuse of the matrix
+  double waste_ = 0.0;      // iterations that its reuse has cost so far
   std::vector<double> r_, weights_;
   double c_ = 0.0;  // of the step, with the weights of x, which live as long
   const double* inverse_weights_ = nullptr;

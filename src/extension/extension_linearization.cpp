@@ -21,17 +21,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Other states are chosen where these move some unknown that could be one by so much more than where they were
-// chosen, and by so many of its sizes if they change by theirs (docs/design/minimal_extension.md).
+// Other states are chosen if the current ones move some unknown that could be one by so much more than at their choice,
+// and by so many of its sizes if they change by theirs (docs/design/minimal_extension.md).
 constexpr double worth_a_choice = 3.0, harmless_sensitivity = 5.0;
-// Of the matrix, so that a choice stage by stage is taken without a look at others. Chosen, not measured.
+// Reciprocal condition at which a choice stage by stage is taken without trying others. Chosen, not measured.
 constexpr double good_condition = 1e-10;
-// What is larger than so many rounding errors is none. Chosen, not measured.
+// Values larger than so many rounding errors are certain. Chosen, not measured.
 constexpr double certain = 1e3;
-// As many as error estimates have columns between two linearizations, with BDF; see
-// docs/design/structural_analysis.md.
+// As many columns as error estimates have between two linearizations, with BDF; see docs/design/structural_analysis.md.
 constexpr int few_states = 3;
-// Of roundings of the terms of f, added up.
+// Units of roundoff of the sum of the terms of f.
 constexpr double few_roundings = 4.0;
 
 }  // namespace
@@ -51,7 +50,7 @@ PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& err
 PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error, States states) {
   const PointStatus status = linearize(jet, error);
   if (status != PointStatus::ok) return status;
-  // Of a guess numbers may overflow.
+  // At an initial guess numbers may overflow.
   const QuietArithmetic quiet;
   note_sizes();
   const bool stay = states == States::may_stay && choices_ > 0 && factor_held() && is_harmless(sensitivity_);
@@ -78,7 +77,7 @@ PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<in
   return PointStatus::ok;
 }
 
-// That in which x_j and x_j' have derivatives of one size in equations that contain both.
+// Unit of time in which x_j and x_j' have derivatives of one size in equations that contain both.
 int ExtensionLinearization::time_exponent() const {
   const std::vector<int>& first = extension_.first();
   double sum = 0.0;
@@ -94,12 +93,12 @@ int ExtensionLinearization::time_exponent() const {
     sum += std::log2(of_slopes) - std::log2(of_x);
     ++count;
   }
-  // As far as its powers do not overflow.
+  // Its powers must not overflow.
   const double largest_unit = 400.0 / extension_.jet_order();
   return count > 0 ? static_cast<int>(std::lround(std::clamp(sum / count, -largest_unit, largest_unit))) : 0;
 }
 
-// The derivatives with time in units of its own: whether columns depend on each other is not to depend on the user's.
+// The derivatives in the equations' own unit of time: dependence of columns must not depend on the user's unit.
 std::vector<double> ExtensionLinearization::values_in_own_time() const {
   const std::vector<int>& first = extension_.first();
   const int unit = time_exponent();
@@ -112,10 +111,10 @@ std::vector<double> ExtensionLinearization::values_in_own_time() const {
   return values;
 }
 
-// Stage by stage: the unknowns of a stage that its equations leave over [P01]. The last stage leaves none, as the
-// system Jacobian has been judged, and the others are much smaller, so that this is fast and little is filled in.
-// None where something else than x_j would be left over. values: scaled with all equations, as rounding errors of
-// zeros could be the only entries of a column in its stage.
+// Chooses states stage by stage: the unknowns of a stage that its equations leave over [P01]. The last stage leaves
+// none, as the system Jacobian has been judged, and the others are much smaller, so that this is fast with little
+// fill-in. No result if unknowns other than x_j would be left over. values: scaled with all equations, as rounding
+// errors of zeros could be the only entries of a column in its stage.
 std::optional<std::vector<int>> ExtensionLinearization::states_by_stages(const std::vector<double>& values) const {
   std::vector<int> states;
   states.reserve(index(extension_.freedom()));
@@ -147,7 +146,7 @@ std::optional<std::vector<int>> ExtensionLinearization::states_by_stages(const s
   return states;
 }
 
-// From all equations of the extension at once.
+// Chooses states from all equations of the extension at once.
 std::optional<std::vector<int>> ExtensionLinearization::states_of_all(const std::vector<double>& values) const {
   BasisSettings settings;
   for (int column = 0; column < extension_.num_columns(); ++column)
@@ -161,13 +160,13 @@ std::optional<std::vector<int>> ExtensionLinearization::states_of_all(const std:
   return states;
 }
 
-// Unknowns that are no x_j, or have no x_j' in the extension, cannot be.
+// Unknowns that are not an x_j, or whose x_j' is not in the extension, cannot be states.
 bool ExtensionLinearization::may_be_state(int column) const {
   const auto [unknown, order] = extension_.columns()[index(column)];
   return order == 0 && extension_.offsets().d[index(unknown)] > 0;
 }
 
-// Rows and columns by powers of two.
+// Scales rows and columns by powers of two.
 std::vector<double> ExtensionLinearization::scaled(std::vector<double> values) const {
   const std::vector<int>& first = extension_.first();
   Equilibration scales;
@@ -180,7 +179,7 @@ std::vector<double> ExtensionLinearization::scaled(std::vector<double> values) c
   return values;
 }
 
-// Whether they determine all other unknowns is known once the matrix is factored.
+// The factorization tells whether the states determine all other unknowns.
 bool ExtensionLinearization::choose_states() {
   const std::vector<double> in_own_time = values_in_own_time();
   const auto take = [this](std::optional<std::vector<int>> states) {
@@ -217,7 +216,7 @@ void ExtensionLinearization::note_sizes() {
   for (std::size_t j = 0; j < sizes_.size(); ++j) sizes_[j] = std::max(sizes_[j], std::fabs(origin_.x[j]));
 }
 
-// Of all states by their sizes, with random signs.
+// Changes of all x_j by their sizes, with random signs.
 std::vector<double> ExtensionLinearization::random_changes() const {
   std::minstd_rand generator(1);
   std::vector<double> changes(sizes_);
@@ -226,8 +225,8 @@ std::vector<double> ExtensionLinearization::random_changes() const {
   return changes;
 }
 
-// Changes of the unknowns that could be states in their sizes, from those by slots. What follows from these without a
-// choice moves with them, and says nothing about it. Unknowns that are nothing but rounding errors have no size.
+// Largest change of an unknown that could be a state, in its size, from changes by slots. Unknowns that follow without
+// a choice move with the states and say nothing about it. Unknowns that are pure roundoff have no size.
 double ExtensionLinearization::sensitivity_to(const double* changes) const {
   double sensitivity = 0.0;
   for (int j = 0; j < extension_.n(); ++j) {
@@ -256,7 +255,7 @@ void ExtensionLinearization::make_tangents() {
   }
 }
 
-// By slots, if the states change by their sizes.
+// Changes by slots, if the states change by their sizes.
 std::vector<double> ExtensionLinearization::changes_by(ConstView tangents) const {
   const std::vector<double> of_states = random_changes();
   std::vector<double> changes(index(choice_.size()), 0.0);
@@ -326,12 +325,12 @@ std::vector<double> ExtensionLinearization::noise_of_jet() const {
   return noise;
 }
 
-// Roundings of the terms of each row, with random signs. Sizes are random, too: those of equations whose terms
-// cancel, as forces across a rod do in its multiplier, would do the same.
+// Rounding errors of the terms of each row, with random signs. Sizes are random, too: equal ones would cancel in
+// equations whose terms cancel, as forces across a rod do in its multiplier.
 std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);
   std::vector<double> noise(extension_.columns().size(), 0.0);
-  // Sizes of the coefficients at first.
+  // The sizes of the coefficients come first.
   for (int column = 0; column < extension_.num_columns(); ++column) {
     const auto [unknown, order] = extension_.columns()[index(column)];
     noise[index(column)] = std::fabs(jet.column(order)[unknown]);

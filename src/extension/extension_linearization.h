@@ -1,5 +1,4 @@
-// The extension linearized at a jet, its states, and the factored matrices that steps, stages and outputs nearby are
-// solved with.
+// The extension linearized at a jet, its states, and the factored matrices for steps, stages and outputs nearby.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,58 +19,57 @@ namespace sfdae::core {
 
 class ExtensionLinearization {
  public:
-  // counts: reductions and factorizations are added there.
+  // counts: reductions and factorizations are added to it.
   ExtensionLinearization(MinimalExtension& extension, SystemCounts& counts)
       : extension_(extension), counts_(counts) {}
 
-  // At the jet; the states may stay if they determine all other unknowns about as well as where they were chosen,
-  // else they are chosen there. singular: no choice does.
+  // Linearizes at the jet. The states may stay if they determine all other unknowns about as well as at their choice;
+  // otherwise new ones are chosen there. singular: no choice determines the others.
   enum class States { may_stay, chosen_there };
   PointStatus renew(const Jet& jet, CallbackError& error, States states = States::may_stay);
-  // As renew() with these states and no others, and the lists that were archived.
+  // Like renew(), with these states only, and the archived lists.
   PointStatus restore(const Jet& jet, const std::vector<int>& states, Archive& archive, CallbackError& error);
   void archive_lists(Archive& archive) {
     held_.archive_list(archive, choice_);
     step_.archive_list(archive, choice_);
   }
-  // It must not be used any more, before renew() or restore().
+  // Forbids its use before renew() or restore().
   void forget() { is_usable_ = false; }
   bool is_usable() const { return is_usable_; }
   const Jet& origin() const { return origin_; }
-  // At the origin.
+  // Derivatives at the origin.
   ExtensionDerivatives derivatives() const { return {extension_, values_}; }
-  // Another one and its factors, made elsewhere.
+  // Counts another linearization and its factors, made elsewhere.
   void count_local() {
     ++counts_.reductions;
     ++counts_.factorizations;
   }
-  // By how many of their sizes the unknowns that could be states change if the states do by theirs; tangents: of the
-  // others by the states, by slots.
+  // Change of the unknowns that could be states, in their sizes, if the states change by theirs; tangents: derivatives
+  // of the others by the states, by slots.
   double sensitivity(ConstView tangents) const { return sensitivity_to(changes_by(tangents).data()); }
-  // Whether states with that sensitivity determine the other unknowns about as well as where they were chosen.
+  // True if states with that sensitivity determine the other unknowns about as well as at their choice.
   bool is_harmless(double sensitivity) const;
-  // Where unknowns begin to move their sizes are small, and sensitivities large: they are not to be the measure for
-  // good.
+  // Lowers the reference: sizes of unknowns that begin to move are small, and sensitivities too large.
   void note_sensitivity(double sensitivity) {
     sensitivity_of_choice_ = std::min(sensitivity_of_choice_, sensitivity);
   }
   const StateChoice& choice() const { return choice_; }
   // Changes whenever the states do.
   long choice_number() const { return choice_number_; }
-  // Reading: after restore(), the factored matrices. False: they cannot have been.
+  // When reading, after restore(): restores the factored matrices. False if they cannot have been factored.
   bool archive_matrices(Archive& archive);
   // The matrix with the states held.
   const StateMatrix<double>& held() const { return held_; }
-  // Numbers in its factors.
+  // Number of entries in its factors.
   std::size_t fill() const { return held_.fill(); }
-  // What the choice of states depends on besides the point.
+  // Archives the data besides the point that the choice of states depends on.
   void archive_choice(Archive& archive) {
     archive.real(sensitivity_of_choice_);
     archive.reals(sizes_, index(extension_.n()));
   }
-  // What rounding errors of f and of the unknowns themselves do to these, by columns of the extension.
+  // Effects of rounding errors of f and of the unknowns on the unknowns, by columns of the extension.
   const std::vector<double>& noise() const { return noise_; }
-  // As the jet is kept; empty where it is not known.
+  // In the layout of the jet; empty if unknown.
   std::vector<double> noise_of_jet() const;
   // By columns, at another jet.
   std::vector<double> noise_at(const Jet& jet);
@@ -79,22 +77,22 @@ class ExtensionLinearization {
   // The unit of time of the equations, a power of two.
   int time_exponent() const;
 
-  // For x' = c x + ... of the states, unless that matrix is there.
+  // Factors the matrix for x' = c x + ... of the states, unless it is available.
   bool factor_step(double c);
   void forget_step_matrix() { step_.forget(); }
   bool has_step_matrix() const { return step_.is_valid(); }
   double c() const { return 1.0 / step_.epsilon(); }
-  // Of making it anew, in iterations: each has a solution, and an evaluation that takes about as long.
+  // Cost of factoring it again, in iterations: each has a solution, and an evaluation that takes about as long.
   double cost_of_step_matrix() const { return 1.0 + 0.5 * step_.factorization_in_solutions(); }
-  // All matrices of the stages of a step h, unless they are there.
+  // Factors all matrices of the stages of a step h that are not available.
   bool factor_stages(const StageMethod& method, double h);
 
-  // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the
-  // states x_j in place of x_j'; with the states held.
+  // r, by rows, becomes the changes by slots that remove r: of a step or of pair k of the stages, with those of the
+  // states x_j in place of x_j'; or with the states held.
   void solve_step(double* r, int count = 1) { solve(step_, r, count); }
   void solve_pair(std::size_t k, std::complex<double>* r, int count = 1) { solve(pairs_[k], r, count); }
   void solve_held(double* r, int count = 1) { held_.solve(r, count); }
-  // What moves with the states, by slots, a column for each: known where states are few, else there are no columns.
+  // Derivatives by the states, by slots, a column for each state; no columns if there are many states.
   ConstView tangents() const {
     return {tangents_.data(), choice_.size(), num_tangents_, std::max(choice_.size(), 1)};
   }
@@ -131,14 +129,14 @@ class ExtensionLinearization {
   Jet origin_;
   bool is_usable_ = false;
   long choices_ = 0, choice_number_ = 0;
-  // By how many of their sizes the other unknowns x_j change if the states do by theirs; where these were chosen, or
-  // the least noted since.
+  // Change of the other unknowns x_j in their sizes if the states change by theirs; its value when these were chosen,
+  // or the least noted since.
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x
   StateChoice choice_;
   StateMatrix<double> step_, held_{true};
   std::array<StateMatrix<std::complex<double>>, max_pairs> pairs_;
-  // Of the rows at the origin: the extension may have been linearized elsewhere since.
+  // Derivatives of the rows at the origin: the extension may have been linearized elsewhere since.
   std::vector<double> values_;
   std::vector<double> noise_, work_, tangents_;
   int num_tangents_ = 0;

@@ -13,7 +13,7 @@
 
 namespace sfdae::core {
 
-// Where structure misleads, equations are replaced if that helps.
+// If the structural analysis fails, equations are replaced if that helps.
 MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, const std::vector<double>& sizes) {
   const std::shared_ptr<const Structure>& recorded = problem_.shared_structure();
   if (problem_.source() != nullptr && problem_.source()->has_differences()) return {problem_, recorded};
@@ -23,7 +23,7 @@ MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, co
   return {problem_, recorded, std::move(replaced.ordered)};
 }
 
-// Where no x is known, linear equations have the same derivatives everywhere.
+// Without a known x zeros are taken: linear equations have the same derivatives everywhere.
 void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();

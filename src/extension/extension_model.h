@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 class ExtensionModel final : public ModelOf<ExtensionSystem, Model> {
  public:
-  // base: whose limits and requests to stop count. Both live longer.
+  // base: its limits and requests to stop apply. Both have to outlive this object.
   ExtensionModel(RecordedProblem& problem, Problem& base) : problem_(problem), base_(base) {}
 
   Problem& problem() override { return base_; }
@@ -26,10 +26,10 @@ class ExtensionModel final : public ModelOf<ExtensionSystem, Model> {
   TaylorEvaluator* evaluator() override { return &problem_.evaluator(); }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
-  // The blocks of the system Jacobian have been judged: how far they are from singular ones.
+  // Distance of the blocks of the system Jacobian, which have been judged, from singular ones.
   double certify() override { return system_->structure().smallest_kept(); }
 
-  // Null where equations are replaced.
+  // Null if equations are replaced.
   std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
   bool has_sensitivities() const;
 
@@ -50,7 +50,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem, Model> {
 
   RecordedProblem& problem_;
   Problem& base_;
-  // The x near which the analysis has found its jet; empty: none was made.
+  // The x near which the analysis found its jet; empty if none was made.
   std::vector<double> guess_;
 };
 

@@ -19,7 +19,7 @@ void ExtensionStages::predict(const StageEquations& equations, const JetHistory&
   const double h = equations.t_end - equations.t;
   s_ = method.s;
   const std::size_t stages = index(s_), size = index(extension_.num_rows()) * stages + 1;
-  // Either may have been left out where memory was missing.
+  // Either may be incomplete if memory was missing.
   for (std::vector<Jet>* jets : {&starts_, &jets_})
     if (jets->size() < stages) jets->resize(stages, history.accepted());
   for (auto* v : {&r_, &z_})
@@ -66,7 +66,7 @@ void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLine
 }
 
 PointStatus ExtensionStages::evaluate(ExtensionIteration& iteration, double* r) {
-  // Eight points for one would be too many.
+  // With fewer stages, too many lanes would be idle.
   constexpr int fewest_side_by_side = 3;
   if (s_ >= fewest_side_by_side && extension_.residuals_side_by_side(jets_, s_, r)) {
     for (std::size_t k = 0; k < index(s_) * index(extension_.num_rows()); ++k) r[k] = -r[k];

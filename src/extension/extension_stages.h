@@ -23,27 +23,27 @@ class ExtensionStages {
  public:
   explicit ExtensionStages(MinimalExtension& extension) : extension_(extension), local_(extension) {}
 
-  // The jets to start from. determined: flags of the derivatives.
+  // Predicts the starting jets. determined: flags of the derivatives.
   void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
   void hold_derivatives(const JetHistory& history) {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
-  // With one linearization for all stages, or, where that is of use, with one for each: not converged if the states
-  // do not serve at all of them.
+  // Solves with one linearization for all stages or, where that is useful, with one for each: not converged if the
+  // states are unsuitable at one of them.
   enum class Linearized { once, at_each_stage };
   PointStatus solve(const StageEquations& step, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
-  // Where the states did not serve, by what was predicted; else null.
+  // The predicted jet at which the states were unsuitable; else null.
   const Jet* ill_served() const { return ill_served_ < 0 ? nullptr : &starts_[index(ill_served_)]; }
   bool may_linearize_each(int s) const { return local_.is_of_use(s); }
-  // What stages depend on besides the linearization; see LocalStages.
+  // Archives the data besides the linearization that stages depend on; see LocalStages.
   void archive(Archive& archive, const ExtensionLinearization& linearization) {
     local_.archive(archive, linearization);
   }
   LocalStages* local(const ExtensionLinearization& linearization) {
     return local_.is_of(linearization) ? &local_ : nullptr;
   }
-  // At the end of the step, of the stages linearized one by one: see LocalStages.
+  // Tangents at the end of the step, from stages linearized one by one: see LocalStages.
   ConstView end_tangents() const { return local_.end_tangents(); }
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
   const Jet& jet(int i) const { return jets_[index(i)]; }

@@ -17,12 +17,12 @@ namespace sfdae::core {
 
 namespace {
 
-// Of weighted changes, in units of the tolerances of a step (docs/design/sparse_algebra.md).
+// Limit of weighted changes, in units of the tolerances of a step (docs/design/sparse_algebra.md).
 constexpr double step_tolerance = 0.03;
-// Where stages are linearized one by one, the linearization tells about rounding errors and the states alone
+// If stages are linearized one by one, the linearization only provides rounding errors and the states
 // (docs/design/minimal_extension.md).
 constexpr int points_between_renewals = 4;
-// Where these do not converge one linearization for all stages hardly does, as a rule: a shorter step is tried first
+// If these do not converge, one linearization for all stages rarely does: a shorter step is tried first
 // (docs/design/sparse_algebra.md).
 constexpr int failures_of_local_stages = 2;
 
@@ -49,7 +49,7 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
   extension_.forget_values();
 }
 
-// What follows from the blocks alone is certain where no states are found.
+// If no states are found, only conclusions from the blocks are certain.
 std::string ExtensionSystem::what_is_unclear(PointStatus status) const {
   if (status != PointStatus::singular || !structure_.is_certified())
     return format("the structure is not confirmed at t = %.15g: ", jet_.t) + structure_.about_change();
@@ -116,8 +116,8 @@ PointStatus ExtensionSystem::set_point(const Jet& jet, ConfirmedStructure::Certi
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
   about_later_point_.clear();
-  // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left
-  // it from the solution.
+  // Certifies again with the linearization, which gives the rounding errors of the jet and its distance to the
+  // solution.
   PointStatus status = structure_.certify(jet_, {}, callback_error_, certificates);
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
@@ -129,7 +129,7 @@ PointStatus ExtensionSystem::set_point(const Jet& jet, ConfirmedStructure::Certi
   return status;
 }
 
-// To the solution, as the residuals tell.
+// Adds the distance to the solution, estimated from the residuals.
 void ExtensionSystem::add_distance(std::vector<double>& noise) {
   callback_error_ = extension_.residuals(jet_, work_.data());
   if (callback_error_.status != SFDAE_OK) return;
@@ -164,7 +164,7 @@ PointStatus ExtensionSystem::renew_at_accepted() {
   return status;
 }
 
-// What no step can reduce: those of the linearization, at a point that is a solution.
+// Errors that no step can reduce: those of the linearization, at a point that is a solution.
 void ExtensionSystem::take_rounding_errors() {
   for (int j = 0; j < unknowns(); ++j)
     rounding_errors_[index(j)] = linearization_.noise()[index(extension_.column_of(j, 0))];
@@ -188,7 +188,7 @@ void ExtensionSystem::leave_drowned_point(const double* inverse_weights) {
   if (renew_at_accepted() != PointStatus::ok) linearization_.forget();
 }
 
-// After a step has converged.
+// Called after a step has converged.
 PointStatus ExtensionSystem::judge_rounding_errors(const double* inverse_weights) {
   if (!linearization_.is_usable()) return PointStatus::ok;
   if (is_drowned(inverse_weights)) return PointStatus::not_converged;
@@ -196,7 +196,7 @@ PointStatus ExtensionSystem::judge_rounding_errors(const double* inverse_weights
   return PointStatus::ok;
 }
 
-// With the linearization that is there, that of the point accepted last, and that of the guess; see
+// Tries the current linearization, then that of the last accepted point, then that of the guess; see
 // nonlinear_system.cpp.
 template <class Start, class Iterate>
 PointStatus ExtensionSystem::iterate_with_renewal(const double* inverse_weights, Start guess, Iterate iterate) {
@@ -228,15 +228,14 @@ PointStatus ExtensionSystem::review_local() {
   if (structure_.points() % points_between_renewals != 0 &&
       linearization_.is_harmless(linearization_.sensitivity(stages_.end_tangents())))
     return PointStatus::ok;
-  // The end of the step is the same, whatever the states.
+  // The end of the step does not depend on the states.
   has_end_tangents_ = false;
   const PointStatus status = renew(jet_);
   iteration_.chord().set_rate(0.1);
   return status;
 }
 
-// A linearization that has become slow is renewed where the point has converged, and the structure confirmed now and
-// then.
+// Renews a linearization that has become slow at the converged point, and certifies the structure periodically.
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
   const PointStatus certified = certify_if_due();
@@ -278,9 +277,9 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
   return status;
 }
 
-// Newton's method at each stage also converges beyond points where the states do not determine the other unknowns, to
-// something that is no solution: states have to serve at all stages, those that are chosen where the old ones serve
-// worst if the old ones do not. Without a better choice the step is refused.
+// Newton's method at each stage may converge beyond points where the states do not determine the other unknowns, to
+// something that is not a solution. So the states have to be suitable at all stages; otherwise new ones are chosen
+// where the old ones are worst. Without a better choice the step is refused.
 PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations) {
   using Linearized = ExtensionStages::Linearized;
   PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
@@ -292,7 +291,7 @@ PointStatus ExtensionSystem::solve_local_stages(const StageEquations& equations)
   status = linearization_.choice().states() == states
                ? PointStatus::not_converged
                : stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
-  // What was predicted was no good: nothing that follows is to be judged by its rounding errors.
+  // The prediction was unsuitable: later steps must not be judged by its rounding errors.
   if (status != PointStatus::ok && !is_hopeless(status)) renew_at_accepted();
   return status;
 }
@@ -350,7 +349,7 @@ double ExtensionSystem::stage_cost(int s) const {
   return evaluation * (5.0 * s + 3.0 + 12.0 * (s - 1) / 2);
 }
 
-// At the end of a step the jet knows them.
+// At the end of a step the jet contains the slopes.
 void ExtensionSystem::correct_slopes(double* wdot, double* xdot) {
   const std::vector<int>& d = extension_.offsets().d;
   for (int j = 0; j < unknowns(); ++j)
@@ -359,7 +358,7 @@ void ExtensionSystem::correct_slopes(double* wdot, double* xdot) {
 
 void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   const int n = unknowns();
-  // As the next step would, after one without a solution.
+  // Renews the linearization as the next step would after a failed one.
   if (!linearization_.is_usable()) renew_at_accepted();
   const StateChoice& choice = linearization_.choice();
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
@@ -378,7 +377,7 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   }
 }
 
-// The other x_j from changes of the states.
+// Sets the other x_j from changes of the states.
 void ExtensionSystem::add_tangents(ConstView T, const double* dw, double* dx) const {
   const StateChoice& choice = linearization_.choice();
   for (int j = 0; j < unknowns(); ++j) {
@@ -391,7 +390,7 @@ void ExtensionSystem::add_tangents(ConstView T, const double* dw, double* dx) co
 
 // ---- Outputs ---------------------------------------------------------------------------------------------------
 
-// With the linearization that is there; else with one at the jet, which is used once. xdot: the derivative, or null.
+// Uses the current linearization, or else one at the jet that is used once. xdot: the derivative, or null.
 template <class Start>
 PointStatus ExtensionSystem::solve_held(Start start, Jet& jet, double* xdot) {
   using Hope = ExtensionIteration::Hope;
@@ -410,8 +409,8 @@ PointStatus ExtensionSystem::solve_held(Start start, Jet& jet, double* xdot) {
   return status == PointStatus::ok ? solve(here, Hope::none) : status;
 }
 
-// What later steps depend on stays as it is: points that are asked for must not change those that follow.
-// w is part of x; polynomials know it no more once they have been archived.
+// State that later steps depend on is not changed: requested points must not affect the steps. w is part of x;
+// polynomials no longer have it once they have been archived.
 void ExtensionSystem::restore(const double*, const double* x_free, const Guess& guess, double* x) {
   if (guess.taylor != nullptr && jet_.t != history_.accepted().t) history_.predict(guess, 0, determined_, {}, jet_);
   std::copy_n(x_free, unknowns(), jet_.x.data());
@@ -471,7 +470,7 @@ double ExtensionSystem::change_of_differentiated(const double* dx, const double*
 
 namespace {
 
-// Different unknowns whose derivatives are in the extension.
+// Demands different unknowns whose derivatives are in the extension.
 void demand_states(const std::vector<int>& states, const Offsets& offsets) {
   std::vector<char> is_met(offsets.d.size(), 0);
   for (int j : states) {

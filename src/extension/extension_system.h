@@ -28,28 +28,28 @@ namespace sfdae::core {
 
 class ExtensionSystem final : public DaeSystem {
  public:
-  // base: whose requests to stop count; it lives longer, as the problem of the extension does. jet: consistent.
-  // scales: changes of the unknowns that do not matter, n values: tolerances, for example. Throws Failure where the
+  // base: its requests to stop apply; it has to outlive this object, as the problem of the extension has. jet:
+  // consistent. scales: negligible changes of the unknowns, n values: tolerances, for example. Throws Failure if the
   // structure is not confirmed there.
   ExtensionSystem(MinimalExtension extension, Problem& base, const AnalysisSettings& settings,
                   std::vector<double> scales, const Jet& jet);
-  // As it was when it was archived. Throws DamagedArchive.
+  // Restores an archived system. Throws DamagedArchive.
   ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings, Archive& archive);
 
   double t() const override { return jet_.t; }
   SystemForm form() const override { return SystemForm::extension; }
   bool differentiates() const override;
-  // A consistent point becomes the current and accepted one.
+  // Makes a consistent point the current and accepted one.
   PointStatus set_point(const Jet& jet) { return set_point(jet, ConfirmedStructure::Certificates::not_kept); }
   const Jet& jet() const { return jet_; }
-  // Of the step whose stages were solved last.
+  // The jet of a stage of the step whose stages were solved last.
   const Jet& jet_of_stage(int i) const { return stages_.jet(i); }
-  // The matrices that these were solved with, made anew where they are not there any more; null where each stage had
-  // its own, or there are none. Valid until the next step.
+  // The matrices that these were solved with, refactored if necessary; null if each stage had its own, or there are
+  // none. Valid until the next step.
   ExtensionLinearization* factors_of_stages(const StageMethod& method, double h);
-  // Where each stage had its own, these; null otherwise, or where other states have been chosen since.
+  // The matrices of stages that had their own; null otherwise, or if other states have been chosen since.
   LocalStages* local_factors_of_stages() { return are_stages_local_ ? stages_.local(linearization_) : nullptr; }
-  // The jet with what is known of derivatives one order above those of the extension; false: it was not found.
+  // The jet with known derivatives of one order above those of the extension; false if it was not found.
   bool find_longer_jet(Jet& longer);
   const Jet* point_of_equations() const override { return &history_.accepted(); }
   const Jet& accepted_jet() const { return history_.accepted(); }
@@ -71,14 +71,14 @@ class ExtensionSystem final : public DaeSystem {
   double stage_cost(int s) const override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
-  // Throws Failure where no consistent x is found near x_free.
+  // Throws Failure if no consistent x is found near x_free.
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double, const double* x, double* xdot) override { exact_derivative(x, xdot); }
   bool estimate_derivative(const double* x, double* xdot) override { return exact_derivative(x, xdot); }
 
   PointQuality quality() const override;
-  // Those known, or none where the structure is not confirmed any more: others are not found here.
+  // The known values, or none if the structure is no longer confirmed: others are not found here.
   CharacteristicValues values_at(double t) override;
   std::string about_change() const override {
     const std::string& about = structure_.about_change().empty() ? about_later_point_ : structure_.about_change();
@@ -86,9 +86,9 @@ class ExtensionSystem final : public DaeSystem {
     const Jet& accepted = history_.accepted();
     return " There " + about + problem_base().about_singular_point(accepted.t, accepted.x.data());
   }
-  // A block of the system Jacobian that has been found to be singular at a later point.
+  // Notes that a block of the system Jacobian is singular at a later point.
   void note_singular_block(int block) { about_later_point_ = structure_.describe_block(block) + " is singular."; }
-  // Whoever asks for a point does not count: later ones are judged, and linearized, when they would be without.
+  // Checks on request: this does not affect when later points are judged and linearized.
   PointStatus check_ranks() override {
     return structure_.certify_aside(jet_, linearization_.noise_of_jet(), callback_error_);
   }
@@ -124,7 +124,7 @@ class ExtensionSystem final : public DaeSystem {
   PointStatus review();
   PointStatus review_local();
   PointStatus solve_local_stages(const StageEquations& equations);
-  // start: makes the jet to start from, once or twice.
+  // start: sets the jet to start from, once or twice.
   template <class Start>
   PointStatus solve_held(Start start, Jet& jet, double* xdot);
 
@@ -139,7 +139,7 @@ class ExtensionSystem final : public DaeSystem {
   Jet jet_;
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
-  int failures_in_row_ = 0;  // of stages linearized one by one, which did not converge
+  int failures_in_row_ = 0;  // stages linearized one by one that did not converge
   // The stages that have been solved were linearized one by one, and the last one is the current point.
   bool has_end_tangents_ = false;
   bool are_stages_local_ = false;  // these were linearized one by one

@@ -1,4 +1,4 @@
-// What searches of consistent jets have in common: how much an iteration changes, and when it has come to its end.
+// Common parts of searches for consistent jets: sizes of changes, and convergence tests.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace sfdae::core {
 
-// Changes are measured in: sizes of x, n values, far below which they do not matter, and the equations' own unit of
-// time, as what is found must not depend on that of the user.
+// Units of changes: sizes of x, n values, far below which changes do not matter, and the equations' own unit of time,
+// so that results do not depend on that of the user.
 struct SearchUnits {
   std::vector<double> sizes;
   double time = 1.0;
-  // Of columns x_j^(order): of time alone.
+  // Units of columns x_j^(order), by time alone.
   template <class Columns>
   std::vector<double> of(const Columns& columns) const {
     std::vector<double> units;
@@ -31,7 +31,8 @@ inline void scale_columns(const std::vector<int>& column, const std::vector<doub
   for (std::size_t e = 0; e < values.size(); ++e) values[e] *= units[index(column[e])];
 }
 
-// Of one iteration: of x in units of x, or of its tolerance, the largest; of derivatives, which may vanish, the same.
+// Change in one iteration: the largest of x, in units of x or its tolerance, and the largest relative one of
+// derivatives.
 class JetChange {
  public:
   void add(int order, double dx, double value, double size) {
@@ -53,14 +54,14 @@ class JetChange {
   bool is_finite_ = true;
 };
 
-// Relative to what is added up in them, residuals that are nothing but rounding errors.
+// Relative to the sum of terms, residuals that are pure roundoff.
 inline constexpr double rounding_residual = 1e-14;
 
-// Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become
-// smaller.
+// Convergence test: a search ends when nothing changes, or when changes are roundoff: those of x are small, and
+// residuals no longer decrease.
 class SearchProgress {
  public:
-  // relative: to what is added up in each residual, the largest.
+  // relative: the largest residual relative to the sum of its terms.
   bool has_ended(const JetChange& change, double residual, double relative) {
     constexpr double near_rounding = 1e-12;
     const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ &&
@@ -72,14 +73,13 @@ class SearchProgress {
     before_ = change.of_x();
     ++iterations_;
     if (change.is_negligible() || is_small) return true;
-    // Nothing is better than that, however much rounding errors move derivatives, which hardly matter. Where they
-    // move x, matrices are nearly singular, and the point is one of those where entries that vanish at all solutions
-    // are rounding errors.
+    // Nothing can be better, however much roundoff moves derivatives, which hardly matter. If it moves x, matrices are
+    // nearly singular, and the point is one of those where entries that vanish at all solutions are roundoff.
     const bool is_rounding = iterations_ > 2 && relative <= rounding_residual;
     return change.of_x() <= JetChange::small && (is_rounding || stands);
   }
 
-  // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.
+  // Residuals no longer decrease: continuing is useless if every step should be as good as the last.
   bool is_stuck() const { return is_stuck_; }
 
  private:
@@ -88,14 +88,14 @@ class SearchProgress {
   double residual_ = 0.0, largest_ = 0.0, before_ = 0.0;
 };
 
-// HUGE_VAL: not finite.
+// Largest absolute entry; HUGE_VAL if one is not finite.
 inline double largest_entry(const std::vector<double>& v) {
   double largest = 0.0;
   for (double entry : v) largest = std::isfinite(entry) ? std::max(largest, std::fabs(entry)) : HUGE_VAL;
   return largest;
 }
 
-// Of each row the sum of |derivative| |unknown|; x: of column c.
+// Sum of |derivative| |unknown| for each row; x: of column c.
 template <class Value>
 void sum_rows(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
               Value x, std::vector<double>& sums) {
@@ -104,8 +104,8 @@ void sum_rows(const std::vector<int>& first, const std::vector<int>& column, con
     for (int e = first[i]; e < first[i + 1]; ++e) sums[i] += std::fabs(values[index(e)] * x(column[index(e)]));
 }
 
-// Of residuals, the largest relative to the sum of its row, and the largest itself of those that are more than
-// `ignored` relative to it. HUGE_VAL: not finite.
+// Largest residual relative to the sum of its row, and the largest of the residuals that are more than `ignored`
+// relative to it. HUGE_VAL: not finite.
 struct ResidualSizes {
   double relative = 0.0, largest = 0.0;
 };
@@ -121,7 +121,7 @@ inline ResidualSizes residual_sizes(const std::vector<double>& sums, const std::
   return sizes;
 }
 
-// Each row in units of its largest derivative; factors: those that residuals have to be multiplied by, too.
+// Scales each row by its largest derivative; factors: residuals have to be multiplied by these, too.
 inline void equilibrate_rows(const std::vector<int>& first, std::vector<double>& values,
                              std::vector<double>& factors) {
   factors.assign(first.size() - 1, 1.0);

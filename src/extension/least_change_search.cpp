@@ -1,4 +1,4 @@
-// All equations of the extension fulfilled by least changes.
+// Solution of all equations of the extension by least changes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/least_change_search.h"
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 namespace {
 
 constexpr int most_search_iterations = 50, few_iterations = 12;
-// Of the sum of weighted changes: steps that are that small lead nowhere.
+// Relative to the sum of weighted changes: smaller steps gain nothing.
 constexpr double settled = 1e-14;
 
 }  // namespace
@@ -125,7 +125,7 @@ void LeastChangeSearch::approach(const Jet& guess, Jet& jet) {
   }
 }
 
-// Sums near the least one are the same in all digits, steps are not.
+// Sums near the least one agree in all digits, steps do not.
 void LeastChangeSearch::settle(const Jet& guess, Jet& jet) {
   constexpr double no_smaller = 0.9, small_beside_all = 1e-8;
   double last = small_beside_all * sum(guess, jet);

@@ -1,4 +1,4 @@
-// All equations of the extension fulfilled by changes of all its unknowns that are least.
+// Solution of all equations of the extension by least changes of all its unknowns.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,31 +14,30 @@ namespace sfdae::core {
 
 class LeastChangeSearch {
  public:
-  // By columns.
+  // Demands by columns.
   struct Demands {
     std::vector<double> W;         // weights of the squares of changes, in units of the search
-    std::vector<char> are_drawn;   // to the guess; the others only move with W from where they are, and end anywhere
+    std::vector<char> are_drawn;   // to the guess; others only move with W from where they are
     std::vector<char> are_held;    // do not change
-    double negligible = HUGE_VAL;  // of the sum of a step's changes: the last one may be that large
+    double negligible = HUGE_VAL;  // sum of the changes of a step that may be the last one
   };
   LeastChangeSearch(MinimalExtension& extension, Demands demands, const SearchUnits& units);
 
-  // All of these throw Failure where callbacks stop. False: the search does not come to an end, or leads to where the
-  // equations cannot be evaluated.
+  // All of these throw Failure if callbacks stop the computation. False: the search does not converge, or leads to
+  // points where the equations cannot be evaluated.
   bool fulfil(Jet& jet);
-  // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order
-  // lose too many digits, they may not come to an end.
+  // Finds the point nearest to the guess by full steps: fast, but they may not converge if constraints are curved, or
+  // if derivatives of high order lose too many digits.
   bool hurry(const Jet& guess, Jet& jet);
-  // Of W times the squares of changes of what is drawn to the guess.
+  // Sum of W times the squares of changes of drawn values from the guess.
   double sum(const Jet& guess, const Jet& jet) const;
-  // Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the
-  // equations.
+  // Steps toward the guess, shortened until the sum of changes decreases; from a jet that satisfies the equations.
   void approach(const Jet& guess, Jet& jet);
 
  private:
-  // Whole steps on from where steps are small already, as long as they become smaller.
+  // Full steps from where steps are small already, as long as they become smaller.
   void settle(const Jet& guess, Jet& jet);
-  // The change from the jet on, toward the guess or, without one, least.
+  // Computes the change from the jet, toward the guess or, without one, least.
   bool compute(const Jet& jet, const Jet* guess);
   JetChange apply(const std::vector<double>& dx, double part, Jet& jet) const;
   double sum_of_change() const;
@@ -53,7 +52,7 @@ class LeastChangeSearch {
   std::vector<double> unit_;  // of the columns
   const SearchUnits& units_;
   std::vector<double> dx_, r_, factors_, values_, sums_;
-  // Before the change, in units of the largest derivatives, and relative to what is added up in each.
+  // Residuals before the change: in units of the largest derivatives, and relative to the sum of terms.
   double residual_ = 0.0, relative_ = 0.0;
 };
 

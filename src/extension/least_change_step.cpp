@@ -15,7 +15,7 @@ void LeastChangeStep::analyze(const Equations& equations, bool decides_all) {
   lu_.analyze(pattern_);
 }
 
-// J by columns.
+// Pattern of J by columns.
 void LeastChangeStep::note_square(const Equations& equations) {
   pattern_.size = equations.unknowns;
   pattern_.first.assign(index(equations.unknowns) + 1, 0);
@@ -93,7 +93,7 @@ void LeastChangeStep::solve(const Equations& equations, const std::vector<char>&
   std::copy_n(z_.begin(), n, dx);
 }
 
-// Weights of many sizes cost digits: equations were fulfilled to 1e-9 only where they should be to rounding.
+// Weights of many sizes cost digits: without this, equations were satisfied to 1e-9 instead of roundoff.
 void LeastChangeStep::refine() {
   for (int j = 0; j < pattern_.size; ++j)
     for (int e = pattern_.first[index(j)]; e < pattern_.first[index(j + 1)]; ++e)

@@ -1,6 +1,5 @@
-// The change of unknowns that fulfils linear equations and is least: minimize dx^T W dx / 2 + g^T dx so that J dx =
-// r, J sparse of full row rank, by one sparse factorization of [W J^T; J 0], or of J where it is square and nothing
-// is left to be chosen.
+// The least change of unknowns that satisfies linear equations: minimize dx^T W dx / 2 + g^T dx so that J dx = r, J
+// sparse of full row rank. One sparse matrix is factored: [W J^T; J 0], or J if it is square and leaves no choice.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,7 +20,7 @@ class LeastChangeStep {
   };
   // decides_all: as many equations as unknowns, none of which are held.
   void analyze(const Equations& equations, bool decides_all = false);
-  // False: there is no such change, or more than one.
+  // False if there is no such change, or more than one.
   bool factor(const Equations& equations, const std::vector<double>& values, const std::vector<double>& W,
               const std::vector<char>& is_held);
   // dx: in: -g, out: dx. r: rows() values.

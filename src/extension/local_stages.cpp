@@ -13,7 +13,7 @@ namespace {
 
 // docs/design/minimal_extension.md
 constexpr int fewest_stages = 3, most_coupled = 40, most_rows = 300, rows_for_a_state = 4;
-// In a step: one that suits all stages should be among them. Chosen, not measured.
+// Choices of pivots in a step: one of them should suit all stages. Chosen, not measured.
 constexpr int most_choices = 2;
 
 }  // namespace
@@ -25,14 +25,14 @@ bool LocalStages::is_of_use(int s, int coupled) const {
 
 bool LocalStages::is_of_use(int s) const { return is_of_use(s, most_coupled); }
 
-// By the values of that stage.
+// Chooses pivots by the values of that stage.
 bool LocalStages::choose_pivots(const StateChoice& choice, int stage) {
   values_of_stage_.clear();
   for (const LaneBlock& value : values_) values_of_stage_.push_back(value.lane[stage]);
   return elimination_.choose(choice.pattern(true), values_of_stage_.data()) == RecordedElimination::Choice::made;
 }
 
-// Other states have other matrices.
+// Forgets data of other states, which have other matrices.
 void LocalStages::note_choice(const ExtensionLinearization& linearization) {
   if (is_of(linearization)) return;
   places_.number = -1;  // until there is memory for all
@@ -40,7 +40,7 @@ void LocalStages::note_choice(const ExtensionLinearization& linearization) {
   places_ = PlacesOfStates(extension_, linearization.choice(), linearization.choice_number());
 }
 
-// Those of an earlier step, or of the linearization, or by its values.
+// Takes pivots of an earlier step, or of the linearization, or chooses them by its values.
 bool LocalStages::take_pivots(const ExtensionLinearization& linearization) {
   note_choice(linearization);
   if (elimination_.has_pivots()) return true;
@@ -87,7 +87,7 @@ void LocalStages::assemble(const StateChoice& choice) {
     for (int l = 0; l < lane_count; ++l) values_[k].lane[l] = 0.0 + derivatives_[index(entries[k])].lane[l];
 }
 
-// Where pivots do not suit a stage, with those of that stage.
+// Factors all stages; pivots that do not suit a stage are chosen again by the values of that stage.
 bool LocalStages::factor(const StateChoice& choice) {
   assemble(choice);
   for (int choices = 0; choices <= most_choices; ++choices) {
@@ -116,7 +116,7 @@ void LocalStages::resize(int s) {
   d_ = extension_.freedom();
 }
 
-// From derivatives_.
+// Completes the linearization from derivatives_.
 bool LocalStages::finish_by_tangents(const StageMethod& method, double h, const StateChoice& choice) {
   by_rows_ = false;
   if (!factor(choice)) return false;
@@ -135,7 +135,7 @@ bool LocalStages::finish_by_rows(const StageMethod& method, double h, const Stat
                                    [this](int c, int b, int i) { return slopes_[index(c * d_ + b)].lane[i]; });
 }
 
-// Each state in one of them; by values of all stages.
+// Pairs by values of all stages, each state in at most one.
 void LocalStages::find_pairs() {
   pairs_.clear();
   is_paired_.assign(index(d_), 0);
@@ -197,7 +197,7 @@ int LocalStages::ill_served(ExtensionLinearization& linearization) {
   return -1;
 }
 
-// With T.
+// Adds T times the changes of the states.
 void LocalStages::add_changes_of_states(const double* z) {
   LaneBlock dz;
   for (int b = 0; b < d_; ++b) {
@@ -207,7 +207,7 @@ void LocalStages::add_changes_of_states(const double* z) {
   }
 }
 
-// Solved once more with the states as they are to be.
+// Solves once more with the changed states.
 void LocalStages::subtract_changes_of_states(const double* z) {
   std::swap(r_, given_);
   for (const PlacesOfStates::Entry& held : places_.entries)

@@ -1,19 +1,18 @@
 // The stages of an implicit Runge-Kutta step for the extension with few states: Newton's method, with the equations
 // linearized at each stage.
 //
-// With the states x_j held, the equations of stage i determine all other unknowns and the slopes x_j': H_i is the
-// matrix with the states held, T_i = -H_i^-1 (derivatives by the states) says what moves with them, and its rows B_i
-// of the slopes leave
+// With the states x_j held, the equations of stage i determine all other unknowns and the slopes x_j'. H_i is the
+// matrix with the states held; T_i = -H_i^-1 (derivatives by the states) gives the changes with the states, and its
+// rows B_i of the slopes leave
 //
 //    sum_k D_ik / h dz_k - B_i dz_i = slopes of H_i^-1 r_i,
 //
-// s d equations for the changes dz of the states of all stages, which are solved as they are. One linearization for
-// all stages (extension_stages.h) has to be solved with s (n + sum c) unknowns, and contracts slowly where the
-// solution turns within a step, as those of mechanisms do (docs/design/minimal_extension.md). All H_i are
-// factored side by side by one elimination.
+// s d equations for the changes dz of the states of all stages, which are solved directly. One linearization for all
+// stages (extension_stages.h) has s (n + sum c) unknowns, and contracts slowly if the solution turns within a step, as
+// for mechanisms (docs/design/minimal_extension.md). All H_i are factored side by side by one elimination.
 //
-// For sensitivities rows of B_i come from rows of H_i^-1, of which half are wanted where states are positions and
-// velocities, and what moves with the states from a second solution (docs/design/minimal_extension.md).
+// For sensitivities rows of B_i come from rows of H_i^-1, half of which are needed if states are positions and
+// velocities; the changes with the states come from a second solution (docs/design/minimal_extension.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -36,28 +35,28 @@ class LocalStages {
  public:
   explicit LocalStages(MinimalExtension& extension) : extension_(extension) {}
 
-  // Few states among not too many equations: with `coupled` unknowns of all stages at most.
+  // True for few states among not too many equations: at most `coupled` unknowns of all stages.
   bool is_of_use(int s, int coupled) const;
   bool is_of_use(int s) const;
-  // At the jets of all stages, with the states of `linearization`. Not ok: the error, or `singular`.
+  // Linearizes at the jets of all stages, with the states of `linearization`. Not ok: the error, or `singular`.
   PointStatus linearize(const StageEquations& equations, const std::vector<Jet>& jets,
                         ExtensionLinearization& linearization, CallbackError& error);
-  // With derivatives that are known: value(e, i) is that of entry e of the extension at stage i. B_i row by row,
+  // Linearizes with known derivatives: value(e, i) is that of entry e of the extension at stage i. B_i row by row,
   // without T, and pairs of states eliminated (coupled_states.h). False: singular, or more than `coupled` unknowns of
   // all stages are left.
   template <class Value>
   bool linearize(const StageMethod& method, double h, Value value, const ExtensionLinearization& linearization,
                  int coupled);
-  // The pivots, which outlive steps. Reading: after the states of the linearization have been set.
+  // Archives the pivots, which outlive steps. When reading, the states of the linearization have to be set before.
   void archive(Archive& archive, const ExtensionLinearization& linearization);
-  // With the states of this linearization.
+  // True if it has the states of this linearization.
   bool is_of(const ExtensionLinearization& linearization) const {
     return places_.number == linearization.choice_number();
   }
-  // r: residuals times -1 by rows, a column for each stage, apart by any distance; becomes the changes by slots,
-  // those of x_j in place of x_j' of the states.
+  // r: residuals times -1 by rows, a column for each stage, with any leading dimension; becomes the changes by slots,
+  // with those of x_j in place of x_j' of the states.
   void solve(View r);
-  // After linearize(): the stage where the states serve worst, if they do not serve there; -1: they serve at all
+  // After linearize(): the stage where the states are least suitable, if they are unsuitable there; -1 if they suit all
   // stages.
   int ill_served(ExtensionLinearization& linearization);
   // The derivative of the extension by entry e at a stage.
@@ -86,15 +85,15 @@ class LocalStages {
   int s_ = 0, q_ = 0, d_ = 0;
   RecordedElimination elimination_;
   PlacesOfStates places_;
-  // A lane for each stage: of the extension, of H_i in the order of its pattern, of its factors, of T_i and of
-  // right-hand sides.
+  // A lane for each stage: derivatives of the extension, values of H_i in the order of its pattern, its factors, T_i
+  // and right-hand sides.
   LaneArray derivatives_, values_, factors_, tangents_, r_, given_;
   std::vector<double> values_of_stage_, end_tangents_, stage_tangents_;
   CoupledStates coupled_;
   std::vector<CoupledStates::Pair> pairs_;
   std::vector<char> is_paired_;
   bool by_rows_ = false;  // there are no tangents
-  LaneArray slopes_;      // rows of B_i that are left, one after the other
+  LaneArray slopes_;      // remaining rows of B_i, one after the other
 };
 
 template <class Value>

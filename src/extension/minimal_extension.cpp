@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Value k is coefficient k, of all that there are: nothing is differentiated or replaced.
+// True if value k is coefficient k, of all coefficients: nothing is differentiated or replaced.
 bool are_as_recorded(const std::vector<EntryTerm>& terms, std::size_t coefficients) {
   if (terms.size() != coefficients) return false;
   for (std::size_t k = 0; k < terms.size(); ++k)
@@ -89,7 +89,7 @@ MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<con
 }
 
 // With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1).
-// Derivatives that the signature does not know of have cancelled.
+// Derivatives that are not in the signature have cancelled.
 void MinimalExtension::make_pattern() {
   const Tape& tape = problem_.evaluator().tape();
   const std::size_t length = index(highest_level_ + 1);
@@ -141,7 +141,7 @@ double MinimalExtension::value_of(int row) const {
   return value;
 }
 
-// The sums below have no -0.
+// Adds 0.0, as the sums below have no -0.
 CallbackError MinimalExtension::residuals_as_recorded(const Jet& jet, double* r) {
   CallbackError error = problem_.residuals_within(jet.t, jet.x.data(), sums_.levels, 0, r);
   for (int row = 0; row < num_rows(); ++row) r[row] += 0.0;
@@ -168,7 +168,7 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
 
 const LaneEvaluator* MinimalExtension::evaluate_lanes(const std::vector<Jet>& jets, int count, bool with_gradients) {
   if (!problem_.has_lanes(highest_level_) || count > lane_count) return nullptr;
-  // Where nothing is replaced, coefficients of x_j beyond d_j are not read.
+  // If nothing is replaced, coefficients of x_j beyond d_j are not read.
   lanes_.load(jets, count, n_, sums_.places.empty() ? jet_order() : layout_.highest_d);
   const auto points = LaneEvaluator::points_of(lanes_.t.data(), lanes_.coefficients.data(), highest_level_, n_);
   return problem_.evaluate_within(count, points, sums_.levels, with_gradients);
@@ -221,7 +221,7 @@ CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
   return error;
 }
 
-// Of f_i rows end with order c_i + stage.
+// Rows of f_i end with order c_i + stage.
 CallbackError MinimalExtension::stage_residuals(int stage, const Jet& jet, double* r) {
   if (stage == 0 && are_rows_as_recorded()) return residuals_as_recorded(jet, r);
   CallbackError error = evaluate(jet, stage);
@@ -229,7 +229,7 @@ CallbackError MinimalExtension::stage_residuals(int stage, const Jet& jet, doubl
   return error;
 }
 
-// Of f_i^(k) by x_j^(l), l - k = d_j - c_i: as Taylor coefficients l! / k! times the entry of the system Jacobian.
+// Derivatives of f_i^(k) by x_j^(l), l - k = d_j - c_i: Taylor coefficients l! / k! times those of the system Jacobian.
 CallbackError MinimalExtension::linearize_stage(int stage, const Jet& jet, StageMatrix& matrix) {
   CallbackError error = problem_.gradients_for(
       jet.t, [&](TaylorEvaluator& evaluator) { return leading_.evaluate(evaluator, jet.t, jet.x.data()); });

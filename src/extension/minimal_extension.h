@@ -1,10 +1,10 @@
-// The minimal extension of recorded equations by their structure: f_i, ..., f_i^(c_i) in the unknowns x_j, ...,
-// x_j^(d_j), c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives.
-// Where structure misleads, f_i are the combinations of recorded equations that have taken their place
+// The minimal extension of recorded equations by structural analysis: f_i, ..., f_i^(c_i) in the unknowns x_j, ...,
+// x_j^(d_j), c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives. If
+// the structural analysis fails, f_i are combinations of recorded equations that replace them
 // (structure/replacement.h).
 //
-// Folder extension: the strangeness-free system of equations whose structure numbers confirm, for many unknowns or a
-// high index: what is differentiated is the least that has to be, and matrices are sparse.
+// Folder extension: the strangeness-free system of equations whose structural analysis is confirmed numerically, for
+// many unknowns or a high index. Only the necessary derivatives are formed, and matrices are sparse.
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -23,7 +23,7 @@
 
 namespace sfdae::core {
 
-// Rows and columns in their order, which offsets determine.
+// Rows and columns in the order that the offsets determine.
 struct ExtensionLayout {
   // Both sorted by stages: the rows f_i^(k) by k - c_i, the unknowns x_j^(l) by l - d_j.
   struct Row {
@@ -48,13 +48,13 @@ struct ExtensionSums {
     int equation, order;
     double factor;
   };
-  // None, where each row is one coefficient.
+  // Empty if each row is one coefficient.
   std::vector<Part> parts;
   std::vector<int> first_part;
-  // Of rows that are one coefficient each, where it stands among those of the recorded equations; none where rows are
-  // sums, or the equations as they are.
+  // Place of each row's only coefficient among those of the recorded equations; empty if rows are sums, or the
+  // equations as they are.
   std::vector<int> places;
-  std::shared_ptr<const OrderLimits> levels;  // of each recorded equation, the highest
+  std::shared_ptr<const OrderLimits> levels;  // the highest of each recorded equation
 };
 
 class MinimalExtension {
@@ -80,7 +80,7 @@ class MinimalExtension {
   const Offsets& offsets() const { return structure_->offsets; }
   RecordedProblem& problem() const { return problem_; }
   using Part = ExtensionSums::Part;
-  // Pointers into it live no longer than it does.
+  // Parts of a row; pointers into it are valid during its lifetime only.
   class Parts {
    public:
     explicit Parts(const Row& row) : only_{row.equation, row.order, 1.0} {}
@@ -96,27 +96,27 @@ class MinimalExtension {
     if (sums_.parts.empty()) return Parts(layout_.rows[index(row)]);
     return {sums_.parts.data() + sums_.first_part[index(row)], sums_.parts.data() + sums_.first_part[index(row + 1)]};
   }
-  // Stages are first_stage(), ..., 0; each has the rows and the columns from these to those of the next one.
+  // Stages are first_stage(), ..., 0; rows and columns of each end where those of the next one begin.
   int first_stage() const { return layout_.first_stage(); }
   int first_row(int stage) const { return layout_.first_rows[index(stage + layout_.highest_d)]; }
   int first_column(int stage) const { return layout_.first_columns[index(stage + layout_.highest_d)]; }
-  // Derivatives of an order that all equations together may not determine to any digit, and need not, as they are
-  // found one after the other (docs/design/structural_analysis.md).
+  // True for derivatives of such an order that all equations together may not determine any digit of them. They need
+  // not, as these are found one after the other (docs/design/structural_analysis.md).
   bool is_deep() const { return layout_.highest_d >= deep; }
   // The highest derivative of a recorded equation.
   int highest_level() const { return highest_level_; }
-  // Of jets; coefficients of x_j beyond d_j have no meaning.
+  // Order of jets; coefficients of x_j beyond d_j have no meaning.
   int jet_order() const { return highest_level_ + 1; }
 
   // num_rows() Taylor coefficients of f along a jet of jet_order().
   CallbackError residuals(const Jet& jet, double* r);
-  // The same along the first `count` jets at once, to the last bit; r: a column for each. False: they have to be
-  // looked at one by one, for whatever reason.
+  // Likewise along the first `count` jets at once, to the last bit; r: a column for each. False: they have to be
+  // evaluated one by one.
   bool residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r);
-  // Those of the total derivatives by t of all rows along the jet; it is of one order more.
+  // Likewise for the total derivatives by t of all rows along the jet, which is of one order more.
   CallbackError slopes(const Jet& jet, double* r);
 
-  // Residuals of the rows of a stage alone, as many as these are.
+  // Residuals of the rows of a stage alone.
   CallbackError stage_residuals(int stage, const Jet& jet, double* r);
   // Derivatives of the rows of a stage by its unknowns, which are those of the system Jacobian times factors; rows
   // and columns count from the first of the stage.
@@ -129,32 +129,32 @@ class MinimalExtension {
   // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1]
   // - 1.
   CallbackError linearize(const Jet& jet) { return linearize(jet, values_); }
-  // values: to, in place of values().
+  // values: receives the derivatives, in place of values().
   CallbackError linearize(const Jet& jet, std::vector<double>& values);
-  // The same along the first `count` jets at once; values: of all entries, not those of values(). False: as
+  // Likewise along the first `count` jets at once; values: of all entries, not those of values(). False: as
   // residuals_side_by_side().
   bool linearize_side_by_side(const std::vector<Jet>& jets, int count, LaneArray& values);
   // values: of the entries, from Taylor coefficients of the derivatives of recorded equations: coefficient k of the
   // derivative by the target number e of the tape is coefficient(e, k), k <= highest_level().
   template <class Coefficient>
   void take_derivatives(Coefficient coefficient, double* values) const;
-  // What entries are sums of: action(entry, e, k, factor), in the order in which terms are added up.
+  // Terms of the sums that entries are: action(entry, e, k, factor), in the order in which they are added up.
   template <class Action>
   void for_each_term(Action action) const;
   // For the first judge of the structure.
   std::shared_ptr<OrderedBlocks> take_ordered_blocks() { return std::move(ordered_); }
-  // The system Jacobian, for anyone who evaluates it first.
+  // The system Jacobian; users evaluate it first.
   SystemJacobian& leading() { return leading_; }
-  // Until they are made the next time, there are none, and there is no memory for them.
+  // Frees the memory of the values until they are computed again.
   void forget_values() { std::vector<double>().swap(values_); }
-  // Each value times 1 + size times a random number, until they are made anew.
+  // Multiplies each value by 1 + size times a random number, until they are computed again.
   void perturb(double size);
   const std::vector<int>& first() const { return first_; }
   const std::vector<int>& column() const { return column_; }
   const std::vector<double>& values() const { return values_; }
 
  private:
-  // Nothing is differentiated or replaced.
+  // True if nothing is differentiated or replaced.
   bool are_rows_as_recorded() const { return highest_level_ == 0 && sums_.parts.empty(); }
   CallbackError residuals_as_recorded(const Jet& jet, double* r);
   void make_pattern();
@@ -172,11 +172,11 @@ class MinimalExtension {
   ExtensionSums sums_;
   int highest_level_;
   std::vector<int> first_, column_;
-  // None, where values are derivatives of the recorded equations as they are, in their order.
+  // Empty if values are derivatives of the recorded equations as they are, in their order.
   std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
-  std::vector<double> F_;  // coefficients of the recorded equations; none where residuals are these as they are
+  std::vector<double> F_;  // coefficients of the recorded equations; empty if these are the residuals
   JetLanes lanes_;
 };
 

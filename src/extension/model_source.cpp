@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// What would end a comment, or continue its line, is left out.
+// Leaves out characters that would end a comment, or continue its line.
 std::string in_comment(const std::string& text) {
   std::string safe;
   for (char c : text)
@@ -26,7 +26,7 @@ class SourceWriter {
       : system_(system), request_(request), is_c_(request.language == Language::C) {}
 
   std::string write() {
-    // Which helpers are needed is known after the functions.
+    // The functions determine which helpers are needed.
     const std::string functions = start() + residual() + jacobian();
     return heading() + (is_c_ ? c_declarations() : fortran_declarations()) + functions + ending();
   }
@@ -93,7 +93,7 @@ class SourceWriter {
     return list;
   }
 
-  // Name, what it says, values.
+  // Calls write(name, values) for each table.
   std::string tables(const std::function<std::string(const char*, const std::string&)>& write) const {
     const auto& z = system_.unknowns;
     return write("unknown", integers([&](int i) { return counted(z[index(i)].unknown); })) +
@@ -189,7 +189,7 @@ class SourceWriter {
     return text + statements + format("  end subroutine %s_start\n", name());
   }
 
-  // Arguments that no formula contains.
+  // Statements for arguments that no formula contains.
   std::string unused(const Statements& statements) const {
     std::string text;
     const std::pair<char, const char*> all[] = {{'t', "t"}, {'z', "z"}, {'d', "zdot"}, {'p', "p"}};

@@ -13,12 +13,12 @@ namespace sfdae::core {
 
 struct SourceRequest {
   Language language;
-  std::string name;             // what names of functions begin with
+  std::string name;             // prefix of the names of functions
   CharacteristicValues values;  // of the equations as they are recorded
   EquationNames equation_names;
 };
 
-// In words what keeps a name from being one; "" if nothing does.
+// Reason why a name is not allowed; "" if it is.
 std::string complaint_about_name(const std::string& name);
 
 std::string source_of(const ExportedSystem& system, const SourceRequest& request);

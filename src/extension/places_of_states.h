@@ -24,7 +24,7 @@ struct PlacesOfStates {
   };
   std::vector<Entry> entries;
   std::vector<int> first;
-  // Rows of x_a' of a state and one other state x_b, and nothing else: numbers of these, and their entries.
+  // Rows with x_a' of a state, one other state x_b and nothing else: numbers of these, and their entries.
   struct Candidate {
     CoupledStates::Pair pair;
     std::size_t of_slope, of_state;

@@ -1,4 +1,4 @@
-// The unknowns of one stage.
+// Search for the unknowns of one stage.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/stage_search.h"
 
@@ -12,12 +12,12 @@ namespace sfdae::core {
 
 namespace {
 
-// Steps are halved so often, at most, where residuals do not become smaller.
+// Most halvings of a step while residuals do not decrease.
 constexpr int most_halvings = 10;
 constexpr int most_stage_iterations = 50;
-// Of residuals that are weighted: it has to be a gain that is worth the other norm. Chosen, not measured.
+// A decrease of weighted residuals that outweighs the other norm. Chosen, not measured.
 constexpr double much_less = 0.5;
-// Changes that are squared by each step are near, and not small, that often.
+// Changes that are squared by each step are near, and not small, at most that often.
 constexpr double near = 0.01;
 constexpr int most_near_solution = 3;
 
@@ -44,7 +44,7 @@ void StageSearch::sum_rows_at(const Jet& jet, std::vector<double>& sums) const {
   sum_rows(J_.first, J_.column, J_.values, value, sums);
 }
 
-// HUGE_VAL: it cannot be computed. r_ becomes minus the scaled residuals.
+// Sizes of the residuals, HUGE_VAL if they cannot be computed. r_ becomes minus the scaled residuals.
 StageSearch::Residual StageSearch::residual(const Jet& jet) {
   const CallbackError error = extension_.stage_residuals(stage_, jet, r_.data());
   if (error.status != SFDAE_OK && !error.is_recoverable()) error.raise();
@@ -60,8 +60,8 @@ StageSearch::Residual StageSearch::residual(const Jet& jet) {
   return result;
 }
 
-// Rounding errors need not become smaller. In deep chains those of some equations are larger than others as a whole,
-// in any units: they do not count, and a step is good where residuals become smaller in one of two units.
+// True if residuals have decreased; roundoff need not. In deep chains rounding errors of some equations exceed others
+// as a whole, in any units: they do not count, and a step is good if residuals decrease in one of two units.
 bool StageSearch::has_improved() const {
   if (here_.sizes.largest <= before_.sizes.largest || here_.sizes.relative <= rounding_residual) return true;
   return extension_.is_deep() && here_.weighted <= much_less * before_.weighted;
@@ -88,7 +88,7 @@ const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_fir
   return error.status != SFDAE_OK ? explain(error, guess, is_first) : "the equations overflow.";
 }
 
-// Nothing is left to be done: values given that are consistent are the nearest ones. Certificates tell whether
+// True if nothing is left to be done: given values that are consistent are the nearest ones. Certificates tell whether
 // equations are singular there.
 bool StageSearch::is_solved(const Jet& guess, const Jet& jet) const {
   if (!(before_.sizes.largest < HUGE_VAL) || largest_entry(r_) != 0.0) return false;
@@ -97,7 +97,7 @@ bool StageSearch::is_solved(const Jet& guess, const Jet& jet) const {
          });
 }
 
-// Whether it was a whole one. change_ becomes that of the jet.
+// Makes a step; true if it was a full one. change_ becomes that of the jet.
 bool StageSearch::step(Toward toward, const Jet& guess, Jet& jet) {
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto [unknown, order] = columns_[k];
@@ -130,9 +130,9 @@ bool StageSearch::step(Toward toward, const Jet& guess, Jet& jet) {
   }
 }
 
-// The nearest solution is not found by these steps where it is farther away than its curvature allows: a circle whose
-// radius is less than half the distance of the guess from its centre. Any solution does then, but none that is
-// approached as slowly as points where the equations are singular are.
+// These steps do not find the nearest solution if it is farther away than its curvature allows: on a circle whose
+// radius is less than half the distance of the guess from its center. Then any solution is accepted, but none that is
+// approached as slowly as singular points are.
 const char* StageSearch::run(const Jet& guess, Jet& jet) {
   const Jet start = jet;
   const char* const why = run_toward(Toward::guess, guess, jet);

@@ -1,4 +1,4 @@
-// The unknowns of one stage of an extension by Newton's method, each step the least change back to the guess.
+// Newton search for the unknowns of one stage of an extension, each step the least change back to the guess.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,24 +13,24 @@ namespace sfdae::core {
 
 class StageSearch {
  public:
-  // W: of the square of a change of each column of the stage, in the units of the search.
+  // W: weight of the square of a change of each column of the stage, in the units of the search.
   StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const SearchUnits& units);
 
-  // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws
-  // Failure where the equations cannot be evaluated at the guess.
+  // Returns why the search ended without a solution, or null. jet: its unknowns of the earlier stages are known. Throws
+  // Failure if the equations cannot be evaluated at the guess.
   const char* run(const Jet& guess, Jet& jet);
-  // One of these reasons: the structure may mislead.
+  // One of these reasons: the structural analysis may be invalid.
   static constexpr char singular[] = "the equations are singular there.";
 
  private:
-  // Where steps lead: as near to the guess as they can, or to the nearest solution from where the search is.
+  // Target of the steps: as near to the guess as they can, or the solution nearest to the last iterate.
   enum class Toward { guess, solution };
   const char* run_toward(Toward toward, const Jet& guess, Jet& jet);
   const char* linearize(const Jet& guess, const Jet& jet, bool is_first);
   const char* explain(const CallbackError& error, const Jet& guess, bool is_first);
   struct Residual {
     ResidualSizes sizes;
-    double weighted = 0.0;  // the largest, in units of what was added up in its row where it was linearized
+    double weighted = 0.0;  // the largest, in units of the terms of its row at the linearization
   };
   void sum_rows_at(const Jet& jet, std::vector<double>& sums) const;
   Residual residual(const Jet& jet);

@@ -40,8 +40,7 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
 }
 
 void StateChoice::list_held_entries(const MinimalExtension& extension) {
-  // Where all unknowns are states, as those of a discretized field may be, the list would only take memory. Chosen,
-  // not measured.
+  // If all unknowns are states, as for a discretized field, the list would only take memory. Chosen, not measured.
   constexpr std::size_t least_others = 4;
   held_entries_.clear();
   std::size_t count = 0;
@@ -82,7 +81,7 @@ std::shared_ptr<SparsePattern> pattern_of_columns(const std::vector<int>& count)
 
 }  // namespace
 
-// By columns: the rows of each, ascending as rows are gone through in their order; two entries of a row may meet.
+// Pattern by columns; the rows of each ascend, as rows are visited in order. Two entries of a row may coincide.
 void StateChoice::lay_out(const MinimalExtension& extension) {
   const auto none = [](int) { return false; };
   std::vector<int> last_row(index(size_), -1), next(index(size_), 0);

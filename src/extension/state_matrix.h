@@ -1,8 +1,8 @@
 // The extension as a square sparse matrix, d of the unknowns x_j being states.
 //
-// With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) but the x_j of states, a change of
-// which is 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1 /
-// c. With epsilon = 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed. The matrix with
+// With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) except the x_j of states. A change of
+// such an x_j is 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1
+// / c. With epsilon = 0 states are held; complex epsilon: transformed stages of Runge-Kutta methods. The matrix with
 // the states held has a pattern of its own, without their columns x_j: it is block triangular by stages, and its
 // factors are much smaller than those of the others.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -22,35 +22,35 @@
 
 namespace sfdae::core {
 
-// Derivatives of the rows of an extension, which were its values at some jet.
+// Derivatives of the rows of an extension at some jet.
 struct ExtensionDerivatives {
   const MinimalExtension& extension;
   const std::vector<double>& values;
 };
 
-// Which unknowns are states, and where the columns of the extension stand in the square matrix.
+// Choice of states, and places of the columns of the extension in the square matrix.
 class StateChoice {
  public:
-  // As many states as the freedom of the extension; x_j' is among its columns for each.
+  // As many states as the freedom of the extension; x_j' of each is among its columns.
   void set(const MinimalExtension& extension, std::vector<int> states);
 
   const std::vector<int>& states() const { return states_; }
   bool is_state(int unknown) const { return is_state_[index(unknown)] != 0; }
-  // Of a column of the extension: its unknown in the square matrix. x_j of a state j has that of x_j'.
+  // Unknown of the square matrix for a column of the extension. x_j of a state j has that of x_j'.
   int slot(int column) const { return slot_[index(column)]; }
-  // x_j of a state.
+  // True for x_j of a state.
   bool is_held(int column) const { return is_held_[index(column)] != 0; }
-  // x_j' of a state.
+  // True for x_j' of a state.
   bool is_slope(int column) const { return is_slope_[index(column)] != 0; }
-  // What a step changes, all columns but x_j' of states.
+  // Columns that a step changes: all but x_j' of states.
   const std::vector<int>& changed() const { return changed_; }
-  // Of the extension, in columns of x_j of states, where these are few among its entries; else there are none.
+  // Entries of the extension in columns of x_j of states, if these are few among its entries; else there are none.
   struct HeldEntry {
     int row, unknown, entry;
   };
   bool has_held_entries() const { return has_held_entries_; }
   const std::vector<HeldEntry>& held_entries() const { return held_entries_; }
-  // Changes of x_j' of the states, by slots, become those of x_j.
+  // Converts changes of x_j' of the states, by slots, to those of x_j.
   template <class Number>
   void to_states(Number epsilon, Number* z) const {
     for (int slot : state_slots_) z[slot] *= epsilon;
@@ -61,9 +61,9 @@ class StateChoice {
     return holds_states ? held_pattern_ : pattern_;
   }
   const SparsePattern& pattern(bool holds_states) const { return *shared_pattern(holds_states); }
-  // Of the entries of the extension, where they are added in the pattern of a step.
+  // Places of the entries of the extension in the pattern of a step.
   const std::vector<int>& places() const { return places_; }
-  // In the order of the pattern with the states held, the entries of the extension: there is one for each place.
+  // Entries of the extension in the order of the pattern with the states held: there is one for each place.
   const std::vector<int>& entries_of_held() const { return entries_of_held_; }
   // to: in the order of the pattern.
   template <class Number>
@@ -101,27 +101,27 @@ void StateChoice::assemble(bool holds_states, const ExtensionDerivatives& from, 
     to[places[e]] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
 }
 
-// Factored for one epsilon at a time. Real ones that are not too large by a list of operations
+// Matrix factored for one epsilon at a time. Real ones that are not too large are factored by a list of operations
 // (linalg/listed_factors.h), whose pivots outlive the linearization (docs/design/sparse_algebra.md).
 template <class Number>
 class StateMatrix {
  public:
   // holds_states: for epsilon = 0 alone.
   explicit StateMatrix(bool holds_states = false) : holds_states_(holds_states) {}
-  // The pattern is analyzed when it is factored first: not all matrices are.
+  // The pattern is analyzed at the first factorization: not all matrices are factored.
   void set_choice() {
     is_analyzed_ = false;
     list_.reset();
     forget();
   }
-  // Ordered as that one, which is of the same choice and kind.
+  // Takes the ordering of a matrix of the same choice and kind.
   void set_choice_of(const StateMatrix& other) {
     lu_ = other.lu_;
     list_ = other.list_;
     is_analyzed_ = other.is_analyzed_;
     forget();
   }
-  // What comes depends on nothing before but the pivots of the list.
+  // Forgets the factors: later ones depend only on the pivots of the list.
   void forget() {
     epsilon_.reset();
     lu_.forget_pivots();
@@ -135,11 +135,11 @@ class StateMatrix {
     is_listed_ = factor_listed(from, choice, epsilon);
     return is_listed_ || factor_unlisted(from, choice, epsilon);
   }
-  // The pivots of the list. Reading: before anything is factored.
+  // Archives the pivots of the list. Reading precedes all factorizations.
   void archive_list(Archive& archive, const StateChoice& choice) {
     if constexpr (may_be_listed) list_.archive(choice.pattern(holds_states_), archive);
   }
-  // Reading: of the same values, choice and list. False: singular.
+  // Archives the factors. Reading needs the same values, choice and list. False: singular.
   bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
     bool is_factored = is_valid();
     archive.small(is_factored, is_listed_);
@@ -164,7 +164,7 @@ class StateMatrix {
   double reciprocal_condition() {
     return is_listed_ ? list_.reciprocal_condition(values_.data()) : lu_.reciprocal_condition();
   }
-  // The elimination that it was factored by, or null.
+  // The elimination used by the factorization, or null.
   const RecordedElimination* elimination() const { return is_valid() && is_listed_ ? &list_.elimination() : nullptr; }
   std::size_t fill() const { return is_listed_ ? list_.elimination().fill() : lu_.fill(); }
   double factorization_in_solutions() const {

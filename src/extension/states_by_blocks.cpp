@@ -18,8 +18,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what was added up, in blocks scaled by themselves: blocks that are nearly singular have solutions far
-// away, of sizes that are out of all proportion, which equations as they should be have not. Chosen, not measured.
+// Least pivot relative to the sum of terms, in blocks scaled by themselves: blocks that are nearly singular have
+// far-away solutions of disproportionate sizes, which proper equations do not have. Chosen, not measured.
 constexpr double good_pivot = 1e-9;
 
 // A diagonal block by rows, scaled by powers of two; zeros left out.
@@ -44,7 +44,7 @@ SparseRows scaled_block(int block, int size, const SystemJacobian& jacobian, Blo
   return rows;
 }
 
-// What the stages of one block leave over.
+// Unknowns that the stages of one block leave over.
 class BlockStates {
  public:
   BlockStates(const MinimalExtension& extension, int block, const SparseRows& rows)
@@ -53,7 +53,7 @@ class BlockStates {
         unknowns_(extension.structure().blocks.unknowns(block)),
         rows_(rows) {}
 
-  // False: something else than x_j is left over, or some equations depend on others.
+  // False if something else than x_j is left over, or some equations depend on others.
   bool add_to(std::vector<int>& states) {
     if (!is_regular()) return false;
     int highest = 0;
@@ -64,7 +64,7 @@ class BlockStates {
   }
 
  private:
-  // The last stage, which leaves nothing over.
+  // True if the last stage, which leaves nothing over, is nonsingular.
   bool is_regular() const {
     if (rows_.columns == 1) return !rows_.value.empty();
     BasisSettings settings;
@@ -73,7 +73,7 @@ class BlockStates {
     return basis.rank == rows_.columns && basis.smallest_pivot >= good_pivot;
   }
 
-  // Unknowns of the stage are numbered anew.
+  // Numbers the unknowns of the stage.
   void number_columns(int stage) {
     columns_.clear();
     place_.assign(unknowns_.size(), -1);
@@ -118,12 +118,12 @@ class BlockStates {
   std::vector<int> columns_, place_;
 };
 
-// Relative to the numbers of the jet, far more than rounding errors: a point that is not that near to a solution has
-// entries of that size which vanish there, and a block does not know how small they are. Chosen, not measured.
+// Relative to the values of the jet, far above roundoff: a point that is only so near to a solution has entries of that
+// size which vanish there, and a block does not show how small they are. Chosen, not measured.
 constexpr double doubt = 1e-6;
 
-// The system Jacobian at the jet; entries that a little change of it makes others are zero. False: it cannot be
-// evaluated.
+// Evaluates the system Jacobian at the jet; entries that a small change of the jet alters become zero. False if it
+// cannot be evaluated.
 bool evaluate(MinimalExtension& extension, const Jet& jet) {
   SystemJacobian& jacobian = extension.leading();
   TaylorEvaluator& evaluator = extension.problem().evaluator();

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what equations of any level do to x_j, the second where equations were replaced; of the entries; of the
-// effect. Chosen, not measured.
+// Relative to the effects of all levels on x_j, the second for replaced equations; to the entries; to the effect.
+// Chosen, not measured.
 constexpr double clear_effect = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
 // Parts of a sum that matter so little may be rounding errors of its factors. Chosen, not measured.
 constexpr double hardly_a_part = 1e-6;
@@ -35,7 +35,7 @@ class LevelEffects {
     note_changes(values);
   }
 
-  // Of all levels, what their changes do to the unknowns x_j, the states given. solve: of the matrix with the states
+  // Effects of changes of each level on the unknowns x_j, with the states given. solve: by the matrix with the states
   // held.
   template <class Solve>
   std::vector<std::vector<double>> all(Solve solve) {
@@ -94,8 +94,8 @@ class LevelEffects {
   std::vector<double> work_;
 };
 
-// The derivatives at the jet moved by its rounding errors, and changed a little besides: entries that vanish at all
-// solutions are others there.
+// Computes the derivatives at the jet moved by its rounding errors, and perturbs them a little: entries that vanish at
+// all solutions differ there.
 void change_entries(MinimalExtension& extension, const ExtensionLinearization& linearization) {
   const Jet& jet = linearization.origin();
   const std::vector<double> noise = linearization.noise_of_jet();
@@ -110,15 +110,15 @@ void change_entries(MinimalExtension& extension, const ExtensionLinearization& l
 
 }  // namespace
 
-// Where changes move x_j little beside those of other levels, as a capacitor in farad does, or the last level of a
-// deep chain, the effect has to be the same with entries that are changed a little: rounding errors are not. However
-// small it is then, it counts, but for sums of equations, whose factors are rounded.
+// If changes of a level move x_j little compared with others, as for a capacitor in farad or the last level of a deep
+// chain, the effect has to be the same with slightly changed entries: rounding errors are not. However small it then
+// is, it counts, except for sums of equations, whose factors are rounded.
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();
   LevelEffects effects(extension, linearization.derivatives().values, choice, tau);
   const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
-  // Made when they are asked for first, which is seldom.
+  // Computed when first needed, which is seldom.
   std::vector<std::vector<double>> changed;
   const auto changed_effect = [&](int level, std::size_t j) {
     if (changed.empty()) {

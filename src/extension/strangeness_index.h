@@ -1,4 +1,4 @@
-// The exact strangeness index of equations that their minimal extension solves: one solve a level.
+// The exact strangeness index of equations that their minimal extension solves: one solution for each level.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace sfdae::core {
 
-// The largest k so that the recorded equations differentiated k times have a say in x, the states given: changes of
-// these equations move some x_j then. linearization: usable, and made of the derivatives that the extension has now;
-// these are no longer its own afterwards.
-// tau: a unit of time that fits the equations: with theirs in it, effects do not depend on the user's.
+// The largest k for which the recorded equations differentiated k times affect x, the states given: changes of these
+// equations move some x_j. linearization: usable, and made from the current derivatives of the extension, which are
+// changed afterwards.
+// tau: a unit of time that fits the equations: effects then do not depend on the user's.
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau);
 
 }  // namespace sfdae::core

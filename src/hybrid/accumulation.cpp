@@ -12,17 +12,17 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr std::size_t remembered = 7;  // passages of a transition, six times between them
-constexpr double equal_factors = 0.1;  // of one minus the factor by which these times shrink
-// When transitions accumulate: the time that is left, of that since the start, or what the function of the transition
-// still does, in tolerances.
+constexpr std::size_t remembered = 7;  // passages of a transition, six time intervals
+constexpr double equal_factors = 0.1;  // tolerance for the ratios of the intervals, relative to one minus the ratio
+// Accumulation: remaining time relative to the time since the start, or remaining change of the transition function, in
+// tolerances.
 constexpr double time_left = 1e-6, tolerances_left = 1e3;
-constexpr double short_visit = 10.0;  // tolerances that x moves by
-// Relative changes of t and x' that say nothing: more than those of EventValues::rounding, so that a function that is
-// larger than what it changes by has a sign for a search of events.
+constexpr double short_visit = 10.0;  // tolerances by which x moves
+// Negligible relative changes of t and x': larger than those of EventValues::rounding, so that a function that is
+// larger than its resulting change has a sign in an event search.
 constexpr double some_roundings = 256.0 * std::numeric_limits<double>::epsilon();
 
-// x moved by its tolerances, or part of them, in directions at random.
+// x moved randomly within its tolerances.
 std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolerances, std::minstd_rand& random) {
   std::vector<double> result(x);
   for (std::size_t i = 0; i < tolerances.rtol.size(); ++i)
@@ -30,7 +30,7 @@ std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolera
   return result;
 }
 
-// The time in which the first component moves by its tolerance.
+// Time until the first component has moved by its tolerance.
 double time_to_move(const HybridRun& run, const Tolerances& tolerances) {
   double time = std::fabs(run.toward_from() - run.t);
   for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) {
@@ -40,8 +40,8 @@ double time_to_move(const HybridRun& run, const Tolerances& tolerances) {
   return time;
 }
 
-// Times whose distances shrink by one factor q: the time from the last one to their limit, the last distance times
-// q / (1 - q).
+// For times whose intervals shrink by a constant factor q: the time from the last one to their limit, the last interval
+// times q / (1 - q).
 std::optional<double> time_to_limit(const std::vector<double>& times) {
   if (times.size() < remembered) return std::nullopt;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
@@ -57,7 +57,7 @@ std::optional<double> time_to_limit(const std::vector<double>& times) {
   return last * q / (1.0 - q);
 }
 
-// Whether the function hardly moves any more until the next passage, half of the way to the limit, say.
+// True if the remaining time is negligible, or the function hardly changes within a quarter of the last interval.
 bool is_at_rest(const HybridSystem& hybrid, const HybridTransition& transition, double rest) {
   const HybridRun& run = hybrid.run;
   const sfdae_transition& given = transition.given;
@@ -99,7 +99,7 @@ double margin_of(const HybridSystem& hybrid, const sfdae_transition& given) {
   const double beside = some_roundings * std::max(std::fabs(run.t), std::fabs(run.toward)) * run.direction();
   std::minstd_rand random(11);
   const double here = function_at(run, given, run.t, run.x.data(), run.xdot.data());
-  // Not 0: the sign that a function has where it is constant has to be known, too.
+  // Positive: the sign of a constant function must be certain, too.
   double margin = std::numeric_limits<double>::min();
   const auto look_at = [&](double t, const std::vector<double>& x, const std::vector<double>& xdot) {
     const double there = function_at(run, given, t, x.data(), xdot.data());
@@ -107,7 +107,7 @@ double margin_of(const HybridSystem& hybrid, const sfdae_transition& given) {
   };
   look_at(run.t + beside, run.x, run.xdot);
   for (int k = 0; k < 4; ++k) {
-    // To both sides: a function may have a kink here.
+    // Both sides: a function may have a kink here.
     std::vector<double> x = moved(run.x, tolerances, random);
     look_at(run.t, x, run.xdot);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = 2.0 * run.x[i] - x[i];

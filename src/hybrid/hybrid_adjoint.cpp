@@ -1,4 +1,4 @@
-// Gradients of hybrid systems by the adjoint: what is kept of visits, and how these are read backward.
+// Adjoint gradients of hybrid systems: stored visits and their evaluation backward in time.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid/hybrid_adjoint.h"
 
@@ -29,7 +29,7 @@ std::shared_ptr<Solver> solver_of(const HybridMode& mode) {
                                  : std::shared_ptr<Solver>(std::shared_ptr<void>(), mode.solver);
 }
 
-// Goes back from the last visit to the first one.
+// Evaluation from the last visit to the first one.
 class BackwardRun {
  public:
   BackwardRun(HybridSystem& hybrid, const HybridSystem::Functionals& functionals)
@@ -62,7 +62,7 @@ class BackwardRun {
  private:
   static constexpr int end_of_visit = -1;
 
-  // Points in time of a visit. Of a transition's time they are those after it.
+  // Output times within a visit. The time of a transition belongs to the visit after it.
   std::vector<int> times_of(std::size_t visit) const {
     std::vector<int> times;
     for (int k = 0; k < functionals_.num_times; ++k)
@@ -95,7 +95,7 @@ class BackwardRun {
     Solver& solver;
     Integration& integration;
   };
-  // The part of the mode above, along a surface, is in no functional, but in what follows where the visit ends.
+  // The part of the mode above, along a surface, is in no functional, but it affects the state at the end of the visit.
   Vector weights_of(const std::vector<int>& times, int rows) const {
     Vector weights;
     for (int q = 0; q < functionals_.count; ++q)
@@ -110,7 +110,7 @@ class BackwardRun {
       }
     return weights;
   }
-  // The gradient by all columns that the visit has begun with; none without times.
+  // Gradient with respect to all columns at the start of the visit; empty without times.
   Matrix read_visit(const Visit& visit, const std::vector<int>& times) {
     if (times.empty()) return {};
     const DiscreteAdjoint& adjoint = *visit.integration.adjoint();
@@ -127,7 +127,7 @@ class BackwardRun {
     copy(found.view().block(count_, 0, of_columns.rows(), functionals_.count), of_columns);
     return of_columns;
   }
-  // Weights of z become those of S where the visit ends.
+  // Transforms weights of z into weights of S at the end of the visit.
   void go_to_end_of(const KeptVisit& visit, const Matrix& of_columns) {
     weights_ = Matrix(visit.integration->adjoint()->unknowns(), functionals_.count);
     if (of_columns.rows() > 0 && visit.is_whole) copy(of_columns, weights_);
@@ -140,12 +140,12 @@ class BackwardRun {
   const HybridSystem::Functionals functionals_;
   int n_, count_;
   Matrix gradient_;
-  Matrix weights_;  // of S where a visit ends
+  Matrix weights_;  // of S at the end of a visit
   bool has_weights_ = false;
   double end_ = 0.0;
 };
 
-// While it lives evaluations are those of visits that have ended.
+// Scope in which evaluations refer to ended visits; the destructor restores the state of the present one.
 class LookBack {
  public:
   explicit LookBack(HybridSystem& hybrid) : hybrid_(hybrid) {}

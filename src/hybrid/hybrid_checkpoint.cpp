@@ -1,4 +1,4 @@
-// Checkpoints of hybrid systems: the state of the run, then that of the solver of its mode.
+// Checkpoints of hybrid systems: the state of the run, followed by that of the solver of its mode.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,9 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr double mark = 5.0e7 + 1238.0;  // no number that a checkpoint begins with by chance
+constexpr double mark = 5.0e7 + 1238.0;  // improbable as the first number of anything else
 
-// All but what solvers know of themselves.
+// State without that of the solvers.
 struct HybridState {
   HybridRun run;
   std::vector<VisitCounts> left;
@@ -43,7 +43,7 @@ void archive_count(Archive& archive, long& count) {
   count = static_cast<long>(value);
 }
 
-// Numbers that have to be as they are here.
+// Archives a number that must equal the one here.
 void archive_size(Archive& archive, std::size_t size) {
   double value = static_cast<double>(size);
   archive.real(value);
@@ -56,7 +56,7 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
   archive_size(archive, n);
   archive_size(archive, state.left.size());
   archive_size(archive, state.passages.size());
-  // -1, as what is not written, where there are no sensitivities.
+  // -1 without sensitivities, the value for entries that are not written.
   const int wanted = state.num_sensitivities > 0 ? 0 : -1;
   int has_sensitivities = wanted;
   archive.small(run.mode, run.visit.is_fresh, has_sensitivities);
@@ -109,8 +109,8 @@ double hash_of_transitions(const HybridSystem& hybrid) {
   return hash.value_as_real();
 }
 
-// The equations and options of all modes but two kinds: sliding modes follow from others, and the checkpoint of the
-// solver that is running has its own identity, with the method that the mode was entered with.
+// Visits the equations and options of all modes except sliding modes, which follow from others, and the running mode:
+// the checkpoint of its solver contains them, with the method with which the mode was entered.
 template <class Use>
 void for_each_identity(const HybridSystem& hybrid, int running, Use use) {
   for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
@@ -132,7 +132,7 @@ void write_identity(const HybridSystem& hybrid, Archive& archive) {
                     [&](int, const CheckpointIdentity& identity) { identity.write(archive); });
 }
 
-// Throws Failure if modes or transitions are others. running: the mode that the checkpoint was made in.
+// Throws Failure if modes or transitions differ. running: the mode of the checkpoint.
 void demand_same(const HybridSystem& hybrid, int running, Archive& archive) {
   double transitions = 0.0;
   archive.real(transitions);
@@ -163,7 +163,7 @@ std::size_t own_size(const HybridSystem& hybrid) {
   return counter.size();
 }
 
-// What the checkpoint says, and where that of the solver begins.
+// Reads the state of the run; own: the position where the checkpoint of the solver begins.
 HybridState read_state(const HybridSystem& hybrid, const double* checkpoint, std::size_t length, std::size_t& own) {
   HybridState state = state_of(hybrid);
   state.run = {};
@@ -186,7 +186,7 @@ void restore(HybridSystem& hybrid, const SavedCheckpoint& saved) {
   hybrid.call(mode, [&saved, own](Solver& solver) {
     solver.restore_checkpoint({saved.values + own, saved.length - own});
   });
-  // Nothing fails from here on.
+  // Nothing fails after this point.
   state.run.visit.integration = hybrid.modes[index(mode)].solver->integration.get();
   hybrid.run = std::move(state.run);
   for (std::size_t k = 0; k < hybrid.modes.size(); ++k) hybrid.modes[k].left = state.left[k];

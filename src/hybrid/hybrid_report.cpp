@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_timed = 5, most_passages = 20;
 
-// Transitions at times out of the present mode that lie ahead, the next ones first.
+// Timed transitions out of the present mode that lie ahead, the next ones first.
 std::string timed_transitions(const HybridSystem& hybrid) {
   const HybridRun& run = hybrid.run;
   std::vector<std::pair<double, int>> ahead;
@@ -31,7 +31,7 @@ std::string timed_transitions(const HybridSystem& hybrid) {
   return text;
 }
 
-// Of the present visit and those that have ended.
+// Report on the stored steps of the present and of ended visits.
 std::string adjoint_report(const HybridSystem& hybrid) {
   if (!hybrid.sensitivities || !hybrid.sensitivities->by_adjoint) return "";
   AdjointWork all;

@@ -1,4 +1,4 @@
-// Modes and transitions as text.
+// Report on modes and transitions as text.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,7 +9,7 @@
 namespace sfdae::core {
 
 std::string report_of(const HybridSystem& hybrid);
-// Of a mode, with the state of the system.
+// Report on a mode, with the state of the system.
 std::string mode_report(const HybridSystem& hybrid, int mode);
 
 }  // namespace sfdae::core

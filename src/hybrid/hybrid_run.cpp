@@ -1,5 +1,4 @@
-// A run across modes: each is entered with the values that its equations make of those before, and left where a
-// transition is due.
+// Run across modes: each mode starts from the consistent values computed from those before, and ends at a transition.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid/hybrid_run.h"
 
@@ -22,8 +21,8 @@ void keep_warning(HybridRun& run, CallResult result) {
   if (result.status > 0 && run.warning.status == SFDAE_OK) run.warning = std::move(result);
 }
 
-// The transitions of a mode that are events of its solver, in their order; then, of those of switches, which happen
-// where their function is 0, what is left to be noticed where a mode begins closely beyond that.
+// Event functions of a mode's solver: its watched transitions in order; then, for those of switches, their functions
+// less the margin, to detect transitions when a mode begins just beyond the surface.
 int evaluate_watched(double t, const double* x, const double* xdot, double* g, void* user) {
   const HybridMode& mode = *static_cast<const HybridMode*>(user);
   std::size_t next = mode.watched.size();
@@ -44,7 +43,7 @@ void record_in(HybridSystem& hybrid, int mode) {
   if (!hybrid.solution.expired()) hybrid.modes[index(mode)].solver->solution = hybrid.solution;
 }
 
-// From run.t, run.x.
+// Enters a mode from run.t, run.x.
 void enter(HybridSystem& hybrid, int to) {
   HybridRun& run = hybrid.run;
   HybridMode& mode = hybrid.modes[index(to)];
@@ -79,7 +78,7 @@ void leave(HybridSystem& hybrid) {
   run.visit.integration = nullptr;
 }
 
-// Largest in size; -1 where all are 0.
+// Largest absolute value and its index; -1 if all are 0.
 std::pair<double, int> largest_of(const std::vector<double>& values) {
   std::pair<double, int> largest(0.0, -1);
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -108,8 +107,7 @@ void find_values_after(HybridSystem& hybrid, const sfdae_transition& given) {
                                            hybrid.name_of(given.from).c_str(), hybrid.name_of(given.to).c_str()));
 }
 
-// Whether it is one of a mode: out of it, or out of one of the two between which it slides, but for those of their
-// switch.
+// True if the transition leaves the mode, or, for a sliding mode, one of its two modes, other than by their switch.
 bool leads_out_of(const HybridTransition& transition, const HybridSystem& hybrid, int mode) {
   const Switch* along = hybrid.modes[index(mode)].surface;
   const int from = transition.given.from;
@@ -145,7 +143,7 @@ void note(HybridSystem& hybrid, int number, const sfdae_transition& given) {
   note_passage(hybrid.transitions[index(number)], run.t);
 }
 
-// at_once: where the mode begins. Where this fails the run has ended, before the transition: going on it would miss it.
+// at_once: the mode has just begun. After a failure the run has ended; continuing would miss the transition.
 void go_over(HybridSystem& hybrid, int number, bool at_once) {
   HybridRun& run = hybrid.run;
   HybridTransition& transition = hybrid.transitions[index(number)];
@@ -173,7 +171,7 @@ void go_over(HybridSystem& hybrid, int number, bool at_once) {
   check_accumulation(hybrid, transition);
 }
 
-// Whether the guard, if there is one, is > 0 at the point reached.
+// True if there is no guard, or it is > 0 at the point reached.
 bool is_open(const HybridRun& run, const sfdae_transition& given) {
   if (given.guard == nullptr) return true;
   double value = 1.0;
@@ -181,9 +179,8 @@ bool is_open(const HybridRun& run, const sfdae_transition& given) {
   return value > 0.0;
 }
 
-// The first condition that holds where the mode begins; -1: none. Those that do not hold count from now on where they
-// have risen clearly above the value that they have here: so their sign is known where the mode begins, and one that
-// is zero here counts if it rises.
+// The first condition that holds at the start of the mode; -1: none. Others hold later if they rise clearly above their
+// present value: so their sign is certain here, and a condition that is zero here holds once it rises.
 int find_condition(HybridSystem& hybrid) {
   const HybridRun& run = hybrid.run;
   for (const int k : hybrid.mode().watched) {
@@ -200,7 +197,8 @@ int find_condition(HybridSystem& hybrid) {
   return -1;
 }
 
-// The first transition that is due at the point reached, -1: none. Among those watched that happened, or at this time.
+// The first transition due at the point reached, -1: none; candidates are events that fired and transitions at this
+// time.
 int find_due(const HybridSystem& hybrid, bool is_event) {
   const HybridRun& run = hybrid.run;
   const HybridMode& mode = hybrid.mode();
@@ -231,7 +229,7 @@ double next_target(const HybridSystem& hybrid, double tout) {
   return tout;
 }
 
-// Conditions that hold where modes begin, one after the other. Whether there was one.
+// Takes transitions whose conditions hold at the start of modes. Returns true if there was any.
 bool leave_at_once(HybridSystem& hybrid, bool only_once) {
   bool has_left = false;
   while (hybrid.run.visit.is_fresh && !(has_left && only_once)) {
@@ -342,15 +340,14 @@ void set_transition_events(HybridSystem& hybrid) {
     for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) set_events_of(hybrid, k);
   }
   hybrid.events_are_set = true;
-  // Set before with sensitivities, or without.
+  // The events may have been set with or without sensitivities.
   for (HybridMode& mode : hybrid.modes)
     if (mode.solver->events) mode.solver->events->tries_without_slopes = hybrid.sensitivities.has_value();
 }
 
 namespace {
 
-// A failure is what the call has to say. Where something else ends it, what has happened in the last step would be
-// missed: the run ends.
+// Turns failures into results. Other exceptions end the run: continuing would miss events of the last step.
 template <class Body>
 CallResult result_in(HybridRun& run, Body body) {
   try {

@@ -1,4 +1,4 @@
-// The state of a run across modes.
+// State of a run across modes.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace sfdae::core {
 
-// Counts that add up over the visits of a mode.
+// Sums over the visits of a mode.
 struct VisitCounts {
   double duration = 0.0;
   long visits = 0, steps = 0, error_failures = 0, other_failures = 0, reductions = 0, factorizations = 0;
@@ -18,15 +18,15 @@ struct VisitCounts {
   void add(const IntegrationCounts& counts);
 };
 
-// The stay in the present mode.
+// The visit of the present mode.
 struct ModeVisit {
   double entered = 0.0;
-  bool is_fresh = false;  // conditions of the mode have not been looked at since it was entered
+  bool is_fresh = false;  // conditions of the mode have not been tested since it was entered
   const Integration* integration = nullptr;
-  double short_time = 0.0;  // in which x moves by a few tolerances only
+  double short_time = 0.0;  // in which x moves only by a few tolerances
 };
 
-// The last visits, if none of them was longer than its short_time.
+// The last visits that were all shorter than their short_time.
 struct ShortVisits {
   long count = 0;
   double first = 0.0;
@@ -44,14 +44,14 @@ struct ValuesAtTransition {
   std::vector<double> before, after, impulse;
 };
 
-// With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there with these,
-// width() of them for each parameter. With the adjoint by all columns that S is a combination of.
+// With sensitivities: dt/dp of the last transition, 0 at the start, and the derivatives of the values there including
+// dt/dp, width() per parameter. With the adjoint: for all columns that span S.
 struct MovingValues {
   std::vector<double> shifts, moved;
-  double time_before = 0.0;  // in which x is known to change little, before that
+  double time_before = 0.0;  // time scale of x before the transition
 };
 
-// t, x, xdot: the point reached, with the part of the mode above in the end where there are switches.
+// t, x, xdot: the point reached; if there are switches, the part of the mode above is appended.
 struct HybridRun {
   int mode = -1;
   double start = 0.0, toward = 0.0;
@@ -65,7 +65,7 @@ struct HybridRun {
   std::optional<double> accumulation;
   CallResult warning;  // the first one of the call
   double direction() const { return toward < start ? -1.0 : 1.0; }
-  // Toward the end of the run, or beside t once that is passed.
+  // End of the run, or a time just after t if the end has been passed.
   double toward_from() const;
 };
 

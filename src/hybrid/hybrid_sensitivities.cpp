@@ -1,12 +1,12 @@
-// Sensitivities of hybrid systems: what becomes of them at transitions.
+// Sensitivities of hybrid systems and their changes at transitions.
 //
-// At a transition at t, g(t, x) = 0, time and values move with a parameter p by
+// At a transition at t, g(t, x) = 0, time and values depend on a parameter p by
 //
 //     dt/dp = -(g_x S + g_p) / (g_t + g_x x'),   dx/dp = S + x' dt/dp
 //
-// with g_p of surfaces of switches, which are formulas; other functions know no parameters.
-// The map to the values after it, M(t, x, p), is differentiated along these; S after is the derivative less x' after
-// times dt/dp, made consistent with the equations of the mode that begins [GFB99].
+// with g_p of surfaces of switches, which are formulas; other functions have no parameters.
+// The map to the values after it, M(t, x, p), is differentiated along these. S after the transition is this derivative
+// minus x' after it times dt/dp, made consistent with the equations of the new mode [GFB99].
 //
 // [GFB99] S. Galan, W. F. Feehery, P. I. Barton: Parametric sensitivity functions for hybrid discrete/continuous
 // systems. Appl.
@@ -30,16 +30,16 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The first step of differences, in sizes of what moves. (Chosen: rounding errors of jumps are some 1e-14, so that
-// this leaves 1e-11 of them.)
+// First step of finite differences, relative to the size of the moved variable. (Chosen: rounding errors of jumps are
+// about 1e-14, so their contribution is about 1e-11.)
 constexpr double first_step = 1e-3;
-// What else than x moves a map counts for that part of it, where derivatives are looked at for whether they are 0.
-// (Chosen.)
+// Derivatives of transition functions, and of maps before which x does not move, count as 0 below this part of the
+// speed of the movement, in sizes. (Chosen.)
 constexpr double minor = 1e-3;
-// What moves less than that, of what else moves a map, may be rounding errors alone: those of values at rest. (Chosen.)
+// Movements of x below this part of the other changes may be rounding errors of values at rest. (Chosen.)
 constexpr double negligible = 1e-6;
 
-// What values of x are measured by: themselves, or the size at which the absolute tolerance begins to count.
+// Sizes of the components of x: their values, or atol / rtol if that is larger.
 Vector sizes_of(const Tolerances& tolerances, const Vector& x, std::size_t n) {
   Vector sizes(n);
   double largest = 0.0;
@@ -53,7 +53,7 @@ Vector sizes_of(const Tolerances& tolerances, const Vector& x, std::size_t n) {
   return sizes;
 }
 
-// What the values after a transition are measured by: by themselves, and by those before.
+// Sizes of the values at a transition: the larger of those before and after it.
 Vector sizes_at_transition(const Tolerances& tolerances, const ValuesAtTransition& values, std::size_t n) {
   Vector sizes = sizes_of(tolerances, values.before, n);
   const Vector after = sizes_of(tolerances, values.after, n);
@@ -61,21 +61,21 @@ Vector sizes_at_transition(const Tolerances& tolerances, const ValuesAtTransitio
   return sizes;
 }
 
-// By how many of its sizes x moves along dx.
+// Largest movement along dx, relative to the sizes of x.
 double speed(const double* dx, const Vector& sizes) {
   double largest = 0.0;
   for (std::size_t i = 0; i < sizes.size(); ++i) largest = std::max(largest, std::fabs(dx[i]) / sizes[i]);
   return largest;
 }
 
-// What x is known to change little in.
+// Time scale of x: the step size.
 double time_of(const Solver& solver) {
   const StepState state = solver.integration->stepper().state();
   const double step = std::max(std::fabs(state.last.h), std::fabs(state.next_step));
   return step > 0.0 ? step : 1.0;
 }
 
-// While it lives a parameter has another value.
+// Scope in which a parameter has another value.
 class ParameterShift {
  public:
   ParameterShift(Model& model, int number, double by) : model_(model), number_(number) {
@@ -99,7 +99,7 @@ class ParameterShift {
   double value_ = 0.0;
 };
 
-// Columns with other numbers of rows: those that are left out were the last ones, those that are added are 0.
+// Changes the number of rows of columns: the last rows are dropped, or rows of zeros are appended.
 Vector with_rows(int rows, const Vector& columns, int wanted) {
   const std::size_t from = index(rows), to = index(wanted), count = columns.size() / from;
   Vector result(to * count, 0.0);
@@ -108,7 +108,7 @@ Vector with_rows(int rows, const Vector& columns, int wanted) {
   return result;
 }
 
-// The function of a transition at the point of the run, and how it changes.
+// The function of a transition at the point of the run, and its derivatives.
 class TransitionRate {
  public:
   TransitionRate(const HybridSystem& hybrid, const sfdae_transition& given)
@@ -119,12 +119,12 @@ class TransitionRate {
         sizes_(sizes_of(hybrid.mode().solver->options.model.tolerances, run_.x, n_)),
         time_(time_of(*hybrid.mode().solver)) {}
 
-  // With t, along x'.
+  // With respect to t, along x'.
   double with_time() const { return along(1.0, run_.xdot.data(), 0.0); }
   // Along dx.
   double along(const double* dx) const { return along(0.0, dx, minor * speed(dx, sizes_)); }
-  // Whether it only touches 0, within the tolerances: the parabola through its values in the last step does not go
-  // beyond.
+  // True if the function only touches 0 within the tolerances: the parabola through its values in the last step does
+  // not cross 0 clearly.
   bool is_tangent(double rate) const {
     constexpr double in_tolerances = 10.0, apart = 0.1, beside = 0.11;
     Integration& integration = *hybrid_.mode().solver->integration;
@@ -132,9 +132,9 @@ class TransitionRate {
     const double h = state.last.h, from = state.t - h;
     if (h == 0.0) return false;
     const double margin = margin_of(hybrid_, given_);
-    // g bends by some of its sizes in a step at most.
+    // In a step g bends at most by some of its sizes.
     if (rate * h * rate * h > in_tolerances * 20.0 * margin * size_) return false;
-    // Three places within the step, as near to the transition as may be.
+    // Three places within the step, as near to the transition as possible.
     const double middle = from + std::clamp((run_.t - from) / h, beside, 1.0 - beside) * h;
     Vector x(sizes_.size()), xdot(sizes_.size());
     double value[3];
@@ -147,17 +147,17 @@ class TransitionRate {
     const double bend = std::fabs(value[0] - 2.0 * value[1] + value[2]) / (apart * h * apart * h);
     return !(rate * rate > in_tolerances * 2.0 * margin * bend);
   }
-  // Whether it is one of t and x.
+  // True if the function depends on x'.
   bool has_slopes() {
     Vector xdot(run_.xdot);
     const double here = value(run_.t, run_.x, run_.xdot);
     size_ = std::max(std::fabs(here), std::numeric_limits<double>::min());
-    // By other amounts for all.
+    // Different amounts for all components.
     for (std::size_t i = 0; i < n_; ++i)
       xdot[i] += (0.5 + std::fmod(0.618 * static_cast<double>(i), 1.0)) * sizes_[i] / time_;
     return here != value(run_.t, run_.x, xdot);
   }
-  // What it is measured by: by what it does if x moves by its size, or t by a step.
+  // Finds the size of the function: its change if x moves by its size, or t by a step.
   void find_size() {
     const double here = value(run_.t, run_.x, run_.xdot);
     const auto look_at = [&](double t, const Vector& x) {
@@ -173,7 +173,7 @@ class TransitionRate {
   }
 
  private:
-  // least: as Differencing has it, in what the function is measured by.
+  // least: see Differencing, in units of the size of the function.
   double along(double dt, const double* dx, double least) const {
     const double fastest = std::max(std::fabs(dt) / time_, speed(dx, sizes_));
     if (fastest == 0.0) return 0.0;
@@ -202,7 +202,7 @@ class TransitionRate {
   double time_, size_ = std::numeric_limits<double>::min();
 };
 
-// Of the surface of a switch, where it is one; columns of values have none.
+// Derivatives of a switch's surface by the parameters; 0 for other transitions and for columns of values.
 Vector change_by_parameters(const HybridSystem& hybrid, const HybridTransition& transition) {
   const HybridRun& run = hybrid.run;
   Vector changes;
@@ -244,7 +244,7 @@ void find_shifts_of_event(HybridSystem& hybrid, const HybridTransition& transiti
                                          run.t));
 }
 
-// The values after a transition from those before it, which may be moved.
+// The values after a transition from those before it, which may be perturbed.
 void find_moved_values(HybridSystem& hybrid, const sfdae_transition& given, double t, const Vector& before,
                        Vector& after) {
   const HybridRun& run = hybrid.run;
@@ -259,8 +259,8 @@ void find_moved_values(HybridSystem& hybrid, const sfdae_transition& given, doub
   });
 }
 
-// The derivatives of the values after a jump by impulses along the directions of run.moving.moved, which they replace,
-// from its equations. False where these do not say them.
+// Differentiates the equations of a jump by impulses: the derivatives of the values after it along the directions in
+// run.moving.moved replace these. Returns false if the equations do not determine them.
 bool has_differentiated_jump(HybridSystem& hybrid, const sfdae_transition& given) {
   HybridRun& run = hybrid.run;
   bool is_found = false;
@@ -286,7 +286,7 @@ bool has_differentiated_jump(HybridSystem& hybrid, const sfdae_transition& given
   return is_found;
 }
 
-// Whatever columns there were of transitions.
+// Compares requests, ignoring columns for values at transitions.
 bool asks_for_the_same(const SensitivityRequest& asked, const SensitivityRequest& wanted) {
   const auto end = asked.parameters.end() - asked.num_of_values;
   return std::equal(asked.parameters.begin(), end, wanted.parameters.begin(), wanted.parameters.end()) &&
@@ -294,7 +294,7 @@ bool asks_for_the_same(const SensitivityRequest& asked, const SensitivityRequest
          asked.max_kept_steps == wanted.max_kept_steps;
 }
 
-// With the adjoint there are columns of values before a transition, beside those of parameters.
+// With the adjoint there are columns of values before a transition in addition to those of parameters.
 void match_columns(const HybridSystem& hybrid, SensitivityRequest& request) {
   const std::size_t columns = hybrid.run.moving.shifts.size();
   request.parameters.resize(columns, -1);
@@ -363,7 +363,7 @@ void carry_over(HybridSystem& hybrid, const sfdae_transition& given) {
   match_columns(hybrid, *solver.sensitivities);
   const std::size_t n = index(hybrid.n()), rows = index(solver.model.n()), stride = index(hybrid.width());
   auto& [shifts, moved, time_before] = run.moving;
-  // The part of a mode, where there is one, is found anew.
+  // The part of the mode above, if present, is computed again.
   for (std::size_t j = 0; j < shifts.size(); ++j)
     std::fill(moved.data() + j * stride + n, moved.data() + (j + 1) * stride, 0.0);
   if (given.jump == nullptr && has_differentiated_jump(hybrid, given)) return;
@@ -380,7 +380,7 @@ void carry_over(HybridSystem& hybrid, const sfdae_transition& given) {
       others = std::max(others, 1.0 / (value > 0.0 ? value : 1.0));
     }
     if (pace == 0.0 && others == 0.0) continue;
-    // What D is the sum of may cancel.
+    // The terms of the sum D may cancel.
     const double parts = std::max(pace, std::fabs(shift) * speed(run.xdot.data(), sizes_before));
     const Differencing how{sizes, first_step / std::max(pace, others),
                            parts > 0.0 ? std::max(parts, negligible * others) : minor * others, &here};

@@ -1,4 +1,4 @@
-// Sensitivities of hybrid systems: what becomes of them at transitions. Functions throw Failure.
+// Sensitivities of hybrid systems and their changes at transitions. Functions throw Failure.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,15 +8,15 @@
 
 namespace sfdae::core {
 
-// Those of the start, width() x count.
+// Initial sensitivities, width() x count.
 std::vector<double> directions_at_start(const HybridSystem& hybrid);
-// Asks the solvers of all modes for what the system was asked for, or for none.
+// Requests from the solvers of all modes the sensitivities of the system, or none.
 void ask_for_sensitivities(HybridSystem& hybrid);
-// How the time of a transition moves with the parameters, and x there. at_once: with the transition before.
+// Finds the derivatives of the transition time by the parameters and of x there. at_once: the time is the last one's.
 void find_shifts(HybridSystem& hybrid, const HybridTransition& transition, bool at_once);
-// Then, with the values after it: how these move.
+// Afterwards, with the values after the transition: finds their derivatives.
 void carry_over(HybridSystem& hybrid, const sfdae_transition& given);
-// Before a mode is entered, and after that: a start that is none of the system's begins with nothing of it.
+// Before and after a mode is entered: the request has start values only during starts by the system.
 void begin_sensitivities(HybridSystem& hybrid, int mode);
 void end_sensitivities(HybridSystem& hybrid, int mode);
 

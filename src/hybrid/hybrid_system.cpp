@@ -61,7 +61,7 @@ int HybridSystem::add_transition(const sfdae_transition& transition) {
   return static_cast<int>(transitions.size()) - 1;
 }
 
-// Nothing has changed if it fails.
+// If it fails, nothing has changed.
 int HybridSystem::add_switch(int below, int above, std::shared_ptr<const Record> surface, const std::string& name) {
   const int sliding = static_cast<int>(modes.size());
   auto added = std::make_unique<Switch>(Switch::Modes{below, above, sliding}, *modes[index(below)].solver,
@@ -86,7 +86,7 @@ int HybridSystem::add_switch(int below, int above, std::shared_ptr<const Record>
     modes.pop_back();
     throw;
   }
-  // Nothing fails from here on.
+  // Nothing fails after this point.
   switches.push_back(std::move(added));
   events_are_set = false;
   run.mode = -1;
@@ -104,7 +104,7 @@ void HybridSystem::record(std::weak_ptr<SolutionPieces> pieces) {
   solution = std::move(pieces);
 }
 
-// Without those of the part of a mode, the last unknown along surfaces.
+// Without the part of the mode above, the last unknown along surfaces.
 void HybridSystem::evaluate_sensitivities(double t, double* S, double* Sdot) {
   const std::size_t given = index(n()), rows = index(mode().solver->model.n()), count = sensitivities->names.size();
   std::vector<double> values(rows * count), slopes(Sdot != nullptr ? rows * count : 0);

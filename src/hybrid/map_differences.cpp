@@ -1,4 +1,4 @@
-// Differences of maps along a direction.
+// Finite differences of maps along a direction.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid/map_differences.h"
 
@@ -16,16 +16,16 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The error, relative, that is good enough, and the one that is none any more: then there is no derivative. Steps
-// differ by a factor of ten; so many are tried either way.
+// Relative error that is accurate enough, and relative error beyond which there is no derivative. Steps differ by a
+// factor of ten; the counts limit them in either direction.
 constexpr double good = 1e-8, useless = 1e-3, factor = 0.1;
 constexpr int most_smaller = 4, most_larger = 5;
-// What maps round values by, in their sizes: some units of jumps, which are iterated to rounding.
+// Rounding errors of maps relative to the sizes: some units of jumps, which are iterated to machine precision.
 constexpr double noise = 3e-15;
-// Differences below that are none, where a kink is looked for.
+// Smaller differences are ignored in the test for kinks.
 constexpr double rounding = 1e-11;
 
-// As values, where they are numbers: others are no derivatives.
+// Evaluates the map; throws Failure if values are not finite.
 void find_finite_values(const MapAlong& values, double s, Vector& to) {
   values(s, to);
   if (!all_finite(to.data(), to.size()))
@@ -33,9 +33,9 @@ void find_finite_values(const MapAlong& values, double s, Vector& to) {
                   "near a transition, where it is differentiated, values after it, or its function, are not finite.");
 }
 
-// Differences are those of both sides, and do not see a kink between them: what these differ by does not become
-// smaller with the step there. The derivative is none then. Such differences as rounding errors are none.
-// above, below: values at the step of the derivative. here: values at 0, empty where they are not known yet.
+// Central differences do not see a kink at 0: there the one-sided slopes differ by an amount that does not shrink with
+// the step, and the derivative does not exist. Differences of the size of rounding errors are ignored. above, below:
+// values at the step of the derivative. here: values at 0, empty if not known yet.
 void find_kink(const MapAlong& values, const Differencing& how, Vector above, Vector below,
                DerivativeAlong& derivative) {
   constexpr double much_smaller = 1e-2, still_there = 0.1;
@@ -58,7 +58,7 @@ void find_kink(const MapAlong& values, const Differencing& how, Vector above, Ve
     double difference = 0.0;
     for (std::size_t i = 0; i < n; ++i)
       difference = std::max(difference, std::fabs(above[i] + below[i] - 2.0 * here[i]) / sizes[i]);
-    // That of a kink is smaller with smaller steps, too.
+    // The difference due to a kink shrinks with the step, too.
     if (difference <= rounding) break;
     const bool is_kink = !is_known && difference / step > still_there * before;
     if (is_kink) derivative.error = std::numeric_limits<double>::infinity();
@@ -70,10 +70,10 @@ class Differences {
  public:
   Differences(const MapAlong& values, const Differencing& how) : values_(values), how_(how) {}
 
-  // Whether steps on this side of the first one may be better than the best so far.
+  // True if further steps on this side of the first one may be better than the best so far.
   bool may_improve() const { return best.error > good; }
   bool is_rounded() const { return is_rounded_; }
-  // One more step: whether it is better than those before, or has no values. Callbacks that stop end all.
+  // Tries another step; true if it is better than those before, or has no values. Callbacks that stop end the search.
   bool try_step(double step) {
     const double places[] = {1.0, -1.0, 2.0, -2.0};
     try {
@@ -97,11 +97,11 @@ class Differences {
   }
 
   DerivativeAlong best;
-  Vector above, below;             // of it
+  Vector above, below;             // of the best step
   std::optional<Failure> failure;  // the last one
 
  private:
-  // Its error is that of second order, which is larger, and what rounding errors may be.
+  // The error is that of second order, which is larger, plus a bound on rounding errors.
   DerivativeAlong difference(double step) {
     const std::size_t n = how_.sizes.size();
     DerivativeAlong found{Vector(n), step, 0.0};
@@ -133,7 +133,7 @@ DerivativeAlong differentiate_along(const MapAlong& values, const Differencing& 
   differences.try_step(how.step);
   const bool larger_first = differences.is_rounded();
   for (bool larger : {larger_first, !larger_first}) {
-    // Not the steps that have no values on the other side.
+    // Skip larger steps if smaller ones have no values.
     if (larger && differences.failure) break;
     bool goes_on = true;
     double step = how.step;
@@ -146,7 +146,7 @@ DerivativeAlong differentiate_along(const MapAlong& values, const Differencing& 
   }
   DerivativeAlong derivative = std::move(differences.best);
   if (derivative.value.empty() && differences.failure) throw std::move(*differences.failure);
-  // Where it overflows there is none.
+  // An overflow leaves no derivative to test.
   if (!derivative.value.empty())
     find_kink(values, how, std::move(differences.above), std::move(differences.below), derivative);
   return derivative;

@@ -1,4 +1,4 @@
-// Derivatives of maps along a direction, by differences whose steps are found.
+// Derivatives of maps along a direction, by finite differences with automatic step selection.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace sfdae::core {
 
-// values(s, to) writes values(s), as many numbers as there are sizes.
+// values(s, to) writes values(s), one number per size.
 using MapAlong = std::function<void(double s, std::vector<double>& to)>;
 
 struct DerivativeAlong {
@@ -18,19 +18,17 @@ struct DerivativeAlong {
   bool is_there() const;
 };
 
-// How a map is asked. sizes: of its values. step: of s, tried first. least: derivatives below that, in sizes, are as
-// good as 0.
+// Settings. sizes: of the values. step: initial step of s. least: derivatives below it, in sizes, count as 0.
 struct Differencing {
   const std::vector<double>& sizes;
   double step;
   double least = 0.0;
-  // Values at 0, which several directions have in common: empty until one of them has asked. Null: there is one
-  // direction only.
+  // Values at 0, shared by several directions: empty until first computed. Null: there is only one direction.
   std::vector<double>* here = nullptr;
 };
 
-// d/ds values(s) at 0, of fourth order. Steps become smaller where two orders disagree and where there are no values,
-// larger where rounding errors are what is left. Throws the last Failure of the map where there are no values for any.
+// d/ds values(s) at 0, of fourth order. Steps become smaller if two orders disagree or values do not exist, and larger
+// if rounding errors dominate. Throws the last Failure of the map if there are no values for any step.
 DerivativeAlong differentiate_along(const MapAlong& values, const Differencing& how);
 
 }  // namespace sfdae::core

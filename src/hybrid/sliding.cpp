@@ -1,4 +1,4 @@
-// Switches of hybrid systems: the equations along their surfaces, and where these hold.
+// Switches of hybrid systems: equations along their surfaces, and the conditions for leaving them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid/sliding.h"
 
@@ -16,7 +16,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the part of the mode above, times the largest of the others: squares of changes are below rounding. (Chosen.)
+// Weight of the part of the mode above, relative to the largest other one: its squared changes are below roundoff.
+// (Chosen.)
 constexpr double free_weight = 1e8;
 
 bool is_prescribed(FormulatedModel& model) {
@@ -24,7 +25,7 @@ bool is_prescribed(FormulatedModel& model) {
   return model.nonlinear() != nullptr && !model.nonlinear()->recorded()->prescribed().empty();
 }
 
-// The equations of a mode as formulas, with the values that parameters have now.
+// The equations of a mode as formulas, with the present parameter values.
 TaylorEvaluator formulas_of(const Solver& solver, const char* which) {
   if (solver.model.evaluator() == nullptr)
     refuse_argument(format("the equations of the mode %s are functions: sliding needs recorded ones.", which));
@@ -35,7 +36,7 @@ TaylorEvaluator formulas_of(const Solver& solver, const char* which) {
   return TaylorEvaluator(*solver.model.evaluator());
 }
 
-// Those of the mode below, and of the part of the mode above what the others have at best.
+// Options of the mode below; the part of the mode above gets the smallest of its relative tolerances.
 SolverOptions with_part(SolverOptions options, int n) {
   double tolerance = 1.0;
   for (const double rtol : options.model.tolerances.rtol.different())
@@ -44,7 +45,7 @@ SolverOptions with_part(SolverOptions options, int n) {
   options.model.tolerances.rtol.push_back(tolerance);
   options.model.tolerances.atol.push_back(tolerance);
   if (!options.model.consistency.fixed.empty()) options.model.consistency.fixed.push_back(0);
-  // Its changes, divided by their weight, count for nothing: it follows from the others.
+  // Changes are divided by their weight, so those of the part are negligible: it follows from the others.
   std::vector<double>& weights = options.model.consistency.weights;
   if (!weights.empty()) weights.push_back(free_weight * *std::max_element(weights.begin(), weights.end()));
   static_cast<Acceptance&>(options.integration) = options.model;
@@ -88,7 +89,7 @@ void Switch::update(const Names& wanted) {
   std::vector<int> all(index(evaluator->num_parameters()));
   std::iota(all.begin(), all.end(), 0);
   auto by_parameters = std::make_unique<ParameterDerivatives>(*evaluator, all);
-  // Nothing fails from here on.
+  // Nothing fails after this point.
   solver_ = std::move(solver);
   surface_ = std::move(evaluator);
   surface_by_parameters_ = std::move(by_parameters);

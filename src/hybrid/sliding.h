@@ -1,4 +1,4 @@
-// Surfaces that two modes of a hybrid system lead to, and the mode of the motion along each of them.
+// Switches of a hybrid system: surfaces to which two modes lead, and the mode of motion along each of them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// Does not move: transitions point to it.
+// Never moved: transitions point to it.
 class Switch {
  public:
   struct Modes {
@@ -23,27 +23,26 @@ class Switch {
 
   const Modes& modes() const { return modes_; }
   Solver* solver() const { return solver_.get(); }  // of the sliding mode
-  // For those that need it although it may be replaced.
+  // For owners that need it even if it is replaced.
   const std::shared_ptr<Solver>& shared_solver() const { return solver_; }
-  // Names of parameters by which derivatives are wanted; "" and names that there are not count for nothing.
+  // Parameters by which derivatives are requested; "" and unknown names are ignored.
   using Names = std::vector<std::string>;
-  // The modes have other values of parameters than its equations, or these have not the parameters that are wanted.
+  // True if parameters of the modes have changed, or other derivatives are requested, since update().
   bool is_outdated(const Names& wanted) const;
-  // Makes them anew, with a new solver. Throws Failure, and nothing has changed then.
+  // Rebuilds the equations with a new solver. Throws Failure and then changes nothing.
   void update(const Names& wanted);
-  // Tells formulas g apart, with the values that their parameters have now.
+  // Identifies the formula g, including the present values of its parameters.
   double hash_of_surface() const;
-  // Options and breakpoints become those that the solvers of the modes have now.
+  // Takes the present options and breakpoints of the solvers of the modes.
   void take_options();
 
-  // g and its rate at a point; xdot may be null, then g alone. False: it cannot be evaluated there.
+  // g and its rate at a point; only g if xdot is null. False: it cannot be evaluated there.
   bool evaluate(double t, const double* x, const double* xdot, double* values);
-  // Of the record of the surface, whatever the modes have.
+  // True if the recorded surface itself has the parameter.
   bool has_parameter(const std::string& name) const;
-  // Derivatives of the function of one of the four transitions by parameters, t and x staying as they are. Throws
-  // Failure.
+  // Derivatives of the function of one of the four transitions by parameters, at constant t and x. Throws Failure.
   std::vector<double> change_by(const Names& parameters, sfdae_event_function function, double t, const double* x);
-  // Of the four transitions: beyond the surface from below, from above; the part of the mode above below 0, above 1.
+  // The four transitions: beyond the surface from below, from above; part of the mode above < 0, > 1.
   static sfdae_event_function condition(int k);
 
  private:
@@ -57,8 +56,8 @@ class Switch {
   Modes modes_;
   Solver &below_, &above_;
   std::shared_ptr<const Record> given_;  // the surface, with parameters
-  std::vector<double> parameters_;       // of both modes, as the solver has them
-  Names names_;                          // that were wanted
+  std::vector<double> parameters_;       // of both modes, as in the solver
+  Names names_;                          // requested at the last update()
   std::unique_ptr<TaylorEvaluator> surface_;
   std::unique_ptr<ParameterDerivatives> surface_by_parameters_;
   std::shared_ptr<Solver> solver_;

@@ -12,10 +12,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Of margins of a transition: what g may differ by and still be that of the surface.
+// Distance of g from the surface that counts as on it, in margins of the transition.
 constexpr double margins_of_surface = 16.0;
 
-// The function g of a surface and its rate.
+// The function g of a surface, and its rate.
 struct SurfaceValues {
   double g, rate;
 };
@@ -26,7 +26,7 @@ SurfaceValues values_at(Switch& surface, const HybridRun& run, const double* x, 
   throw Failure(SFDAE_NOT_FINITE, format("the surface of a switch, or its rate, is NaN or Inf at t = %.10g.", run.t));
 }
 
-// With the values that a mode has at x of the run.
+// Values of g for the consistent values of a mode at run.x.
 SurfaceValues values_in(HybridSystem& hybrid, int mode, Switch& surface) {
   HybridRun& run = hybrid.run;
   std::vector<double> x(run.x), xdot(run.xdot);
@@ -94,7 +94,7 @@ void update_switches(HybridSystem& hybrid) {
       throw Failure(failure.status(), hybrid.name_of(mode) + ": " + failure.what());
     }
     hybrid.modes[index(mode)].solver = each->solver();
-    // Until the new solver has its events nothing can go on.
+    // Without the events of the new solver the run cannot continue: after a failure it has ended.
     const bool were_set = std::exchange(hybrid.events_are_set, false);
     const int present = std::exchange(hybrid.run.mode, -1);
     set_events_of(hybrid, mode);

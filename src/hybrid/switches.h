@@ -1,4 +1,4 @@
-// Switches of a hybrid system in its runs. Functions throw Failure.
+// Switches of a hybrid system during its runs. Functions throw Failure.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,17 +6,16 @@
 
 namespace sfdae::core {
 
-// The mode that the transition of a switch leads to: `to`, or that along the surface if `to` leads back.
+// The mode after a transition of a switch: `to`, or the sliding mode if `to` leads back to the surface.
 int mode_after(HybridSystem& hybrid, const HybridTransition& transition, int to);
-// Before a sliding mode begins other than by its switch: the part of the mode above. Fails where the surface does not
-// attract.
+// Before a sliding mode begins other than by its switch: computes the part of the mode above. Throws Failure if the
+// surface does not attract.
 void prepare_sliding(HybridSystem& hybrid, int mode);
-// The equations of its sliding mode are made of other values of parameters, or for derivatives by others, than they
-// are now.
+// True if the equations of the sliding mode have other parameter values or derivatives than are required now.
 bool is_outdated(const HybridSystem& hybrid, const Switch& surface);
-// Surfaces and sliding modes for what they are now; their solvers are asked for sensitivities.
+// Updates surfaces and sliding modes; requests sensitivities from their solvers.
 void update_switches(HybridSystem& hybrid);
-// Before a mode is entered: if it slides, with the options of its modes.
+// Before a sliding mode is entered: takes the options of its modes.
 void take_options_of_modes(HybridSystem& hybrid, int mode);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Whether x goes on as it did where no differential equation limits steps (docs/design/iteration_matrices.md).
+// Continuity test of algebraic solutions without differential equations (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/algebraic_course.h"
 
@@ -9,10 +9,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Solutions are the same within these parts of the range that a component has gone through lately, and of its size, and
-// within so many tolerances. (Chosen.)
+// Deviation allowed: the largest of these parts of the recent range of a component and of its size, and so many
+// tolerances. (Chosen.)
 constexpr double part_of_range = 0.05, part_of_size = 1e-3, tolerances = 10.0;
-// Of the deviation that the next step is to have, and of its growth.
+// Target deviation of the next step, and limits of the growth of the step size.
 constexpr double wanted_deviation = 0.3, fastest_growth = 2.0, least_growth = 0.5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Whether x goes on as it did where no differential equation limits steps.
+// Continuity test of algebraic solutions: limits steps if there are no differential equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,24 +9,23 @@
 
 namespace sfdae::core {
 
-// So many points say how x goes on.
+// Maximum number of points in the test.
 inline constexpr int max_course_points = 5;
-// A solution that jumps where its equations do is followed: no step is refused more often than that, one after the
-// other.
+// Maximum of consecutive steps refused by this test, so that a solution is followed across jumps.
 inline constexpr int most_course_refusals = 12;
 
-// The points accepted last, the newest first, and a point that is tried.
+// The last accepted points, the newest first, and the point tried.
 struct TriedCourse {
   std::array<const std::vector<double>*, max_course_points> past{};
   int count = 0;
-  const double* predicted;  // at the point tried, by the polynomial through some of them
+  const double* predicted;  // x at the point tried, extrapolated through some of them
   const std::vector<double>& x;
 };
 
-// How far x is from what was predicted, in units of what counts as the same solution: above 1 it may be another one.
+// Distance of x from the prediction, relative to the allowed deviation: above 1 it may be on another solution branch.
 double course_deviation(const TriedCourse& course, const ErrorWeights& weights);
 
-// How much longer the next step may be, by the deviation of one that was accepted and the degree of its polynomial.
+// Growth factor of the step size after a step with this deviation from a polynomial of this degree.
 double course_growth(double deviation, int degree);
 
 }  // namespace sfdae::core

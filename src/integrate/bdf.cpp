@@ -17,19 +17,19 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
+// Maximum of the first attempt relative to the interval: not a simple fraction, which might be a period of the data
 // (docs/design/error_control.md). Its digits are those of the root of cos x = x.
 constexpr double first_bdf_step_fraction = 0.7390851e-3;
-// Of the polynomial for x within a step, in units of the weights of linear and of nonlinear problems, which are
-// tolerances times a factor below one and a fifth of that (docs/design/error_control.md).
+// Error allowed for the polynomial for x within a step, in units of the weights of linear and of nonlinear problems:
+// these are the tolerances times a factor below one, and a fifth of that (docs/design/error_control.md).
 constexpr double bdf_interpolation_error = 5.0, nonlinear_bdf_interpolation_error = 25.0;
-// Errors this large, in units of the tolerance, say nothing but that numbers overflow.
+// Larger errors, in units of the tolerance, are not used for step-size control.
 constexpr double largest_error = 1e100;
 
 }  // namespace
 
-// The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
-// square root of the tolerance has an error of about the tolerance.
+// The first attempt measures the error of order 1, which then corrects the step size: a change of x by about the square
+// root of the tolerance has an error of about the tolerance.
 double Bdf::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) {
   return std::min(first_bdf_step_fraction * span, weights.first_step(x, xdot, 0.5));
 }
@@ -39,7 +39,7 @@ void Bdf::set_options(const StepOptions& options) {
   control_.set_max_order(max_order_);
 }
 
-// For the points of the history.
+// Adapts the sizes to the history.
 void Bdf::resize(const StrangenessFreeSystem& system) {
   const std::size_t n = history_.size_x(), size_w = history_.size_w();
   tried_.resize(n, size_w, system.undetermined() > 0);
@@ -75,7 +75,7 @@ StepState Bdf::state() const {
 }
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
-  // More points than the highest order needs are not kept.
+  // Only the points that the highest order needs are stored.
   const BdfHistory::Sizes sizes{index(system.unknowns()), index(system.leading_size())};
   const int points = history_.archive_size(archive, sizes, max_order_ + 3, last_.order);
   if (archive.is_reading()) resize(system);
@@ -86,17 +86,17 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   forget_interpolation();
 }
 
-// Of the polynomial that predicts x: without differential equations no error says which order is best, and a
-// checkpoint has so many points.
+// Degree of the predictor of x. Without differential equations no error estimate selects the order, and the degree is
+// as high as the points of a checkpoint allow.
 int Bdf::degree_of_guess(const StrangenessFreeSystem& system) const {
   if (system.differential() > 0) return std::min(tried_.order, history_.points() - 1);
   return std::min({history_.points(), max_order_ + 3, max_course_points}) - 1;
 }
 
-// By the polynomial that predicts the step.
+// Initial guess for nonlinear systems: the predictor of the step.
 Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   if (system.is_linear()) return {};
-  // Iterations are judged by the tolerances at the last point, whatever was tried since.
+  // The iteration uses the tolerances at the last point, whatever was tried since.
   weights.update(history_.x().data());
   const auto polynomial = history_.polynomial_x(degree_of_guess(system));
   guess_.forget_ends();
@@ -188,7 +188,7 @@ void Bdf::prepare_interpolation() {
     history_.place_fictitious_point(std::copysign(std::max(std::fabs(next_step_), least), next_step_));
   }
   history_.compute_differences(std::min(degree_within() + 2, history_.points()), true);
-  // Without a step the fictitious point moves with the next one.
+  // Before the first step the fictitious point depends on the next step size.
   has_differences_ = last_.order > 0;
 }
 
@@ -199,12 +199,12 @@ void Bdf::interpolate(const PointValues& point) {
   history_.polynomial_x(degree).evaluate(point.t, point.x, point.xdot);
 }
 
-// By what one point more would change: algebraic components may vary faster than w, which steps are chosen for.
+// The error is the next divided difference's: algebraic components may vary faster than w, which controls the steps.
 bool Bdf::interpolates_x(ErrorWeights& weights) {
   const int degree = degree_within();
   if (!interpolates_x_ && last_.order > 0 && history_.points() > degree + 1) {
     prepare_interpolation();
-    // Of |prod (t - t_i)| within the step.
+    // Maximum of |prod (t - t_i)| within the step.
     double largest_product = 0.25 * last_.h * last_.h;
     for (int i = 2; i <= degree; ++i) largest_product *= std::fabs(history_.time(0) - history_.time(i));
     weights.update(history_.x().data());

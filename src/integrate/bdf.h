@@ -1,9 +1,8 @@
 // Backward differentiation formulas of orders 1 to 5 with variable step, for a strangeness-free system.
 //
 // The formula differentiates the polynomial through w at the new and at k old points: D_h w = c w + w_rest.
-// Variable-coefficient form where the matrices change with t anyway; fixed leading coefficient, c = alpha_k / h, for
-// constant matrices, so that one factorization serves all steps of one order and size
-// (docs/design/bdf.md).
+// Variable-coefficient form if the matrices depend on t; fixed leading coefficient, c = alpha_k / h, for constant
+// matrices, so that one factorization is reused for all steps of one order and size (docs/design/bdf.md).
 //
 // [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
 //         Differential-Algebraic Equations. SIAM, 1996.
@@ -47,7 +46,7 @@ class Bdf final : public Stepper {
   const std::vector<double>& x() const override { return history_.x(); }
   const std::vector<double>& tried_x() const override { return tried_.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }
-  // The polynomials of the last step.
+  // Evaluation of the polynomials of the last step.
   void interpolate(const PointValues& point) override;
   bool interpolates_x(ErrorWeights& weights) override;
   Guess guess_within(double t, int order) override;
@@ -73,7 +72,7 @@ class Bdf final : public Stepper {
   int max_order_;
   BdfHistory history_;
   bool is_linear_ = true;
-  bool needs_x_ = false;  // differences of x beside those of w: free part, guesses
+  bool needs_x_ = false;  // differences of x as well as of w: undetermined part, initial guesses
   BdfStep tried_;
   TaylorGuess guess_;
   BdfErrorEstimate estimate_;
@@ -85,8 +84,8 @@ class Bdf final : public Stepper {
   } judged_{};  // the last attempt
   LastStep last_;
   double next_step_ = 0.0;
-  // Points within the last step: the differences of the history are those of its polynomials and of one point more;
-  // whether its x is accurate, once that has been asked.
+  // Points within the last step: true if the differences of the history include those of its polynomials and one more;
+  // whether its x is accurate, once computed.
   bool has_differences_ = false;
   std::optional<bool> interpolates_x_;
 };

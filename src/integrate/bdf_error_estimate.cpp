@@ -12,7 +12,7 @@ namespace {
 // Orders k - 2 ... k + 1.
 constexpr std::size_t most_orders = 4;
 
-// Of the error of a step of order k, in units of the difference between w and its predictor of degree k.
+// Error constant of a step of order k: error divided by the difference between w and its predictor of degree k.
 double error_constant(const BdfHistory& history, const BdfStep& step) {
   const int k = step.order;
   double constant = step.h / (step.t - history.time(k));
@@ -58,8 +58,8 @@ double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistor
   return 0.0;
 }
 
-// The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of
-// order q + 1: from it the local terms of the orders around k, and the error of the formula.
+// The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of order q
+// + 1. It gives the local terms of the orders around k and the error of the formula.
 double BdfErrorEstimate::estimate(ErrorMap& errors, const BdfHistory& history, const Judged& judged,
                                   LocalTerms& terms) {
   const BdfStep& step = judged.step;
@@ -68,7 +68,7 @@ double BdfErrorEstimate::estimate(ErrorMap& errors, const BdfHistory& history, c
   const std::size_t size = history.size_w(), n = error_.size();
   const int first = std::max(1, k - 2),
             last = std::min(judged.may_rise ? k + 1 : k, std::min(history.points(), k + 3) - 1);
-  // Column q - first of differences_: w less its predictor of degree q.
+  // Column q - first of differences_: w minus its predictor of degree q.
   double factors[max_bdf_order + 2];
   std::copy_n(step.w.data(), size, difference_.data());
   double product = 1.0, factorial = 1.0;
@@ -87,7 +87,7 @@ double BdfErrorEstimate::estimate(ErrorMap& errors, const BdfHistory& history, c
     for (int q = from; q <= to; ++q) terms.of_order[q] = factors[q] * errors.norm(mapped + n * index(q - first));
   };
   map(std::max(first, k - 1), last);
-  // That of order k - 2 counts only where that of order k - 1 calls for a lower order, too.
+  // The term of order k - 2 matters only if that of order k - 1 suggests a lower order, too.
   if (first < k - 1 && can_lower_order(k, terms)) map(first, k - 2);
   std::copy_n(mapped + n * index(k - first), n, error_.data());
   return error_constant(history, step) * errors.norm(error_.data());

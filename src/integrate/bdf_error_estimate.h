@@ -8,38 +8,37 @@
 
 namespace sfdae::core {
 
-// What differences to predictors say of the errors of x, or of what goes along with it.
+// Map from differences of w to errors of x, or of other variables discretized with it.
 class ErrorMap {
  public:
   virtual ~ErrorMap() = default;
-  // Columns, `count` of them.
+  // Maps `count` columns.
   virtual void map(const double* differences, int count, double* mapped) = 0;
-  // Of one of them, in units of the tolerances.
+  // Norm of one column, in units of the tolerances.
   virtual double norm(const double* mapped) const = 0;
 };
 
 class BdfErrorEstimate {
  public:
-  // in_place: errors are mapped so, see SystemTraits.
+  // in_place: the system maps errors in place, see SystemTraits.
   void resize(std::size_t n, std::size_t size_w, bool in_place);
-  // The error of a step in units of the tolerances, the system standing at its end, and the local terms of the orders
-  // around that of the step: that of the next higher one if it may become the order (may_rise), and those of lower ones
-  // as far as they can lower the order.
+  // Error of a step in units of the tolerances, with the system at its end, and local terms of neighboring orders: of
+  // the next higher one if may_rise, and of those lower ones that can lower the order.
   struct Judged {
     const BdfStep& step;
     bool may_rise;
   };
   double estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
                   const ErrorWeights& weights, LocalTerms& terms);
-  // The same of anything else that is discretized so.
+  // Estimate for other variables with the same discretization.
   double estimate(ErrorMap& map, const BdfHistory& history, const Judged& judged, LocalTerms& terms);
-  // Of the step estimated last, mapped to x, without its constant.
+  // Error of the last step estimated, mapped to x, without the error constant.
   const std::vector<double>& error() const { return error_; }
 
  private:
   std::vector<double> difference_, error_;
-  // Of the orders around that of the step, a column each.
-  std::vector<double> differences_, mapped_;  // the latter: none, where they are mapped in place
+  // One column for each order around that of the step.
+  std::vector<double> differences_, mapped_;  // mapped_: empty if mapped in place
 };
 
 }  // namespace sfdae::core

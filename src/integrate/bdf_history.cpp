@@ -9,7 +9,7 @@ namespace sfdae::core {
 
 namespace {
 
-// In every bit: those of x are not kept then.
+// True if the slopes are equal bitwise: slope_x_ is not stored then.
 bool slopes_are_same(const StartingPoint& point) {
   return !point.xdot.empty() && point.xdot.size() == point.wdot.size() &&
          std::memcmp(point.xdot.data(), point.wdot.data(), point.xdot.size() * sizeof(double)) == 0;
@@ -17,7 +17,7 @@ bool slopes_are_same(const StartingPoint& point) {
 
 }  // namespace
 
-// Memory is taken here, and touched when points come.
+// Memory is reserved here, but not touched before points are added.
 void BdfHistory::resize(std::size_t n, std::size_t size_w) {
   n_ = n;
   for (Table* table : {&w_, &dw_})
@@ -34,7 +34,7 @@ void BdfHistory::reserve_x() {
     for (std::vector<double>& values : *table) values.resize(n_);
 }
 
-// w_[i] is there already.
+// Requires w_[i].
 void BdfHistory::set_x(int i, const double* x) {
   const std::vector<double>& w = w_[index(i)];
   const bool is_same = w.size() == n_ && std::equal(w.begin(), w.end(), x);
@@ -71,9 +71,9 @@ void BdfHistory::place_fictitious_point(double h) {
 }
 
 void BdfHistory::append(double t, const std::vector<double>& w, const std::vector<double>& x) {
-  // Nothing has changed where there is no memory.
+  // Allocate first: a failure changes nothing.
   if (size_w() != n_ || !std::equal(w.data(), w.data() + n_, x.data())) reserve_x();
-  // The oldest vectors make room for the newest.
+  // The vectors of the oldest point are reused for the newest.
   const int count = std::min(points_ + 1, capacity);
   w_[index(count - 1)].resize(size_w());
   std::rotate(w_.begin(), w_.begin() + count - 1, w_.begin() + count);
@@ -87,7 +87,7 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   for (std::vector<double>* slope : {&slope_w_, &slope_x_}) std::vector<double>().swap(*slope);
 }
 
-// With Lagrange's polynomials, L_i' = L_i sum of 1 / (t - t_j), j != i.
+// Derivative of Lagrange polynomials: L_i' = L_i sum of 1 / (t - t_j), j != i.
 double BdfHistory::formula_by_points(double t, int count, double* predicted, double* rest) const {
   std::fill_n(predicted, size_w(), 0.0);
   std::fill_n(rest, size_w(), 0.0);
@@ -131,7 +131,7 @@ int BdfHistory::archive_size(Archive& archive, const Sizes& sizes, int max_point
 
 void BdfHistory::archive_points(Archive& archive, int points) {
   archive.reals(times_.data(), index(points));
-  // Before the first step the second point is fictitious, and its values follow from the slopes.
+  // Before the first step the second point is fictitious and follows from the slopes.
   const bool has_slope = points == 2 && is_fictitious_;
   for (int i = 0; i < (has_slope ? 1 : points); ++i) {
     archive.reals(w_[index(i)], size_w());

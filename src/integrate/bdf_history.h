@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 class BdfHistory {
  public:
-  // A polynomial of degree k + 1 and one point more, with which it is compared.
+  // Points of a polynomial of degree k + 1 and one more point for its error.
   static constexpr int capacity = max_bdf_order + 3;
   using Table = std::array<std::vector<double>, capacity>;
   using Polynomial = NewtonPolynomial<Table, std::array<double, capacity>>;
@@ -27,17 +27,16 @@ class BdfHistory {
   std::size_t size_x() const { return n_; }
   std::size_t size_w() const { return w_[0].size(); }
 
-  // Before the first step there is one point only. A second one at t - h on its tangent makes the slope there the
+  // Before the first step there is only one point. A second one on its tangent, at t - h, makes this slope the
   // predictor of a step of size h.
   void place_fictitious_point(double h);
   bool is_at_start() const { return points_ == 2 && is_fictitious_; }
   void append(double t, const std::vector<double>& w, const std::vector<double>& x);
 
-  // The polynomial through the newest `count` points without differences, at another t: its value, and what its slope
-  // is more than c times that, c = sum of 1 / (t - t_i), which is returned. Rounding errors are of the size of those
-  // of w, also where w stays.
+  // The polynomial through the newest `count` points at another t, without differences: its value, and its slope minus
+  // c times the value; returns c = sum of 1 / (t - t_i). Rounding errors are relative to w even if w is constant.
   double formula_by_points(double t, int count, double* predicted, double* rest) const;
-  // Divided differences of w, and of x if wanted, over the newest points; the polynomials are made of them.
+  // Divided differences of w, and of x if with_x, over the newest points; the polynomials use them.
   void compute_differences(int count, bool with_x);
   // w[t_0, ..., t_i].
   const std::vector<double>& difference(int i) const { return dw_[index(i)]; }
@@ -45,8 +44,8 @@ class BdfHistory {
   Polynomial polynomial_w(int degree) const { return {dw_, times_, degree, size_w()}; }
   Polynomial polynomial_x(int degree) const { return {table_x(), times_, degree, size_x()}; }
 
-  // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned.
-  // Then there is room for them when reading.
+  // Archives the number of points, at most max_points, with the order of the last step; returns that number. Allocates
+  // memory for them when reading.
   struct Sizes {
     std::size_t x, w;
   };
@@ -63,11 +62,11 @@ class BdfHistory {
   std::size_t n_ = 0;
   Table w_, x_;
   int points_ = 0;
-  bool is_fictitious_ = false;             // the second one of the start
-  std::vector<double> slope_w_, slope_x_;  // until there is a second point; of x none where it is the same
+  bool is_fictitious_ = false;             // the second point at the start
+  std::vector<double> slope_w_, slope_x_;  // until there is a second point; slope_x_ is empty if both are equal
   Table dw_, dx_;
-  // x = w at these points, in every bit, as with W = I: w and its differences serve both, and x_ and dx_ have no
-  // memory as long as there is no other point.
+  // True if x = w bitwise at these points, as for W = I: then x shares w and its differences, and x_ and dx_ stay
+  // unallocated until another point comes.
   std::array<bool, capacity> is_same_{};
   bool shares_ = false;
 };

@@ -1,4 +1,4 @@
-// An integration with its system, saved and restored.
+// Checkpoints: saving and restoring an integration with its system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-// First of all: the layout, the length in doubles and a checksum of all that follows.
+// The header has the layout version and the length in doubles; a checksum of the rest follows.
 constexpr int layout = 13;
 constexpr std::size_t header_size = 2;
 
@@ -38,7 +38,7 @@ struct Header {
   }
 };
 
-// Numbers of parameters, -1 for none.
+// Parameter numbers, -1 for none.
 void archive_parameters(Archive& archive, std::vector<int>& parameters) {
   long count = static_cast<long>(parameters.size()), unused = 0;
   archive.counts(count, unused);
@@ -110,7 +110,7 @@ std::string names_of(const std::vector<int>& parameters, const Record* equations
   return parameters.size() > most_named ? names + ", ..." : names;
 }
 
-// Those of the checkpoint are those wanted.
+// Throws Failure unless the sensitivities of the checkpoint are those wanted.
 void demand_sensitivities(bool are_there, Model& model, const WantedSensitivities* wanted, Archive& content) {
   if (!are_there && wanted == nullptr) return;
   if (!are_there)
@@ -126,7 +126,7 @@ void demand_sensitivities(bool are_there, Model& model, const WantedSensitivitie
                     ": call sfdae_set_sensitivities with these first.");
 }
 
-// The doubles behind the header, which are those of a checkpoint of such a problem. Throws Failure or DamagedArchive.
+// Contents after the header, after checks that they belong to such a problem. Throws Failure or DamagedArchive.
 Archive checked_content(Model& model, const SavedCheckpoint& saved, const WantedSensitivities* wanted) {
   const auto [from, length] = saved;
   Archive start = Archive::reader(from, length);
@@ -146,12 +146,12 @@ Archive checked_content(Model& model, const SavedCheckpoint& saved, const Wanted
   if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
   Archive content = Archive::reader(from + start.size(), total - start.size());
   demand_sensitivities(header.has_sensitivities, model, wanted, content);
-  // Last: from here on the model waits for what the archive has.
+  // Last step: from here on the model expects the contents of the archive.
   if (!model.expect(header.form, wanted != nullptr)) throw DamagedArchive();
   return content;
 }
 
-// The model and the events are as they were before when this ends, unless it is told otherwise.
+// Scope that restores the previous model and events at its end, unless finish() was called.
 class Undo {
  public:
   Undo(Model& model, Events* events) : model_(model), events_(events) {

@@ -1,8 +1,8 @@
-// An integration with its system, saved to and restored from a sequence of doubles.
+// Checkpoints: an integration with its system, saved to and restored from a sequence of doubles.
 //
-// The problem, the settings of the analysis, tolerances and other options are not part of it: they are given anew,
-// the problem, its parameters and the settings as they were (checkpoint_identity.h). Sensitivities are in it, and
-// which ones they are.
+// A checkpoint does not contain the problem, analysis settings, tolerances and other options. The caller supplies them
+// again; the problem, its parameters and the settings must be unchanged (checkpoint_identity.h). It contains
+// sensitivities and their parameters.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace sfdae::core {
 
-// Doubles needed.
+// Number of doubles needed.
 std::size_t checkpoint_size(DaeSystem& system, Integration& integration);
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to);
 
@@ -24,15 +24,15 @@ struct SavedCheckpoint {
   std::size_t length;  // may be larger than the checkpoint
 };
 
-// Those that are to be in it.
+// Sensitivities expected in a checkpoint.
 struct WantedSensitivities {
   const std::vector<int>& parameters;
   const SensitivityOptions& options;
 };
 
-// wanted: null where there are to be no sensitivities. The model gets its system again. Throws Failure
-// SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or damaged; then, and where anything else
-// fails, nothing has changed. No callback of a linear problem is called.
+// wanted: null if no sensitivities are expected. Restores the system of the model, too. Throws Failure
+// SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or belongs to another problem. Any failure leaves everything
+// unchanged. No callback of a linear problem is called.
 std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
                                                 const IntegrationOptions& options, const SavedCheckpoint& saved,
                                                 const WantedSensitivities* wanted = nullptr);

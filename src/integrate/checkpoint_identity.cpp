@@ -1,4 +1,4 @@
-// The identity of a checkpoint: all that the solver that restores it must have in common with it.
+// Identity of a checkpoint: properties that the restoring solver must share with it.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint_identity.h"
 
@@ -18,12 +18,12 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr double mark = 5.0e7 + 6151.0;  // no number that a checkpoint begins with by chance
+constexpr double mark = 5.0e7 + 6151.0;  // improbable as the first number of anything else
 
-// Names of the values of options that are codes.
+// Names of option values that are codes.
 struct Codes {
   const char* option;
-  std::array<const char*, 4> names;  // of 0, 1, ...
+  std::array<const char*, 4> names;  // for 0, 1, ...
 };
 
 constexpr Codes all_codes[] = {
@@ -52,7 +52,7 @@ void write_values(const std::vector<CheckpointIdentity::Value>& values, Archive&
   }
 }
 
-// The first value that is not the one read, in every bit, with that one; null if there is none.
+// The first value that differs from the one read, bitwise, with the one read; null if there is none.
 std::pair<const CheckpointIdentity::Value*, double> first_difference(
     const std::vector<CheckpointIdentity::Value>& values, Archive& archive) {
   std::pair<const CheckpointIdentity::Value*, double> found{nullptr, 0.0};

@@ -1,4 +1,4 @@
-// The identity of a checkpoint: all that the solver that restores it must have in common with it.
+// Identity of a checkpoint: properties that the restoring solver must share with it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,12 +12,12 @@
 
 namespace sfdae::core {
 
-// The equations, by a hash of all that is known of them (Model::add_equations); the values of their parameters; the
-// method and the options that the index analysis depends on. Functions that users supply cannot be compared.
+// These are a hash of the equations (Model::add_equations), the values of their parameters, the method, and the options
+// that affect the index analysis. User-supplied functions cannot be compared.
 class CheckpointIdentity {
  public:
   struct Value {
-    const char* name;  // lives as long as the model
+    const char* name;  // must outlive this object: owned by the model
     double value;
   };
 
@@ -26,8 +26,8 @@ class CheckpointIdentity {
 
   std::size_t size() const { return 2 + options_.size() + parameters_.size(); }  // in doubles
   void write(Archive& archive) const;
-  // Reads the identity of a checkpoint, which has to be this one. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, with the
-  // first difference and both values, or DamagedArchive.
+  // Reads the identity of a checkpoint. Throws Failure, SFDAE_ILLEGAL_ARGUMENT, with the first difference and both
+  // values if it is not this one, or DamagedArchive.
   void demand_same(Archive& archive) const;
 
  private:

@@ -1,4 +1,4 @@
-// What goes along with the steps of x.
+// Companions of the steps of x.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/companion.h"
 

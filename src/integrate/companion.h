@@ -1,4 +1,4 @@
-// What goes along with the steps of x, after each of them: sensitivities, or what their adjoints need.
+// Companions of the steps of x, computed after each step: sensitivities, or data for adjoints.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,31 +7,31 @@
 
 namespace sfdae::core {
 
-// What has become of a step that was tried: nothing further was done after a failure, or the next one was made
-// smaller; it was withdrawn after success; taken; or failed for reasons that need not come again.
+// Outcome of a step tried. refused: nothing more was computed; reduced: the next step was made smaller; withdrawn:
+// undone after success; taken; failed: for reasons that may not recur.
 enum class AttemptEnd : char { refused, reduced, withdrawn, taken, failed };
 
-// Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
+// Allowed relative contradiction of redundant equations differentiated by parameters.
 inline constexpr double contradiction_of_derivatives = 1e-6;
 
 class Companion {
  public:
   virtual ~Companion() = default;
 
-  // At the last point of the integrator, whose history starts there. Throws Failure.
+  // Starts at the last point of the integrator, where its history starts. Throws Failure.
   virtual void start(const Integrator& integrator) = 0;
-  // The integrator is going to try a step to t. Nothing has changed where that throws.
+  // Called before the integrator tries a step to t. An exception changes nothing.
   virtual void prepare(Integrator& /*integrator*/, const IntegrationOptions& /*options*/, double /*t*/) {}
-  // What has become of it, if it is not taken; more than once where more has been done.
+  // Notes the outcome of an attempt that is not taken; may be called repeatedly with later outcomes.
   virtual void note(AttemptEnd) {}
-  // Of the step that the integrator has tried with success; any other outcome: the attempt is withdrawn. The same
-  // where it throws, and the next call tries that step again.
+  // Companion computation for a step that the integrator has tried successfully. Any outcome but accepted withdraws the
+  // attempt. An exception does so, too, and the next call tries that step again.
   virtual StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) = 0;
-  // The step tried has been taken.
+  // Called after the step was taken.
   virtual void commit(Integrator& integrator) = 0;
 };
 
-// D_h x at the end of a step of BDF, or at stage i; n values.
+// D_h x at the end of a BDF step, or at stage i; n values.
 void discretized_slope(const TriedStep& tried, int i, std::vector<double>& xdot);
 
 }  // namespace sfdae::core

@@ -14,21 +14,21 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what E x may move by beyond what slopes explain, half of a jump. (Chosen.)
+// Movement of E x, in tolerances, beyond that explained by slopes, half of a jump. (Chosen.)
 constexpr double clear_move = 0.5;
-// A zero is located when x and the condition move by less than this part of the tolerances while the condition passes
-// it. (Chosen: positions that go on continuously do so to this accuracy.)
+// A zero is located when x and the condition move by less than this part of the tolerances across it. (Chosen:
+// continuous positions stay continuous to this accuracy.)
 constexpr double located = 1e-4;
-// The distance of a condition about which the tolerances leave nothing open. Its zero is located when rounding errors
-// of t say so.
+// Distance of a condition for which tolerances give no error margin. Its zero is located when the interval reaches the
+// rounding errors of t.
 constexpr double farthest = 1e30;
-// Both points are so far apart that rounding errors of x do not undo the switch. (As about switching times of t.)
+// Minimum distance of both points, so that rounding errors of x do not undo the switch. (As near switching times of t.)
 constexpr double roundings_of_gap = 32.0;
-// Changes of branches in a row between which E x moves by less, in tolerances, lead nowhere, if one condition switches
-// more often than a cubic. (Chosen, as in hybrid systems.)
+// If one condition switches more often than a cubic while E x moves by less than this many tolerances between changes
+// of branches, there is no progress. (Chosen, as in hybrid systems.)
 constexpr double no_progress = 10.0;
 constexpr int most_visits = 3;
-// Of a step in which E x moves otherwise than slopes say, where what cannot be held switches: the next one. (Chosen, as
+// Step-size factor if E x moves differently from the slopes while a condition that cannot be held switches. (Chosen, as
 // after failures.)
 constexpr double shorter_at_switch = 0.25;
 
@@ -62,7 +62,8 @@ bool ConditionSteps::has_switched(const std::vector<double>& g) const {
   return false;
 }
 
-// At the last point those of the solution so far, at the end of a step those of the equations, where they say them.
+// Slopes of the solution history at the last point; at the end of a step those of the equations, if they determine
+// them.
 void ConditionSteps::find_slopes(const Integrator& integrator, double t, const std::vector<double>& x,
                                  std::vector<double>& slopes) {
   const bool is_last = t == integrator.stepper->state().t;
@@ -117,7 +118,7 @@ bool ConditionSteps::may_jump(const Integrator& integrator, bool with_sensitivit
   return with_sensitivities || !moves_as_slopes_say(integrator);
 }
 
-// A step ends between two switches if only residuals between its ends show what conditions do there.
+// Hidden switches: conditions switch back within the step, and only residuals between its ends show their effect.
 bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   if (conditions_ == nullptr || conditions_->count() == 0) return false;
   const QuietArithmetic quiet;
@@ -138,7 +139,7 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
     has_after_ = false;
     return true;
   }
-  if (hidden) return false;  // it is shorter than times are resolved
+  if (hidden) return false;  // the interval is shorter than the resolution of times
   throw Failure(SFDAE_STEP_TOO_SMALL,
                 format("at t = %.15g it cannot be known whether conditions on x switch: see the condition in %s.",
                        points.t[0], conditions_->equation_with(conditions_->searched()[0]).c_str()));
@@ -150,7 +151,7 @@ void ConditionSteps::find_switches(const PointsOfCurve& points) {
   if (!is_held_ && conditions_->find_simple_switches(points, branches_.data(), tried_.g.data())) return;
   search.find(points, nullptr);
   if (search.known_to() == points.t[1]) return;
-  // Rounding errors may decide: what is less than x is known to does not count.
+  // Rounding errors may decide: changes below the accuracy of x are ignored.
   const std::vector<double> changes =
       conditions_->functions().resolution(points.t[1], points.x[1], nullptr, tolerances_.data());
   std::vector<double> margins;
@@ -158,7 +159,7 @@ void ConditionSteps::find_switches(const PointsOfCurve& points) {
   search.find(points, margins.data());
 }
 
-// The first of these times at which what branches do to residuals is not seen at the end of the step.
+// The first of these times at which the effect of branches on residuals is not visible at the end of the step.
 std::optional<double> ConditionSteps::first_hidden(const PointsOfCurve& points, const std::vector<double>& times) {
   const std::size_t n = change_.size();
   std::vector<double> values(2 * n * (times.size() + 1));
@@ -176,12 +177,12 @@ std::optional<double> ConditionSteps::first_hidden(const PointsOfCurve& points, 
   return first ? std::optional<double>(times[*first]) : std::nullopt;
 }
 
-// False where nothing is known of slopes.
+// False if slopes are unknown.
 bool ConditionSteps::moves_as_slopes_say(const Integrator& integrator) {
   return std::islessequal(movement_.unexplained(integrator), clear_move);
 }
 
-// Residuals are continuous where conditions have switched.
+// True if residuals are continuous at the conditions that have switched.
 bool ConditionSteps::are_kinks(const Integrator& integrator) {
   const QuietArithmetic quiet;
   const StepState state = integrator.stepper->state();
@@ -196,8 +197,8 @@ bool ConditionSteps::are_kinks(const Integrator& integrator) {
   return true;
 }
 
-// Where what cannot be held switches: the step becomes shorter until slopes explain what E x does, or it is known that
-// E x jumps there.
+// If a condition that cannot be held switches, steps become shorter until slopes explain the movement of E x, or E x is
+// found to jump.
 bool ConditionSteps::steps_with_jump(const Integrator& integrator) {
   if (conditions_ == nullptr || conditions_->stepped_functions().count() == 0) return false;
   if (is_held_ || !integrator.system.differentiates() || !conditions_->can_be_held()) return false;
@@ -226,7 +227,7 @@ ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool
   if (conditions_ == nullptr) return Verdict::accepted;
   if (ends_between_switches(integrator)) return Verdict::again;
   if (!is_held_ && !may_jump(integrator, with_sensitivities)) return Verdict::accepted;
-  // Sensitivities are carried over the zero by the equations before it.
+  // The equations before the zero advance sensitivities across it.
   if (with_sensitivities && !conditions_->can_be_held())
     obstacle_.lacks_branches = has_switched(tried_.g) && !are_kinks(integrator);
   if (is_held_) return locate(integrator);
@@ -235,15 +236,15 @@ ConditionSteps::Verdict ConditionSteps::judge(const Integrator& integrator, bool
   return Verdict::again;
 }
 
-// Both ends of an interval from the last point on, in which there is a zero, move toward it, until x moves next to
-// nothing between them. The step ends at the first of them, and the jump leads to the other.
+// Both ends of an interval that contains a zero, which starts at the last point, approach it until x hardly moves
+// between them. The step ends at the first of them, and the jump leads to the other.
 ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
   const double start = integrator.stepper->state().t;
-  // An attempt at one of the ends, or beyond the last, is what it was, whatever rounding errors make of it.
+  // An attempt at one of the ends, or beyond the last, counts as before, whatever rounding errors do.
   const bool is_final = has_after_ && tried_.t == before_.t;
   const bool is_beyond = has_after_ && std::fabs(tried_.t - start) >= std::fabs(after_.t - start);
   const bool is_after = !is_final && (is_beyond || has_switched(tried_.g));
-  // Nothing has switched in an attempt that had to be shorter, as one that shows what inputs do.
+  // No condition has switched in an attempt that had to be shorter for other reasons, such as inputs.
   const bool is_shorter = next_.end && tried_.t != *next_.end;
   if (!is_after && (!has_after_ || is_shorter)) return Verdict::accepted;
   const double width = has_after_ ? std::fabs(after_.t - before_.t) : 0.0;
@@ -276,8 +277,8 @@ ConditionSteps::Verdict ConditionSteps::locate(const Integrator& integrator) {
   return Verdict::again;
 }
 
-// Returns the distance of x, or of the conditions that switch, between both points, in tolerances: x may stay where it
-// is until a branch changes, and g says how late that is.
+// Distance of x, or of the conditions that switch, between both points, in tolerances: x may stay where it is until a
+// branch changes; then g shows how late that is.
 double ConditionSteps::distance(const Integrator& integrator) {
   for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = after_.x[i] - before_.x[i];
   double result = integrator.weights.norm(change_.data());
@@ -292,21 +293,21 @@ double ConditionSteps::distance(const Integrator& integrator) {
   return result;
 }
 
-// Where the first of the conditions is zero if they are linear, but so far from an end that this end gets near enough
-// if it is not; the middle where that gains little. distance: of both ends, as distance() says.
+// Next point: the first zero if the conditions are linear, shifted so far from it that the interval also becomes small
+// if they are not; the middle if progress is slow. distance: between both ends, see distance().
 double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   const double a = before_.t, b = after_.t, middle = 0.5 * (a + b);
   if (next_.slow >= 2 || !std::isfinite(distance)) return middle;
   double part = 1.0;
   const double least = roundings_of_gap * Integrator::resolution(a, b) / std::fabs(b - a);
   const double enough = std::min(0.5, std::max(0.5 * located / distance, least));
-  // Beyond the zero first, then before it, so near that x moves next to nothing in between.
+  // Beyond the zero first, then before it, so close that x hardly moves in between.
   const auto end_at = [&](double at_zero) {
     const double beside = 0.8 * enough;
     const double part = 1.0 - at_zero > 2.0 * beside ? at_zero + beside : at_zero - beside;
     return a + std::clamp(part, enough, 1.0 - enough) * (b - a);
   };
-  // At first the polynomial of the step tells more.
+  // At first the polynomial of the step is more accurate.
   if (a == integrator.stepper->state().t && conditions_->search().first_switch()) {
     const double at_zero = (*conditions_->search().first_switch() - a) / (b - a);
     if (at_zero > 0.0 && at_zero < 1.0) return end_at(at_zero);
@@ -320,8 +321,8 @@ double ConditionSteps::next_end(const Integrator& integrator, double distance) {
   return end_at(part);
 }
 
-// Returns whether conditions have other values at the end of a step that has failed, and residuals jump there; if the
-// step has no end, whether the polynomial says so that leads there.
+// True if conditions differ at the end of a failed step and residuals jump there; if the step has no solution, true if
+// the extrapolated polynomial predicts other conditions.
 bool ConditionSteps::switches_ahead(const Integrator& integrator, StepOutcome outcome) {
   if (outcome == StepOutcome::error_too_large) {
     take_attempt(integrator);
@@ -334,8 +335,8 @@ bool ConditionSteps::switches_ahead(const Integrator& integrator, StepOutcome ou
   return has_switched(tried_.g);
 }
 
-// Branches cannot be held, and a step has failed for want of a point. That happens at kinks, too, and shorter steps
-// lead on; but not again and again.
+// Counts steps that fail without a solution although branches cannot be held. A few occur at kinks, too, and shorter
+// steps succeed there.
 void ConditionSteps::note_obstacle(const Integrator& integrator) {
   if (obstacle_.failures == 0 || !is_idle(integrator, obstacle_.x)) {
     obstacle_.failures = 0;
@@ -344,9 +345,9 @@ void ConditionSteps::note_obstacle(const Integrator& integrator) {
   obstacle_.lacks_branches = ++obstacle_.failures > most_visits;
 }
 
-// Returns whether the next attempt, with the branches held, is as long: a condition switches ahead, and E x jumps, or
-// the equations end where a branch does. If that attempt fails, too, a shorter one has the branches as they are. Next
-// to the zero that has been passed last branches stay. Kinks that were passed again and again are gone over.
+// True if the next attempt, with the branches held, has the same length: a condition switches ahead, and E x jumps, or
+// the equations end where a branch does. If that attempt fails, too, a shorter one has free branches. Branches stay
+// next to the last zero passed. Kinks that were passed repeatedly are crossed.
 bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, StepOutcome outcome) {
   if (conditions_ == nullptr) return false;
   next_.end.reset();
@@ -362,7 +363,7 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   const bool has_end = outcome == StepOutcome::error_too_large;
   if (passed_.are_kinks && stays_at_passed(integrator)) return false;
   passed_.are_kinks = false;
-  // The error test has failed because of something else.
+  // The error test has failed for another reason.
   if (has_end && !integrator.system.differentiates() && !switches) return false;
   hold();
   if (conditions_->can_be_held()) return switches;
@@ -370,7 +371,7 @@ bool ConditionSteps::is_tried_with_branches_held(const Integrator& integrator, S
   return false;
 }
 
-// Conditions at a zero that is due are among those changed() returns.
+// Conditions at a zero that is due are reported by changed() instead.
 std::vector<PassedSwitch> ConditionSteps::passed() const {
   if (conditions_ == nullptr || !has_tried_ || is_last_) return {};
   return conditions_->passed({known_, branches_}, {tried_.t, tried_.g});
@@ -396,7 +397,7 @@ void ConditionSteps::find_tolerances(const Integrator& integrator, const double*
     tolerances_[i] = integrator.weights.tolerance(static_cast<int>(i), x);
 }
 
-// E x has moved by next to nothing since it belonged to these values; tolerances_ are those at the last point.
+// True if E x has hardly moved since it had these values; sets tolerances_ to those at the last point.
 bool ConditionSteps::is_idle(const Integrator& integrator, const std::vector<double>& before) {
   const std::vector<double>& x = integrator.stepper->x();
   for (std::size_t i = 0; i < x.size(); ++i) change_[i] = x[i] - before[i];
@@ -404,12 +405,12 @@ bool ConditionSteps::is_idle(const Integrator& integrator, const std::vector<dou
   return integrator.system.change_of_differentiated(change_.data(), tolerances_.data()) <= no_progress;
 }
 
-// x may come back to where it was, but has been elsewhere.
+// x may return to its earlier value after having been elsewhere.
 bool ConditionSteps::stays_at_passed(const Integrator& integrator) {
   return is_idle(integrator, passed_.x) && !passed_.has_moved;
 }
 
-// The first condition whose value clearly says otherwise than its branch; none: their number.
+// The first condition whose value clearly contradicts its branch; the number of conditions if there is none.
 std::size_t ConditionSteps::contradiction(const Integrator& integrator, const ConsistentPoint& after,
                                           const std::vector<double>& branches) {
   find_tolerances(integrator, after.x.data());
@@ -421,7 +422,7 @@ std::size_t ConditionSteps::contradiction(const Integrator& integrator, const Co
   return branches.size();
 }
 
-// Returns whether residuals jump where condition k, which is near its zero, passes it.
+// True if residuals jump where condition k, which is near zero, crosses zero.
 bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) {
   const double t = integrator.stepper->state().t;
   const std::vector<double>& x = integrator.stepper->x();
@@ -431,7 +432,7 @@ bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) 
     const double slope = near_.gradients[i * branches_.size() + k] * tolerances_[i];
     steepness += slope * slope;
   }
-  // To the other side of the zero, as far away.
+  // The point on the other side of the zero, at the same distance.
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double slope = near_.gradients[i * branches_.size() + k];
     change_[i] = x[i] - 2.0 * tried_.g[k] / steepness * slope * tolerances_[i] * tolerances_[i];
@@ -441,7 +442,7 @@ bool ConditionSteps::jumps_at_zero(const Integrator& integrator, std::size_t k) 
 }
 
 void ConditionSteps::demand_distinct(const Integrator& integrator) {
-  constexpr double near = 0.1;  // of what tolerances leave open: as wide as layers are
+  constexpr double near = 0.1;  // relative to the width of layers, which is due to the tolerances
   SlidingLayers* const layers = conditions_ != nullptr ? conditions_->layers() : nullptr;
   if (layers == nullptr || !layers->are_entered() || is_due_)
     return std::fill(near_.is_near.begin(), near_.is_near.end(), 0);
@@ -477,14 +478,14 @@ void ConditionSteps::demand_progress(const Integrator& integrator) {
   passed_.sliding.clear();
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     if (!stays) passed_.visits[k] = 0;
-    // At the edges of layers equations are continuous, and lead nowhere back for long.
+    // At the edges of layers equations are continuous and do not lead back repeatedly.
     if (is_met(after_.g[k]) != is_met(branches_[k]) && !conditions_->is_of_layer(k)) ++passed_.visits[k];
     is_visited = is_visited || passed_.visits[k] > most_visits;
   }
   if (!is_visited) return;
   const double t = integrator.stepper->state().t;
   find_slopes(integrator, t, x, slopes_);
-  // Nothing leads back to a zero at which residuals are continuous.
+  // At a zero with continuous residuals nothing leads back.
   const HeldConditions::Point before{before_.t, before_.x.data(), slopes_.data()};
   const HeldConditions::Point after{after_.t, after_.x.data(), slopes_.data()};
   std::size_t named = 0;

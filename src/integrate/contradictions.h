@@ -1,4 +1,4 @@
-// Redundant equations that contradict each other, as far as an integration has met them.
+// Contradictions between redundant equations that an integration has found.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,7 +9,7 @@
 namespace sfdae::core {
 
 struct Contradictions {
-  // Whether the integration goes on in spite of the inconsistency, which is noted then.
+  // True if the integration continues despite the inconsistency, which is recorded then.
   bool tolerate(double inconsistency, const IntegrationOptions& options) {
     if (inconsistency <= options.consistency_tol) return true;  // not NaN
     if (!options.ignore_inconsistency) return false;
@@ -18,7 +18,7 @@ struct Contradictions {
     return true;
   }
 
-  bool ignored_in_call = false;  // they were more than the user allows
+  bool ignored_in_call = false;  // some exceeded the tolerance
   double largest = 0.0;
 };
 

@@ -1,4 +1,4 @@
-// Whether derivatives by differences are accurate enough for the tolerances.
+// Test whether finite-difference derivatives are accurate enough for the tolerances.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/difference_check.h"
 
@@ -14,10 +14,10 @@ namespace sfdae::core {
 
 namespace {
 
-// What a component has been counts for half as much with every further step: a passage through zero takes few steps,
-// a decay to nothing many. Chosen.
+// Factor per step for the remembered size of a component: a passage through zero takes few steps, a decay to zero many.
+// (Chosen.)
 constexpr double remembered = 0.5;
-// Components that start at zero need steps to become what they are. Chosen.
+// Components that start at zero need some steps to reach their size. (Chosen.)
 constexpr int most_points_in_excess = 3;
 
 void take_larger(const double* x, std::vector<double>& sizes) {

@@ -1,4 +1,4 @@
-// Whether derivatives by differences are accurate enough for the tolerances
+// Test whether finite-difference derivatives are accurate enough for the tolerances
 // (docs/design/finite_differences.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -14,20 +14,21 @@
 
 namespace sfdae::core {
 
-// Errors are compared with tolerances for the size that a component has nearby, as one that passes through zero has no
-// digits to lose there. The start is the only point whose differences are one-sided, and has the largest errors: they
-// are kept until components that start at zero have become what they are.
+// Errors are compared with tolerances for the recent size of a component, because one that passes through zero loses no
+// digits there. Only the start has one-sided differences, with the largest errors: they are stored until components
+// that start at zero have reached their size.
 class DifferenceCheck {
  public:
-  // The current point of the system is accepted, x consistent there; is_first: after this, steps begin anew. Nothing
-  // has changed where it throws.
+  // Accepts the current point of the system, with x consistent there; is_first: a new integration starts. An exception
+  // changes nothing.
   void accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first);
-  // The point accepted last has errors beyond the tolerances; or so have several points in a row, or the start.
+  // excess(): errors at the last point exceed the tolerances; lasting_excess(): so do those of several points, or the
+  // start.
   std::optional<CallResult> excess(const ErrorWeights& weights) const;
   std::optional<CallResult> lasting_excess(const ErrorWeights& weights) const;
-  // Errors of the point accepted last or of the start are beyond the tolerances, for now.
+  // True if errors at the last point or at the start exceed the tolerances so far.
   bool is_in_doubt(const ErrorWeights& weights) const { return excess(weights) || excess_at_start(weights); }
-  // At another current point, which is returned to the user, or at the start.
+  // Excess at another current point, which is returned to the user, or at the start.
   std::optional<CallResult> excess_at(DaeSystem& system, const ErrorWeights& weights, const double* x) const;
 
   bool has_errors() const { return !errors_.empty() || !errors_at_start_.empty(); }
@@ -39,16 +40,16 @@ class DifferenceCheck {
   std::optional<CallResult> excess_at_start(const ErrorWeights& weights) const;
 
   double t_ = 0.0;
-  std::vector<double> errors_;  // of x at the point accepted last; empty: there are none
+  std::vector<double> errors_;  // of x at the point accepted last; empty: none
   std::vector<double> sizes_;   // of the components there and shortly before
   int points_in_excess_ = 0;
   double t_start_ = 0.0;
-  std::vector<double> errors_at_start_;  // empty: they have been compared with the tolerances
-  std::vector<double> sizes_since_;      // largest ones
+  std::vector<double> errors_at_start_;  // empty: already compared with the tolerances
+  std::vector<double> sizes_since_;      // largest values
   int points_since_ = 0;
 };
 
-// Of a point that no integration leads to: what its errors are is compared with the tolerances for x as it is.
+// Excess at a point outside of integrations: errors are compared with the tolerances for the present x.
 std::optional<CallResult> excess_of_differences(const ConsistentPoint& point, const Tolerances& tolerances);
 
 }  // namespace sfdae::core

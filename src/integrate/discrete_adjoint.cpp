@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Weights of points that steps yet to be read depend on; in front of these those of a point within the step that is
-// read, or at the end.
+// Size of the ring of point weights: points on which steps still to be read depend, and one for a point within the step
+// being read, or at the end.
 constexpr std::size_t window = max_bdf_order + 2;
 
 bool is_zero(ConstView a) {
@@ -31,7 +31,7 @@ void make_room_for_one(std::vector<Value>& values) {
   if (values.size() == values.capacity()) values.reserve(2 * values.size() + 64);
 }
 
-// What steps depend on.
+// Options that affect the steps.
 bool are_alike(const IntegrationOptions& a, const IntegrationOptions& b) {
   return a.tolerances == b.tolerances && a.stepping == b.stepping && a.never_pass_output == b.never_pass_output;
 }
@@ -47,7 +47,7 @@ std::shared_ptr<const IntegrationOptions> options_of_steps(const IntegrationOpti
 // In either direction.
 bool is_between(double from, double t, double to) { return from < to ? from < t && t < to : to < t && t < from; }
 
-// Steps take more memory than the checkpoint that they can be made again from.
+// True if the steps take more memory than the checkpoint from which they can be repeated.
 bool is_worth_dropping(const StepPiece& piece) { return piece.kept.bytes() > piece.bytes() - piece.kept.bytes(); }
 
 // The points before step i of a piece, the newest first.
@@ -61,7 +61,7 @@ std::vector<const KeptPoint*> points_before(const StepPiece& piece, const KeptSt
   return points;
 }
 
-// What takes less memory is left of a piece.
+// Drops the steps of a piece, or its checkpoint if that takes more memory or evaluations have failed.
 void close(StepPiece& piece) {
   if (piece.checkpoint.empty()) return;
   if (!piece.has_failures && is_worth_dropping(piece)) {
@@ -75,8 +75,8 @@ void close(StepPiece& piece) {
 
 }  // namespace
 
-// One piece is being filled and as much kept of those before it; going back, one that has been made again comes to
-// them.
+// A third of the steps each: the piece being filled, the stored ones before it, and, in the backward pass, a repeated
+// one.
 DiscreteAdjoint::DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S, long max_kept_steps)
     : system_(std::move(system)),
       S_(std::move(S)),
@@ -109,7 +109,7 @@ void DiscreteAdjoint::start(const Integrator& integrator) {
   times_.push_back(step.t);
 }
 
-// Where evaluations have failed, for reasons that need not come again, nothing before the next attempt is repeated.
+// After failed evaluations, which may not recur, a new piece begins, so that they are not part of a repetition.
 void DiscreteAdjoint::prepare(Integrator& integrator, const IntegrationOptions& options, double t) {
   if (keeps_all()) return;
   const StepPiece& piece = pieces_.back();
@@ -125,7 +125,7 @@ void DiscreteAdjoint::prepare(Integrator& integrator, const IntegrationOptions& 
   attempts.push_back({t, AttemptEnd::failed, integrator.weights.part()});
 }
 
-// At the point that the integrator has reached, which may be the first one of the last piece.
+// Begins at the point reached by the integrator, which may be the first one of the last piece.
 void DiscreteAdjoint::begin_piece(Integrator& integrator, const IntegrationOptions& options) {
   StepPiece& last = pieces_.back();
   std::shared_ptr<const IntegrationOptions> kept =
@@ -145,7 +145,7 @@ void DiscreteAdjoint::begin_piece(Integrator& integrator, const IntegrationOptio
   drop_pieces();
 }
 
-// The oldest ones, before the last one is filled.
+// The oldest ones are dropped before the last one is filled.
 void DiscreteAdjoint::drop_pieces() {
   for (; next_to_drop_ + 1 < pieces_.size() && kept_points_ > length_of_pieces_; ++next_to_drop_) {
     StepPiece& piece = pieces_[next_to_drop_];
@@ -187,7 +187,7 @@ void DiscreteAdjoint::commit(Integrator& integrator) {
   note(AttemptEnd::taken);
 }
 
-// A piece of its own, which is none that steps are made again of.
+// The point gets its own piece, which is never repeated.
 void DiscreteAdjoint::end_within(const Integrator& integrator, double t,
                                  const std::function<const double*(double)>& move_to) {
   const StepState state = integrator.stepper->state();
@@ -283,7 +283,7 @@ struct DiscreteAdjoint::Backward {
                      [this](std::size_t a, std::size_t b) { return point(a) < point(b); });
   }
   std::size_t point(std::size_t place) const { return functionals.places[place].point; }
-  // Those within the step to point k, or at its end.
+  // Places within the step to point k, or at its end.
   template <class Action>
   void for_places(std::size_t k, bool are_within, Action action) const {
     const auto is_before = [this](std::size_t place, std::size_t wanted) { return point(place) < wanted; };
@@ -291,7 +291,7 @@ struct DiscreteAdjoint::Backward {
          place != order.end() && point(*place) == k; ++place)
       if (functionals.places[*place].is_within == are_within) action(*place);
   }
-  // Those of functionals at that point.
+  // Adds the weights of the functionals at that point.
   void add_weights(std::size_t k) {
     for_places(k, false, [&](std::size_t place) { add_weights_of(place, weights[k % window]); });
   }
@@ -301,7 +301,7 @@ struct DiscreteAdjoint::Backward {
       for (int i = 0; i < here.rows; ++i)
         here(i, q) += functionals.weights[index(i) + size * (place + places * index(q))];
   }
-  // Whether points from the first one on, or those before it by what has been read, say anything.
+  // False if points from the first one on, and earlier points by the steps already read, have only zero weights.
   bool has_anything(std::size_t first) const {
     return (!order.empty() && point(order.back()) >= first) ||
            !std::all_of(weights.begin(), weights.end(), [](const Matrix& at) { return is_zero(at); });
@@ -317,11 +317,11 @@ struct DiscreteAdjoint::Backward {
   const Surroundings& surroundings;
   View gradient;
   std::vector<Matrix> weights;     // of the last points
-  std::vector<std::size_t> order;  // of the places by their points
+  std::vector<std::size_t> order;  // places sorted by their points
   std::optional<PointsWithin> within;
 };
 
-// Weights of point k become those of the points before it.
+// Transforms weights of point k into weights of the points before it.
 void DiscreteAdjoint::read_back(const KeptStep& step, const KeptPoint* points, std::size_t k, Backward& backward) {
   const View here = backward.weights[k % window];
   const AdjointValues values{here, backward.gradient};
@@ -345,7 +345,7 @@ void DiscreteAdjoint::hand_on(const KeptStep& step, std::size_t k, Backward& bac
   fill(here, 0.0);
 }
 
-// Of functionals at points within step i of a piece. Their weights stand where those of a point after its end would.
+// Functionals at points within step i of a piece. Their weights are stored as those of a point after its end.
 void DiscreteAdjoint::read_within(const StepPiece& piece, const KeptSteps& steps, std::size_t i, Backward& backward) {
   const std::size_t k = piece.first + i;
   const View here = backward.weights[(k + 1) % window];
@@ -379,7 +379,7 @@ void DiscreteAdjoint::read_piece(const StepPiece& piece, const KeptSteps& steps,
     const std::size_t k = piece.first + i;
     read_within(piece, steps, i, backward);
     backward.add_weights(k);
-    // Later steps say nothing about earlier points.
+    // Earlier points do not affect the functionals by this step.
     if (k == 0 || is_zero(backward.weights[k % window])) continue;
     backward.keep_to_piece(times_[k - 1 - index(steps.step(i).num_skipped())]);
     read_back(steps.step(i), steps.points(i), k, backward);

@@ -1,11 +1,10 @@
-// The discrete adjoint of an integration: its steps are kept, and the equations of their sensitivities read backward.
+// Discrete adjoint of an integration: stored steps, through which the sensitivity equations are solved backward.
 //
 // S_k = dx(t_k)/dp at the points of an integration follows from earlier ones by the linear equations that
-// sensitivities.h solves. For a functional with weights w_k of x(t_k) the gradient sum_k S_k^T w_k is found in one
-// pass from the last point to the first: lambda_k = w_k + what later steps make of S_k. What is found is the exact
-// gradient of what the integration has computed, hidden constraints included, but for the choice of its steps. Where
-// not all steps may be kept, those of earlier pieces of the integration are made again from checkpoints [GW08, with
-// two levels].
+// sensitivities.h solves. For a functional with weights w_k of x(t_k) the gradient sum_k S_k^T w_k is computed in one
+// pass from the last point to the first: lambda_k = w_k + contributions of later steps to S_k. The result is the exact
+// gradient of the numerical solution, including hidden constraints, for the given steps. If memory is limited, steps of
+// earlier pieces of the integration are repeated from checkpoints [GW08, with two levels].
 //
 // [GW08] A. Griewank, A. Walther: Evaluating Derivatives. SIAM, 2nd ed. 2008, chapter 12.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -27,12 +26,12 @@ namespace sfdae::core {
 
 struct AdjointWork {
   long kept_steps = 0, checkpoints = 0, repeated_steps = 0;
-  std::size_t bytes = 0;  // of what is kept
+  std::size_t bytes = 0;  // of the stored data
 };
 
 class DiscreteAdjoint final : public Companion {
  public:
-  // S: at the point where the system of x stands, consistent, n x count. max_kept_steps: 0: all.
+  // S: at the current point of the system of x, consistent, n x count. max_kept_steps: 0: all.
   DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S, long max_kept_steps);
 
   void start(const Integrator& integrator) override;
@@ -41,22 +40,22 @@ class DiscreteAdjoint final : public Companion {
   StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
   void commit(Integrator& integrator) override;
 
-  // The integration ends at t, within the last step: one more point. move_to(t): the system of x is moved to a point
-  // there, and its x' returned. Nothing has changed where that throws.
+  // Ends the integration at t, within the last step, with one more point. move_to(t): moves the system of x to a point
+  // there, and returns its x'. An exception changes nothing.
   void end_within(const Integrator& integrator, double t, const std::function<const double*(double)>& move_to);
-  // No more steps follow: those that can be made again are dropped.
+  // No more steps follow: drops those that can be repeated.
   void drop_all();
-  // Where the system of x stands. Throws Failure.
+  // Tangent space at the current point of the system of x. Throws Failure.
   TangentSpace tangent_space();
   const std::vector<double>& values_at_start() const { return S_; }
 
-  // The start, the end of a step (the last one at that time), or a point within a step.
+  // A place: the start, the end of a step (the last one at that time), or a point within a step.
   struct Place {
-    std::size_t point;  // its number, or that of the point where the step ends
-    bool is_within;     // and then at t
+    std::size_t point;  // its number, or that of the point at the end of the step
+    bool is_within;     // then the place is at t
     double t;
   };
-  // None: not between the start and the last point.
+  // Empty if t is not between the start and the last point.
   std::optional<Place> place_of(double t) const;
 
   // weights: n x places.size() for each functional, one after the other; gradient: count x functionals. Throws Failure.
@@ -65,7 +64,7 @@ class DiscreteAdjoint final : public Companion {
     const double* weights;
     int count;
   };
-  // accuracy: of what steps to points within others leave.
+  // tolerances: accuracy of steps to points within others.
   struct Surroundings {
     PointsWithin::KeepToPiece keep_to_piece;
     const Tolerances& tolerances;
@@ -89,12 +88,12 @@ class DiscreteAdjoint final : public Companion {
 
   std::unique_ptr<AdjointSystem> system_;
   std::vector<double> S_;
-  std::size_t length_of_pieces_;  // 0: there is one only
+  std::size_t length_of_pieces_;  // 0: there is only one piece
   std::vector<double> times_;     // of all points
   std::deque<StepPiece> pieces_;
-  std::size_t kept_points_ = 0, next_to_drop_ = 0;  // of all pieces; a piece
-  std::size_t origin_ = 0;                          // the point at which the history of BDF starts
-  KeptStep tried_, last_;                           // the step that was tried, or taken, last
+  std::size_t kept_points_ = 0, next_to_drop_ = 0;  // of all pieces; index of a piece
+  std::size_t origin_ = 0;                          // the point at which the BDF history starts
+  KeptStep tried_, last_;                           // the step tried last, and taken last
   std::vector<KeptPoint> tried_points_;
   std::vector<double> xdot_;
   long repeated_steps_ = 0;

@@ -14,15 +14,14 @@ namespace sfdae::core {
 
 namespace {
 
-// 100 unit roundoffs have to fit into a tolerance, as in DASSL.
+// A tolerance must exceed 100 unit roundoffs, as in DASSL.
 constexpr double rounding_safety = 100.0;
 // Stands for 1 / 0, so that any error is too large but nothing overflows.
 constexpr double no_tolerance = 1e200;
-// Relative speeds that are none: times to change would overflow.
+// Smaller relative speeds count as zero: times to change would overflow.
 constexpr double standstill = 1e-300;
 
-// An error that is not a number is one that no tolerance allows; std::max would drop it, and the step would be
-// accepted.
+// Turns NaN into an error that no tolerance allows; std::max would drop it, and the step would be accepted.
 double worst_if_unknown(double error) { return std::isnan(error) ? no_tolerance : error; }
 
 }  // namespace
@@ -86,7 +85,7 @@ double ErrorWeights::norm(const double* e, double exponent) const {
   double largest = 0.0;
   for (std::size_t i = 0; i < inverse_.size(); ++i) {
     const double error = worst_if_unknown(std::fabs(e[i]) * inverse_[i]);
-    // Most components do not come near the largest, and the power is expensive.
+    // Most components are far below the largest, and the power is expensive.
     if (!(error > largest)) continue;
     const double relative = relative_.empty() ? rtol_[i] : relative_[i];
     largest = std::max(largest, error * std::pow(std::min(relative, 1.0), 1.0 - exponent));

@@ -1,4 +1,4 @@
-// Slopes of w at other times than the present one, w held.
+// Slopes of w at other times than the present one, with w held.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/held_slopes.h"
 
@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the way to a time: strides that are shorter are of no use.
+// Minimum length of a stride relative to the total time difference.
 constexpr double least_stride = 0.01;
 constexpr int most_strides = 12;
 
@@ -43,7 +43,7 @@ bool HeldSlopes::find(Integrator& integrator, double t, std::vector<double>& wdo
   return all_finite(wdot.data(), wdot.size());
 }
 
-// Moves x to t from the start with w held; where the equations are too nonlinear for that, by way of times in between.
+// Moves x to t from the start with w held; if the equations are too nonlinear for one stride, via times in between.
 bool HeldSlopes::follow(Integrator& integrator, double t) {
   const double start = integrator.stepper->state().t;
   double at = start, stride = t - start;

@@ -1,4 +1,4 @@
-// Slopes of w at other times than the present one, w held: what inputs alone make of them.
+// Slopes of w at other times than the present one with w held: the effect of inputs alone.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,10 +11,10 @@ namespace sfdae::core {
 class HeldSlopes {
  public:
   void resize(const DaeSystem& system);
-  // (W x)' at t for w as it is at the last point. False: there is none, or none is found. Throws Failure where the
-  // user stops all.
+  // (W x)' at t with w as at the last point. False: it does not exist, or was not found. Throws Failure if the user
+  // stops the integration.
   bool find(Integrator& integrator, double t, std::vector<double>& wdot);
-  // Of x, by a slope over a step of size h, in tolerances.
+  // Change of x due to a slope over a step of size h, in tolerances.
   double size_of_change(Integrator& integrator, double h, const std::vector<double>& slope);
 
  private:

@@ -1,6 +1,6 @@
-// A table of divided differences over nodes of a Radau integration, and the polynomial that it is one of.
+// Table of divided differences over nodes of a Radau integration, and the polynomial that it defines.
 //
-// Times in it are (t - origin) / unit, so that nothing overflows.
+// Its times are (t - origin) / unit, so that nothing overflows.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,17 +16,16 @@ namespace sfdae::core {
 
 class HermiteTable {
  public:
-  // For polynomials through max_nodes nodes with slopes, of vectors with at most `size` components.
+  // For polynomials through max_nodes nodes with slopes, for vectors with at most `size` components.
   void resize(std::size_t size, int max_nodes);
 
-  // Over `entries` of the values and slopes at each node in turn.
+  // Polynomial through the first `entries` values and slopes, alternating, of the nodes.
   void set_nodes(const ChosenNodes& chosen, Interpolated which, int entries, double origin, double unit);
-  // Through the values of x at the nodes alone.
+  // Polynomial through the values of x at the nodes only.
   void set_values(const ChosenNodes& chosen, double origin, double unit);
-  // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the
-  // step.
+  // The collocation polynomial for x of the last step, through its start and its stages, all of them within the step.
   void set_collocation(const RadauHistory& history);
-  // The same of any step: x_at(i), `size` numbers, at the start, i = 0, and at the stages.
+  // The collocation polynomial of any step; x_at(i): `size` numbers, at the start, i = 0, and at the stages.
   struct StepTimes {
     double end, h;
   };
@@ -41,7 +40,7 @@ class HermiteTable {
   void evaluate(double t, double* value, double* slope) const;
   // Its Taylor coefficients at t: size x (order + 1).
   void taylor(double t, int order, double* coefficients) const;
-  // What the last of `nodes` nodes contributes to the value at t with its value and its slope; vectors of that size.
+  // Contribution of the last of `nodes` nodes to the value at t, by its value and its slope.
   void contribution_of_last(int nodes, double t, std::vector<double>& contribution) const;
 
  private:

@@ -1,4 +1,4 @@
-// Steps that would not notice what inputs do within them.
+// Input watch: shortens steps that would miss changes of inputs within them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/input_watch.h"
 
@@ -13,26 +13,26 @@ namespace sfdae::core {
 
 namespace {
 
-// A change that is hidden between the ends of a step may be this part of the change that the ends show, if that is so
-// many tolerances: the error test is sure to see it. (Chosen.)
+// A change hidden between the ends of a step may be this part of the change between the ends, if that is so many
+// tolerances: then the error test detects it. (Chosen.)
 constexpr double shown_part = 0.5, surely_seen = 20.0;
-// An input is resolved if it is nearer to its polynomial than this part of its range in a step, and so is its
-// derivative. (Chosen.)
+// An input is resolved if it and its derivative are nearer to their polynomials than this part of their ranges in a
+// step. (Chosen.)
 constexpr double resolved = 0.01;
-// The largest hidden change in a step is known. The account is charged with this part of it, about the mean. (Chosen.)
+// The account is charged with this part of the largest hidden change in a step, about the mean. (Chosen.)
 constexpr double mean_part = 0.3;
-// The account has so many tolerances at the start.
+// Initial balance of the account in tolerances.
 constexpr double at_first = 2.0;
-// After inputs have kept a step short, local errors are charged for this part of the interval of interest. (Chosen.)
+// After inputs have shortened a step, local errors are charged for this part of the interval of interest. (Chosen.)
 constexpr double lately = 0.01;
-// Inputs drive the steps where these are shorter than this part of the interval of interest, and steps that are longer
-// by this factor would not notice them. (Chosen: with 10 to 30 steps for a period of a sine.)
+// Inputs drive the steps if these are shorter than this part of the interval of interest, and steps longer by this
+// factor would miss changes of inputs. (Chosen: 10 to 30 steps for a period of a sine.)
 constexpr double short_step = 1e-3, much_longer = 8.0;
 // The account is charged with this part of each estimated local error: their sum over the interval of interest stays
-// below 50 tolerances, as long as less than the second part of a tolerance is not asked for, with some 50,000 such
+// below 50 tolerances, unless steps would need errors below the second part of a tolerance, after some 50,000 such
 // steps. (Chosen.)
 constexpr double charged = 0.2, least_allowed = 1e-3;
-// After as many the step is tried as it is, a billionth of the one that was wanted.
+// After so many halvings the step is tried anyway, with a billionth of its initial size.
 constexpr int most_input_halvings = 30;
 
 }  // namespace
@@ -48,7 +48,7 @@ void InputWatch::resize(const DaeSystem& system, TimeInputs& inputs) {
   changes_.assign(size_w * InputSearch::most_nodes, 0.0);
 }
 
-// Of BDF the last point counts, too.
+// For BDF the previous point is a node, too.
 std::size_t InputWatch::set_nodes(const Integrator& integrator, double h) {
   const StepState state = integrator.stepper->state();
   std::size_t count = 0;
@@ -96,15 +96,15 @@ void InputWatch::archive_account(Archive& archive) {
   archive.small(account_.is_busy);
 }
 
-// hidden, shown: by changes of slopes over a step of size h, in tolerances.
+// hidden, shown: due to changes of slopes over a step of size h, in tolerances.
 bool InputWatch::is_important(double hidden, double shown, double h) const {
   const double allowed = account_.rate > 0.0 ? account_.balance + account_.rate * std::fabs(h) : unimportant;
   const bool is_covered = mean_part * hidden <= allowed;
   return !is_covered && !(shown >= surely_seen && hidden <= shown_part * shown);
 }
 
-// With equations that are differentiated, derivatives of inputs are inputs, too; they are as far from their polynomials
-// as the inputs are, about, in parts of their ranges.
+// With differentiated equations, derivatives of inputs are inputs, too; relative to their ranges, their distances from
+// their polynomials are similar to those of the inputs.
 void InputWatch::search(TimeInputs& inputs, std::span<const double> nodes, double h) {
   inputs.count_slopes(false);
   of_values_.search(inputs, nodes, h, fastest_);
@@ -131,8 +131,7 @@ double InputWatch::noticing_step(Integrator& integrator, TimeInputs& inputs, dou
   return size;
 }
 
-// Returns whether steps are short since inputs change fast: a step that is not much longer than h would not show what
-// they do.
+// True if steps are short because inputs change fast: a moderately longer step than h would miss their changes.
 bool InputWatch::drive_steps(Integrator& integrator, TimeInputs& inputs, double h) {
   const StepState state = integrator.stepper->state();
   const bool grows = std::fabs(h) > std::fabs(state.last.h);
@@ -145,8 +144,8 @@ bool InputWatch::drive_steps(Integrator& integrator, TimeInputs& inputs, double 
   return importance != Importance::none;
 }
 
-// Whether the slope of w at one of the places is far from what the ends of the step show. Elsewhere inputs may be
-// `doubt()` times as far from what the step sees of them, and so may slopes.
+// Compares the slopes of w at these places with interpolation between the ends of the step. Elsewhere inputs may be
+// `doubt()` times as far from their polynomials, and slopes as well.
 InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, std::span<const double> places) {
   const double doubt = std::fmax(found().doubt(), 1.0);
   if (places.empty()) return doubt > 1.0 ? Importance::unknown : Importance::none;
@@ -168,8 +167,8 @@ InputWatch::Importance InputWatch::of_unseen(Integrator& integrator, double h, s
   return is_important(doubt * largest, shown, h) ? Importance::unknown : Importance::none;
 }
 
-// The same of peaks, and of the polynomial through the slopes at all nodes, the first of which is the start: what
-// depends on inputs in a linear way is as near to it as they are to theirs.
+// Compares the slopes at peaks with the polynomial through the slopes at all nodes, of which the first is the start:
+// quantities that depend linearly on inputs are as near to it as the inputs are to theirs.
 InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, std::span<const double> nodes) {
   if (found().peaks().empty()) return Importance::none;
   const QuietArithmetic quiet;
@@ -178,7 +177,7 @@ InputWatch::Importance InputWatch::of_peaks(Integrator& integrator, double h, st
   double shown = 0.0;
   for (std::size_t k = 1; k < nodes.size(); ++k) {
     if (!slopes_.find(integrator, nodes[k], change_)) {
-      // Before the step w was another one, with which no x may exist: a polynomial of one degree less, then.
+      // Before the step w differed, and there may be no x for the present one: use a polynomial of one degree less.
       if (k + 1 == nodes.size() && (nodes[k] - nodes[0]) * h < 0.0) {
         nodes = nodes.first(k);
         break;

@@ -1,6 +1,7 @@
-// Steps that would not notice what inputs do within them, such as a pulse while nothing else happens: the error test,
-// which knows the points of a step alone, does not ask for shorter ones (docs/design/inputs_and_discontinuities.md).
-// Changes that steps do not notice, since x bears them, are added up in an account over the whole run.
+// Input watch: shortens steps that would miss changes of inputs within them, such as a pulse while nothing else
+// happens. The error test uses only the points of a step and cannot detect them
+// (docs/design/inputs_and_discontinuities.md). Missed changes within the tolerances of x are added up in an account
+// over the whole run.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,33 +19,32 @@ namespace sfdae::core {
 
 class InputWatch {
  public:
-  // The importance of what inputs do between the points of a step.
+  // Importance of changes of inputs between the points of a step.
   enum class Importance { none, matters, unknown };
 
   void resize(const DaeSystem& system, TimeInputs& inputs);
   // span: the interval of interest.
   void open_account(double span);
   void take_account(const InputWatch& other) { account_ = other.account_; }
-  // The next step, of size h at first, as short as it has to be to notice what inputs do, where that matters. Throws
-  // Failure.
+  // Size of the next step, at most h, short enough to detect relevant changes of inputs. Throws Failure.
   double noticing_step(Integrator& integrator, TimeInputs& inputs, double h);
   // Inputs switch at t.
   void note_switch(double t);
-  // The part of the tolerances that the local error of a step of size h from t may have: 1, unless inputs have kept
-  // steps short lately.
+  // Allowed local error of a step of size h from t, as part of the tolerances: 1, unless inputs have shortened steps
+  // recently.
   double allowed_error(double t, double h) const;
-  // Such a step has been accepted, with that error in tolerances.
+  // Such a step has been accepted; error: its local error in tolerances.
   void commit(double t, double h, double error);
   void archive(Archive& archive) { archive.real(fastest_); }
   void archive_account(Archive& archive);
 
  private:
-  // In tolerances: what a step does not notice may add up to as much over the interval of interest (design, 17.2).
+  // In tolerances: allowed sum of missed changes over the interval of interest (design, 17.2).
   static constexpr double unimportant = 10.0;
   struct Account {
-    double rate = 0.0;                   // per unit of t; 0: nothing is known of the run
-    double balance = 0.0, charge = 0.0;  // saved so far; by the step to come
-    double busy = 0.0;                   // when inputs have kept a step short last
+    double rate = 0.0;                   // per unit of t; 0: the run is unknown
+    double balance = 0.0, charge = 0.0;  // saved so far; by the next step
+    double busy = 0.0;                   // last time when inputs shortened a step
     bool is_busy = false;                // ever
   };
 
@@ -63,10 +63,10 @@ class InputWatch {
   bool differentiates_ = false, is_with_slopes_ = false;  // the equations; the last search
   HeldSlopes slopes_;
   Account account_;
-  double fastest_ = 0.0;  // in which time inputs have been found to change unnoticed; 0: none have
+  double fastest_ = 0.0;  // shortest time of unexpected input changes; 0: none found
   std::array<double, InputSearch::most_nodes> nodes_{};
   bool has_slope_ = false;                        // at the start of the step
-  std::vector<double> at_start_, change_, here_;  // (W x)' there, w held; its change up to the end; and elsewhere
+  std::vector<double> at_start_, change_, here_;  // (W x)' there, w held; its change up to the end; elsewhere
   std::vector<double> changes_;                   // up to each node
 };
 

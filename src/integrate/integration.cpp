@@ -1,4 +1,4 @@
-// The driver of the integration.
+// Driver of the integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/integration.h"
 
@@ -19,14 +19,14 @@ namespace sfdae::core {
 
 namespace {
 
-// Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some
-// 1e7, then. (Chosen.)
+// Maximum of consecutive attempts without a valid point before the call fails: steps are then shorter by 4^12, about
+// 1e7. (Chosen.)
 constexpr int max_point_failures = 12;
-// Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
-// there. (Chosen, so that the bisection has six steps to go.)
+// Changes of the characteristic values are located within steps that are so many times longer than the smallest one;
+// shorter steps locate them already. (Chosen, so that at least six bisections remain.)
 constexpr double room_to_locate = 64.0;
-// Of the steps about a singular point that may be passed: how accurately its time is needed. (Chosen: what is nearer is
-// not extrapolated from.)
+// Accuracy of the time of a singular point to be passed, relative to the steps near it. (Chosen: extrapolation does not
+// use nearer points.)
 constexpr double accuracy_for_passing = 1e-6;
 
 }  // namespace
@@ -108,7 +108,7 @@ CallResult Integration::interpolate(double t, bool may_interpolate, double* x, d
   const double place = conditions_.beside(beside_kink(options_, integrator_, t));
   if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
-  // Searches for events are made with consistent points.
+  // The event search uses consistent points.
   const bool may = may_interpolate && options_.interpolates_outputs && options_.events == nullptr;
   const PointRequest request{place, true, slopes_, may};
   output_.evaluate_aside(integrator_, request_beside_kink(t, request), options_, x, xdot);
@@ -119,11 +119,11 @@ CallResult Integration::interpolate(double t, bool may_interpolate, double* x, d
 
 CallResult Integration::run(double tout, bool one_step) {
   if (auto event = search_events(tout)) return std::move(*event);
-  // The last call gave up with a step that says nothing about the solution.
+  // The last call failed with an unsuitable step size.
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
-    // A singular point that was passed may have led beyond tout.
+    // Passing a singular point may have led beyond tout.
     if (integrator_.has_passed(tout)) break;
     const double t = integrator_.stepper->state().t;
     if (conditions_.is_due()) {
@@ -159,8 +159,8 @@ CallResult Integration::run(double tout, bool one_step) {
   return {};
 }
 
-// What is known of the points before says nothing about those after: polynomials, which the error test may not notice
-// (docs/design/inputs_and_discontinuities.md), and what changes of the characteristic values would show in.
+// Discards data from before the kink: polynomials, whose errors the error test may miss
+// (docs/design/inputs_and_discontinuities.md), and data of the search for changes of the characteristic values.
 void Integration::restart_at_kink() {
   restart(integrator_.method);
   inputs_.note_switch(integrator_.stepper->state().t);
@@ -183,7 +183,7 @@ void Integration::restart(Method method) {
   resize_workspace();
   integrator_.restart(method, options_);
   if (!companion_) return;
-  integrator_.must_restart = true;  // once more, if that fails
+  integrator_.must_restart = true;  // restart again if that fails
   companion_->start(integrator_);
   integrator_.must_restart = false;
 }
@@ -192,8 +192,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   Stepper& stepper = *integrator_.stepper;
   const StepState state = stepper.state();
   double size = std::fabs(state.next_step);
-  // Without differential equations nothing accumulates: the only solution at tout is one reduction away. Nonlinear
-  // equations have others, which long steps lead to.
+  // Without differential equations no errors accumulate: the unique solution of linear equations at tout needs one
+  // reduction. Nonlinear equations may have other solutions, to which long steps may lead.
   if (integrator_.system.differential() == 0 && integrator_.system.is_linear() && state.failures_in_a_row == 0)
     size = std::fabs(tout - state.t);
   if (options_.max_step > 0.0) size = std::min(size, options_.max_step);
@@ -204,7 +204,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0 && !ends_as_located()) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
-  // Within layers polynomials are less accurate than the ends of steps, and points between these may not be found.
+  // In layers polynomials are less accurate than the ends of steps, and points between the ends may not be found.
   const bool is_in_layer = layers() != nullptr && layers()->are_entered();
   const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout, size),
                           options_.never_pass_output || adjoint() != nullptr || is_in_layer};
@@ -231,7 +231,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   return accept_step(h, state.next_step, tout, jumps);
 }
 
-// Notices that attempts lead nowhere: if equations are flat, steps may go back and forth, however small they are.
+// Detects attempts without progress: with flat equations steps may go back and forth, however small they are.
 void Integration::notice_idle_steps() {
   constexpr int many = 200;
   constexpr double next_to_nothing = 10.0, part = 1e-3;  // tolerances; of the interval of interest. (Chosen.)
@@ -250,8 +250,8 @@ void Integration::notice_idle_steps() {
   regularity_.attempts = 0;
 }
 
-// Parts of branches are known so accurately that what is not seen of them, for times that are as short as its root,
-// does not matter to x.
+// Limits errors of parts of branches so that errors that remain undetected for times as short as its root do not affect
+// x.
 void Integration::limit_errors_in_layers() {
   constexpr double exponent = 2.0 / 3.0;
   if (layers() == nullptr) return integrator_.weights.set_ceiling(nullptr);
@@ -272,9 +272,9 @@ SlidingLayers* Integration::layers() const {
   return options_.conditions != nullptr ? options_.conditions->layers() : nullptr;
 }
 
-// After a failure of a step of size h: the same step with branches held, or a much shorter one without.
+// After a failed step of size h: the same step with branches held, or a much shorter one without.
 void Integration::try_with_branches(StepOutcome outcome, double h) {
-  constexpr double shorter = 0.25;  // as after steps without a point
+  constexpr double shorter = 0.25;  // as after failures without a point
   const bool was_held = !conditions_.is_plain() && options_.conditions->can_be_held();
   const double next = integrator_.stepper->state().next_step;
   if (conditions_.is_tried_with_branches_held(integrator_, outcome) && !change_)
@@ -282,7 +282,7 @@ void Integration::try_with_branches(StepOutcome outcome, double h) {
   else if (was_held && std::fabs(next) > shorter * std::fabs(h)) integrator_.stepper->set_next_step(shorter * h);
 }
 
-// For the points of the system at present.
+// Adapts sizes to the present system.
 void Integration::resize_workspace() {
   output_.resize(integrator_.system);
   if (options_.inputs != nullptr) inputs_.resize(integrator_.system, *options_.inputs);
@@ -295,7 +295,7 @@ void Integration::resize_workspace() {
   if (options_.hides_switches) hidden_.test.resize(index(integrator_.system.unknowns()));
 }
 
-// The size of a step toward t that notices what inputs do; in gaps they switch.
+// Step size toward t that does not miss changes of inputs; in gaps inputs switch.
 double Integration::noticing_step(double t) {
   const StepState state = integrator_.stepper->state();
   const double h = t - state.t;
@@ -304,9 +304,9 @@ double Integration::noticing_step(double t) {
   return std::fabs(is_watched ? inputs_.noticing_step(integrator_, *options_.inputs, h) : h);
 }
 
-// The limit of the next step from t, which may end at tout or be of that size.
+// Latest end of the next step from t, which may end at tout or have that size; empty: not limited.
 std::optional<double> Integration::limit_of_step(double t, double tout, double size) const {
-  constexpr double longer = 1.001;  // than steps become so that they end at tout (step_target.cpp)
+  constexpr double longer = 1.001;  // than steps extended to end at tout (step_target.cpp)
   std::optional<double> limit = options_.stop_time;
   if (conditions_.end()) limit = conditions_.end();
   if (hidden_.end) limit = hidden_.end;
@@ -316,7 +316,7 @@ std::optional<double> Integration::limit_of_step(double t, double tout, double s
   return kink && (!limit || (*limit - *kink) * integrator_.direction > 0.0) ? kink : limit;
 }
 
-// wanted: the step that was to be tried, before limits made it one of size h. jumps: where it leads across a gap.
+// wanted: the step size before limits reduced it to h. jumps: set if the step crosses a gap.
 std::optional<CallResult> Integration::accept_step(double h, double wanted, double tout,
                                                    std::optional<JumpTest>& jumps) {
   DaeSystem& system = integrator_.system;
@@ -344,7 +344,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
     if (is_searched && !is_jump)
       integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
-    // The next call tries this step again.
+    // The next call repeats this step.
     withdraw();
     integrator_.stepper->set_next_step(wanted);
     choice_ = choice;
@@ -368,8 +368,8 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
   return take_step(h, std::move(passed), is_across_kink);
 }
 
-// The step tried becomes the last one. passed: conditions on x that have switched in it. Nothing is allocated before
-// all that belongs to the step is in place.
+// The step tried becomes the last one. passed: conditions on x that have switched in it. No memory is allocated before
+// all data of the step are in place.
 std::optional<CallResult> Integration::take_step(double h, std::vector<PassedSwitch> passed, bool is_across_kink) {
   IntegrationCounts& counts = counts_.own;
   const StepState before = integrator_.stepper->state();
@@ -393,19 +393,19 @@ std::optional<CallResult> Integration::take_step(double h, std::vector<PassedSwi
   return call_monitor(h);
 }
 
-// Callbacks do not tell when they switch. Where E x moves otherwise than its slopes say, the solver makes steps shorter
-// until slopes explain the movement, or until it knows that x jumps within the next step.
+// Callbacks do not tell when they switch. If E x moves differently from its slopes, steps become shorter until slopes
+// explain the movement, or x is known to jump within the next step.
 bool Integration::may_hide_jump(double h) {
   constexpr double clear = 5.0, clear_at_start = 50.0, shorter = 0.25;  // tolerances; of the step. (Chosen.)
   DaeSystem& system = integrator_.system;
-  // Without differential equations each point stands for itself. Before a first step no slope is known to compare with.
+  // Without differential equations points are independent. Before the first step no slope is known for comparison.
   if (!system.differentiates() || system.differential() == 0 || adjoint() != nullptr ||
       integrator_.stepper->state().last.order == 0)
     return false;
   const double at_start = hidden_.test.unexplained_at_start(integrator_);
   if (!std::isgreater(at_start, clear)) return false;
   const double unexplained = hidden_.test.unexplained(integrator_);
-  // Callbacks may lack the derivatives that give slopes at the end. Then the start alone decides, less accurately.
+  // If callbacks lack the derivatives for slopes at the end, the start alone decides, less accurately.
   if (std::isinf(unexplained) ? at_start <= clear_at_start : !std::isgreater(unexplained, clear)) return false;
   const double t = integrator_.stepper->state().t;
   withdraw();
@@ -433,8 +433,8 @@ bool Integration::turns_in_step() {
   return false;
 }
 
-// A step has been tried in which conditions of a surface change the side of it on which they are met: it has to be so
-// short that x moves by next to nothing.
+// If a surface's conditions change the side on which they hold within the step, the step must be so short that x hardly
+// moves.
 bool Integration::ends_before_turn(double h) {
   constexpr double shorter = 0.25, located = 1e-2;  // of the step; tolerances. (Chosen.)
   const Stepper& stepper = *integrator_.stepper;
@@ -449,7 +449,7 @@ bool Integration::ends_before_turn(double h) {
   return true;
 }
 
-// From the same point, to another time: a condition on x switches in this step of size h.
+// True if the step of size h from the same point is repeated with another end, because a condition on x switches.
 bool Integration::is_tried_again(double h) {
   const double t = integrator_.stepper->state().t;
   if (options_.hides_switches && !conditions_.explain_step(integrator_) && may_hide_jump(h)) return true;
@@ -468,7 +468,7 @@ bool Integration::is_tried_again(double h) {
 }
 
 // The values are those that interpolate() returns if outputs may be interpolated. If that fails the polynomial is
-// recorded as it is, and its accuracy counts as unknown.
+// recorded as it is, with unknown accuracy.
 void Integration::record_step(double from) {
   const std::shared_ptr<SolutionPieces> solution = recording_.solution.lock();
   if (!solution) return;
@@ -488,7 +488,7 @@ void Integration::record_step(double from) {
   add_piece(*solution, {from, t, continues, sample, {}});
 }
 
-// Samples are those of all unknowns; nothing is recorded any more if that fails.
+// Samples are those of all unknowns; a failure ends the recording.
 void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step) {
   recording_.is_on = false;
   const int count = options_.recorded > 0 ? options_.recorded : integrator_.system.unknowns();
@@ -503,7 +503,7 @@ void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step)
   recording_.is_on = true;
 }
 
-// Then the step, of size h, is tried again up to the change.
+// After a change was found, the step of size h is repeated up to the change.
 bool Integration::has_found_change(const StepSearch& search, double h) {
   const std::optional<LocatedChange>& found = search.change;
   if (!found) return false;
@@ -515,7 +515,7 @@ bool Integration::has_found_change(const StepSearch& search, double h) {
   return true;
 }
 
-// By a step up to where the change cannot be yet, and one from there that is as long as its time is uncertain.
+// Confirms a suspected change: a step up to the earliest possible time, and one over the interval of uncertainty.
 void Integration::look_closer(const LocatedChange& suspect, double h) {
   const double t = integrator_.stepper->state().t, before = suspect.t - integrator_.direction * suspect.uncertainty;
   const bool is_there = (before - t) * integrator_.direction < suspect.uncertainty;
@@ -550,7 +550,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     return std::nullopt;
   }
   if (outcome == StepOutcome::leading_changed) {
-    // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
+    // rank E is not constant, though the hypothesis holds: w = P x is discontinuous, w = E x is not.
     integrator_.must_restart = true;
     system.give_up_projector();
     restart(integrator_.method);
@@ -569,7 +569,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   integrator_.stepper->reduce_after_failure(h);
   note(AttemptEnd::reduced);
   const StepState state = integrator_.stepper->state();
-  // With conditions every other attempt has branches held, and regularized ones make steps much shorter.
+  // With conditions every other attempt has branches held, and regularized conditions need much shorter steps.
   const int most = (options_.conditions != nullptr ? 4 : 1) * max_point_failures;
   if (state.failures_in_a_row > most || std::fabs(state.next_step) < Integrator::smallest_step(state.t, tout))
     return give_up(outcome);
@@ -589,14 +589,14 @@ bool Integration::has_located_change(double h, double tout) {
   return change_.has_value();
 }
 
-// Between the last point and the one tried.
+// The change lies between the last point and the one tried.
 LocatedChange Integration::change_at_failure() const {
   const StepState state = integrator_.stepper->state();
   return {state.t, state.tried_t, integrator_.system.values_at(state.tried_t), 0.0,
           integrator_.system.vanishing_part()};
 }
 
-// Of which failures of steps are signs.
+// A change to which failures of steps point.
 std::optional<LocatedChange> Integration::change_nearby() const {
   const std::optional<double> t = integrator_.system.change_nearby();
   if (!t) return std::nullopt;
@@ -612,7 +612,7 @@ std::optional<CallResult> Integration::give_up(StepOutcome outcome) {
   }
   if (change_) return meet_change();
   if (outcome != StepOutcome::callback_error && has_passed_obstacle()) return std::nullopt;
-  // Errors of derivatives look like jumps of the solution.
+  // Errors of finite-difference derivatives look like jumps of the solution.
   if (auto excess = integrator_.differences.excess(integrator_.weights)) return *excess;
   return result_of_smallest_step(outcome, integrator_);
 }
@@ -631,7 +631,7 @@ std::optional<CallResult> Integration::search_events(double tout) {
 void Integration::return_last_point(double& t, double* x, double* xdot) {
   Events* const events = options_.events;
   if (events == nullptr || !events->search.is_started()) return output_.last_point(*integrator_.stepper, t, x, xdot);
-  // After a failure the polynomial has to do.
+  // After a failure the slopes are those of the polynomial.
   if (!events->has_slopes)
     output_.interpolate(*integrator_.stepper, events->search.t(), events->rough.x.data(),
                         events->searched.xdot.data());
@@ -646,7 +646,7 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
-// place: where the solution at t is evaluated.
+// place: time at which the solution for t is evaluated.
 void Integration::output(double place, double t, double* x, double* xdot) {
   if (branches_.passage && branches_.passage->has(place)) return branches_.passage->evaluate(place, x, xdot);
   double searched;
@@ -655,7 +655,7 @@ void Integration::output(double place, double t, double* x, double* xdot) {
     complete_slopes({*options_.events, integrator_, output_, options_});
     return_searched_point(*options_.events, searched, x, xdot);
   } else output_.evaluate(integrator_, request, options_, x, xdot);
-  // Others cost the same with either method.
+  // Other outputs cost the same with either method.
   if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
 }
 

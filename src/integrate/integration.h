@@ -1,4 +1,4 @@
-// The driver: carries a solution from point to point, deals with everything that may happen in between.
+// Driver of the integration: advances the solution from point to point and handles all events and failures on the way.
 //
 // Folder integrate: BDF and Radau methods, step control, events, outputs, checkpoints and the driver.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -31,7 +31,7 @@
 
 namespace sfdae::core {
 
-// A consistent point with its derivative xdot, from where an integration goes toward another time.
+// Consistent point with its derivative xdot, the start of an integration toward another time.
 struct InitialPoint {
   double t, toward;
   const std::vector<double>& x;
@@ -40,101 +40,100 @@ struct InitialPoint {
 
 class Integration {
  public:
-  // watch: may be null. The system stands at the initial point.
+  // watch: may be null. The system is at the initial point.
   Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
               const InitialPoint& point);
-  // Goes on from where it was when it was archived. Throws DamagedArchive.
+  // Continues from an archived state. Throws DamagedArchive.
   Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
               Archive& archive);
   void archive(Archive& archive);
 
-  // To tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status, unless the
-  // call itself is illegal (SFDAE_ILLEGAL_ARGUMENT).
+  // Advances to tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status,
+  // unless the call itself is illegal (SFDAE_ILLEGAL_ARGUMENT).
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
-  // The solution at any t within the last step, not made consistent if it may be interpolated; the point reached
-  // stays. xdot may be null.
+  // Solution at any t within the last step, not made consistent if it may be interpolated; the point reached does not
+  // change. xdot may be null.
   CallResult interpolate(double t, bool may_interpolate, double* x, double* xdot);
 
-  // Carried along with the steps from the initial point on; before the first step. Throws Failure.
+  // Sets a companion of all steps from the initial point on; before the first step. Throws Failure.
   void carry(std::unique_ptr<Companion> companion);
-  // As they were when both were archived. Throws DamagedArchive.
+  // Restores archived sensitivities. Throws DamagedArchive.
   void carry_archived(std::unique_ptr<Sensitivities> sensitivities, Archive& archive);
-  // Nothing where there are none.
+  // Does nothing without sensitivities.
   void archive_sensitivities(Archive& archive);
   const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
-  // Of the equations, where another integration has had others.
+  // Restores the branches of the equations after another integration has changed them.
   void restore_branches() { conditions_.restore_branches(); }
-  // Goes on with the solution of an integration that has ended at the initial point, with other equations: counts, the
-  // interval of interest and the place where steps are recorded are the same. The first step is no longer than that.
+  // Continues, with other equations, an integration that has ended at the initial point: takes its counts, interval of
+  // interest and recording. The first step is at most `longest`.
   void continue_from(Integration& before, double longest);
-  // The same where E x may have jumped.
+  // Takes the same data if E x may have jumped.
   void take_past(Integration& before);
-  // The point returned last.
+  // Time of the point returned last.
   double last_returned() const { return last_returned_; }
-  // Steps fail where branches of conditions should be held, and these equations cannot hold them: advance() ends with
-  // SFDAE_ZENO. Unless it has to go on as it can.
+  // True if steps fail because branches of conditions should be held but these equations cannot hold them: advance()
+  // ends with SFDAE_ZENO, unless go_on_without_branches() was called.
   bool lacks_branches() const { return conditions_.lacks_branches(); }
   void go_on_without_branches() { conditions_.go_on_without_branches(); }
-  // Many steps have led nowhere: advance() ends with SFDAE_STEP_TOO_SMALL, unless it has to go on until x has moved.
+  // True if many steps had no progress: advance() ends with SFDAE_STEP_TOO_SMALL, unless go_on_idle() was called.
   bool is_idle() const { return regularity_.is_idle && !regularity_.goes_on_idle; }
   void go_on_idle() { regularity_.goes_on_idle = true; }
-  // Returns whether layers fit at the last point (SlidingLayers::fit): if not, advance() ends with SFDAE_ZENO.
+  // True if layers fit at the last point (SlidingLayers::fit); otherwise advance() ends with SFDAE_ZENO.
   bool layers_fit() const { return layers() == nullptr || layers()->fit(); }
   LayerPoint layer_point();
   // ConditionSteps::sliding, at the last point.
   const std::vector<RegularizedCondition>& sliding() const { return conditions_.sliding(); }
-  // Parameters of the equations have other values than at the start.
+  // The values of parameters have changed since the start.
   void parameters_changed() {
     if (auto* const carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->parameters_changed();
   }
   bool has_companion() const { return companion_ != nullptr; }
-  // Steps end at outputs then.
+  // With an adjoint, steps end at outputs.
   const DiscreteAdjoint* adjoint() const { return dynamic_cast<const DiscreteAdjoint*>(companion_.get()); }
-  // Those at any t within the last step, or at the initial point: n x count. Sdot may be null. Throws Failure.
+  // Sensitivities at any t within the last step, or at the initial point: n x count. Sdot may be null. Throws Failure.
   CallResult evaluate_sensitivities(double t, double* S, double* Sdot);
-  // Of functionals with weights at these times, see DiscreteAdjoint. Throws Failure.
+  // Gradient of functionals with weights at these times, see DiscreteAdjoint. Throws Failure.
   struct WeightedTimes {
     const std::vector<double>& times;
     const double* weights;
     int functionals;
   };
   CallResult gradient(const WeightedTimes& weighted, double* gradient);
-  // With the adjoint: the last point becomes the one at t, within the last step, and no step follows any more. space:
-  // there. Throws Failure.
+  // With the adjoint: ends the integration at t, within the last step. space: tangent space there. Throws Failure.
   CallResult end_at(double t, TangentSpace& space);
-  // After that: what further steps would have needed is given back.
+  // Afterwards releases the data needed only for further steps.
   void keep_steps_alone();
-  // Evaluations are those of a step from the last point.
+  // Restricts evaluations to the piece of a step from the last point.
   void keep_to_last_piece();
 
-  // Everything is as before where memory is missing.
+  // Changes nothing if memory is missing.
   void set_options(const IntegrationOptions& options);
-  // Whether anybody will look at xdot; else it is zero at outputs.
+  // Tells whether xdot is used; otherwise it is zero at outputs.
   void want_slopes(bool wanted) { slopes_ = wanted || options_.events != nullptr ? Slopes::wanted : Slopes::none; }
-  // None: nullptr. They are searched from the point returned last.
+  // Null: no events. The search starts at the point returned last.
   void set_events(Events* events) { options_.events = events; }
-  // Those of the options, from the next step on.
+  // Takes the breakpoints of the options from the next step on.
   void set_breakpoints(const IntegrationOptions& options) {
     options_.breakpoints = options.breakpoints;
     options_.jumps = options.jumps;
     options_.inputs = options.inputs;
   }
-  // Where steps go from now on; none: nullptr.
+  // Records the following steps there; null: not recorded.
   void record(std::weak_ptr<SolutionPieces> solution) { recording_ = {std::move(solution), false}; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
-  Method method() const { return integrator_.method; }     // at present: bdf or radau
-  Method chosen_method() const { return choice_.chosen; }  // at the start
+  Method method() const { return integrator_.method; }     // in use: bdf or radau
+  Method chosen_method() const { return choice_.chosen; }  // by the user
   double direction() const { return integrator_.direction; }
-  double span() const { return span_; }  // of interest
+  double span() const { return span_; }  // interval of interest
   double size_of_times() const { return std::max(std::fabs(start_), std::fabs(integrator_.stepper->state().t)); }
-  double start() const { return start_; }  // of a checkpoint that is short: 0
+  double start() const { return start_; }  // 0 after a short checkpoint
   const std::optional<LocatedChange>& change() const { return change_; }
-  // The singular point met last, and how many have been passed.
+  // The last singular point found, and the number of those passed.
   const std::optional<SingularPoint>& singular_point() const { return branches_.point; }
   long passed_points() const { return branches_.passed; }
   const SwitchLog& switches() const { return switches_; }
-  // So many singular points may be passed, from the next step on.
+  // Sets how many singular points may be passed, from the next step on.
   void set_continuation(const IntegrationOptions& options) {
     options_.continuation = options.continuation;
     options_.max_passed = options.max_passed;
@@ -145,7 +144,7 @@ class Integration {
   bool is_outside_last_step(double t) const;
   void return_to_last_point();
   CallResult run(double tout, bool one_step);
-  // An attempt has come to that end.
+  // Tells the companion the outcome of an attempt.
   void note(AttemptEnd end) {
     if (companion_) companion_->note(end);
   }
@@ -166,16 +165,16 @@ class Integration {
   std::vector<double> sensitivities_after(const MovingSwitch& moving, const ConsistentPoint& after);
   void record_gap(double from, double to, const std::vector<double>& after);
   bool is_jump(const std::vector<double>& before, const std::vector<double>& after);
-  // What keeps the next step from being tried.
+  // Reasons not to try the next step.
   std::optional<CallResult> obstacle(long attempts, double tout);
   std::optional<CallResult> attempt_step(double tout);
   std::optional<double> limit_of_step(double t, double tout, double size) const;
   double noticing_step(double t);
-  // The next step is short because something is located, not because others have failed.
+  // True if the next step is short in order to locate something, not because others have failed.
   bool ends_as_located() const { return conditions_.end() || hidden_.end; }
   void notice_idle_steps();
   void limit_errors_in_layers();
-  SlidingLayers* layers() const;  // null: none
+  SlidingLayers* layers() const;  // may be null
   bool turns_in_step();
   bool ends_before_turn(double h);
   void try_with_branches(StepOutcome outcome, double h);
@@ -207,7 +206,7 @@ class Integration {
   std::optional<LocatedChange> change_nearby() const;
   void restart(Method method);
 
-  // Up to tout or the last point: the event found, if any.
+  // Searches up to tout or the last point; returns the event found, if any.
   std::optional<CallResult> search_events(double tout);
   void output(double place, double t, double* x, double* xdot);
   void return_last_point(double& t, double* x, double* xdot);
@@ -222,16 +221,16 @@ class Integration {
   ConditionSteps conditions_;
   struct HiddenJump {
     MovementTest test;
-    std::optional<TimeBreakpoints::Gap> at;  // x jumps there, beginning at the last point
+    std::optional<TimeBreakpoints::Gap> at;  // x jumps there, from the last point on
     std::optional<double> end;               // of the next step
   };
   HiddenJump hidden_;
   WorkCounts counts_;
-  std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
+  std::unique_ptr<ChangeWatch> watch_;  // null if points can only be examined in steps
   std::optional<LocatedChange> change_;
-  std::unique_ptr<Companion> companion_;  // none, as a rule
-  // A suspected change that has to be confirmed: a step ends at t, before it, and the next ones are no longer than
-  // `step` until one is accepted.
+  std::unique_ptr<Companion> companion_;  // usually null
+  // A suspected change to be confirmed: a step ends at t, before it, and the next ones are at most `step` long until
+  // one is accepted.
   struct Approach {
     double t, step;
     bool is_reached;
@@ -240,7 +239,7 @@ class Integration {
   struct Regularity {
     std::vector<double> limits, tolerances;  // of errors in layers; of x
     std::vector<double> slopes;              // at a point within a step
-    // So many attempts since x and t, from where these may have moved by next to nothing.
+    // Number of attempts since idle_t and idle_x, to test whether x and t have moved since.
     int attempts = 0;
     double idle_t = 0.0;
     std::vector<double> idle_x;

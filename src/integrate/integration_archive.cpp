@@ -1,4 +1,4 @@
-// An integration written to a checkpoint and read from one.
+// Checkpoints of an integration: writing and reading.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 
@@ -21,8 +21,8 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
 
 void Integration::archive(Archive& archive) {
   DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences; bit 3: with inputs; bit 4:
-  // conditions are held.
+  // Bit 0: backward; bit 1: with events; bit 2: with finite-difference derivatives; bit 3: with inputs; bit 4: with
+  // conditions held.
   const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
   int kind = (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) +
              (integrator_.differences.has_errors() ? 4 : 0) + (options_.inputs != nullptr ? 8 : 0) +

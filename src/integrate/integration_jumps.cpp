@@ -1,4 +1,4 @@
-// Jumps of the solution where data jump, in the driver of the integration.
+// Jumps of the solution at jumps of data, in the driver of the integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@
 
 namespace sfdae::core {
 
-// x += h xdot; true: by more than what does not matter.
+// x += h xdot; true if the change is significant.
 bool Integration::move(std::vector<double>& x, double h, const std::vector<double>& xdot) {
   constexpr double much = 0.1;  // of the tolerances
   std::vector<double> change(x.size());
@@ -25,7 +25,7 @@ bool Integration::move(std::vector<double>& x, double h, const std::vector<doubl
   return integrator_.weights.norm(change.data()) > much;
 }
 
-// From a point in it. Nothing is evaluated beyond the stop time.
+// From a point in the gap. Nothing is evaluated beyond the stop time.
 void Integration::cross_gap(double tout) {
   TimeBreakpoints::Gap gap = *options_.breakpoints->gap_at(integrator_.stepper->state().t);
   const double direction = integrator_.direction;
@@ -34,14 +34,14 @@ void Integration::cross_gap(double tout) {
   cross_jump(gap, tout);
 }
 
-// The last point before x jumps, or x' does, with how the time at which this happens moves with parameters.
+// The last point before x or x' jumps, and the derivatives of the time of the jump by the parameters.
 struct Integration::MovingSwitch {
   const ConsistentPoint& before;
   double toward;
   std::vector<double> shifts;
 };
 
-// x' jumps in a gap, at a time that depends on parameters: sensitivities jump there.
+// True if x' jumps in a gap at a time that depends on parameters: then sensitivities jump.
 bool Integration::moves_with_parameters(double h) {
   constexpr double far_enough =
       1e-3;  // of the interval of interest: residuals have their usual sizes there. (Chosen.)
@@ -53,7 +53,7 @@ bool Integration::moves_with_parameters(double h) {
          options_.conditions->jumps_between(t, t + h, earlier, integrator_.stepper->x().data());
 }
 
-// Of a switching time of t, which is the same for all that switch there.
+// dt/dp of a switching time of t, which must be the same for all conditions that switch there.
 std::vector<double> Integration::shifts_of_time(double to, const ConsistentPoint& before) {
   const std::vector<int>& parameters = sensitivities()->parameters();
   HeldConditions* const conditions = options_.conditions;
@@ -97,7 +97,7 @@ ConsistentPoint Integration::values_with_branches(const PointOfInterest& before)
   return options_.jumps->values(before, integrator_.system, tolerance);
 }
 
-// The point before stays the last one where that throws.
+// An exception leaves the point before the jump the last one.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
   const double start = integrator_.stepper->state().t, half = 0.5 * (t - start);
@@ -108,7 +108,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   before = integrator_.stepper->x();
   std::optional<ConsistentPoint> point;
   if (companion_) point = options_.jumps->values_before({start, toward, integrator_.stepper->x().data()});
-  // Both halves of the gap as far as slopes lead: those after it are known when its end is.
+  // Extrapolates across both halves of the gap by the slopes; those after the gap require the values at its end.
   const bool moves = move(before, half, slopes);
   const auto values = [&] {
     const PointOfInterest place{t, toward, before.data()};
@@ -129,7 +129,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   record_gap(start, t, after.x);
 }
 
-// Returns whether E x is another one.
+// True if E x has changed.
 bool Integration::is_jump(const std::vector<double>& before, const std::vector<double>& after) {
   constexpr double clear = 1.0;  // tolerances. (Chosen.)
   std::vector<double> change(before.size());
@@ -137,7 +137,7 @@ bool Integration::is_jump(const std::vector<double>& before, const std::vector<d
   return !(integrator_.system.change_of_differentiated(change.data(), layer_point().tolerances) <= clear);
 }
 
-// The last point stays what it was where sensitivities after the jump cannot be found, or steps not be started there.
+// The last point is unchanged if sensitivities after the jump do not exist, or a start there fails.
 void Integration::go_on_after_jump(double t, const ConsistentPoint& after, const MovingSwitch* moving) {
   std::vector<double> S;
   if (moving != nullptr) S = sensitivities_after(*moving, after);
@@ -146,7 +146,7 @@ void Integration::go_on_after_jump(double t, const ConsistentPoint& after, const
   if (conditions_.is_due()) conditions_.start_after_change(after.x);
   else conditions_.start();
   if (moving != nullptr) dynamic_cast<Sensitivities&>(*companion_).replace_last(std::move(S));
-  integrator_.must_restart = companion_ != nullptr;  // once more, if that fails
+  integrator_.must_restart = companion_ != nullptr;  // restart again if that fails
   if (companion_) companion_->start(integrator_);
   integrator_.must_restart = false;
   approach_.reset();
@@ -154,8 +154,8 @@ void Integration::go_on_after_jump(double t, const ConsistentPoint& after, const
   start_trail();
 }
 
-// A condition on x is zero between the last point and one next to it. The last point, and the branches there, stay
-// where that throws.
+// A condition on x is zero between the last point and one next to it. An exception leaves the last point and its
+// branches unchanged.
 void Integration::change_branches(double tout) {
   const double start = integrator_.stepper->state().t, t = conditions_.t_after();
   const double toward = (tout - t) * integrator_.direction > 0.0 ? tout : time_beside(t, integrator_.direction);
@@ -203,7 +203,7 @@ void Integration::take_past(Integration& before) {
   recording_.solution = std::move(before.recording_.solution);
 }
 
-// Within the gap, which begins there, the values are those after it.
+// Within the gap, which starts there, the recorded values are those after it.
 void Integration::record_gap(double from, double to, const std::vector<double>& after) {
   const std::shared_ptr<SolutionPieces> solution = recording_.solution.lock();
   if (!solution) return;

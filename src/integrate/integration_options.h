@@ -1,4 +1,4 @@
-// What the user may choose about an integration, and what it counts.
+// Options and counts of an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,30 +18,30 @@ class JumpRule;
 class TimeBreakpoints;
 class TimeInputs;
 
-// automatic: Radau, until frequent output or failing steps show that BDF is better off.
+// automatic: Radau, until frequent outputs or failing steps show that BDF is more efficient.
 enum class Method { bdf, radau, automatic };
 
 struct IntegrationOptions : Acceptance {
   Method method = Method::bdf;
   StepOptions stepping;
-  bool interpolates_outputs = false;  // by the method's polynomial alone, where that is accurate
+  bool interpolates_outputs = false;  // by the polynomial of the method only, if accurate
   bool never_pass_output = false;     // steps end at tout instead of being interpolated
-  bool short_checkpoints = false;     // without what only statistics and x' by differences need
-  double initial_step = 0.0;          // 0: chosen
-  double max_step = 0.0;              // 0: none
+  bool short_checkpoints = false;     // without data for statistics and finite-difference x'
+  double initial_step = 0.0;          // 0: automatic
+  double max_step = 0.0;              // 0: unlimited
   std::optional<double> stop_time;
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
-  Events* events = nullptr;                  // not owned; none
-  TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
+  Events* events = nullptr;                  // not owned; may be null
+  TimeBreakpoints* breakpoints = nullptr;    // not owned; may be null: where steps end
   bool hides_switches = false;               // equations are callbacks, which may switch at any time
-  HeldConditions* conditions = nullptr;      // not owned; none: on x, at which E x may jump
-  TimeInputs* inputs = nullptr;              // not owned; none: what steps must not step over
-  JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
-  ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed
+  HeldConditions* conditions = nullptr;      // not owned; may be null: on x; E x may jump there
+  TimeInputs* inputs = nullptr;              // not owned; may be null: steps must not miss their changes
+  JumpRule* jumps = nullptr;                 // not owned; values after breakpoints where x may jump
+  ContinuationRule* continuation = nullptr;  // not owned; null: singular points are not passed
   long max_passed = 0;                       // singular points that may be passed
-  int recorded = 0;                          // the first unknowns, which go to solutions; 0: all
+  int recorded = 0;                          // number of leading unknowns that are recorded; 0: all
 };
 
 struct IntegrationCounts {
@@ -50,10 +50,10 @@ struct IntegrationCounts {
   double first_step = 0.0;
   double smallest_kept = 1.0;
   double inconsistency = 0.0;
-  double rounding = 0.0;  // largest rounding error of a component against its tightened tolerance
+  double rounding = 0.0;  // largest rounding error of a component relative to its tightened tolerance
 };
 
-// Status of a call and what sfdae_message says about it.
+// Status of a call and its text for sfdae_message.
 struct CallResult {
   int status = SFDAE_OK;
   std::string message;

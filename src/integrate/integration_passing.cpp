@@ -1,4 +1,4 @@
-// Singular points in the driver of the integration: what they are, and what leads across them
+// Singular points in the driver of the integration: classification, and passage across them
 // (docs/design/events_and_switching.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
@@ -17,19 +17,19 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the step that met a singular point first: steps there that tell what the solution does.
+// Step size near a singular point, relative to the step that met it first.
 constexpr double fine_part = 0.125;
-// Of the width of the course: how far after the point the solution is looked for, in this order.
+// Distances after the point, relative to the width of the fit, at which a continuation is tried, in this order.
 constexpr double parts_after[] = {0.125, 0.25, 0.0625, 0.5};
-// In tolerances, for every tolerance of error expected and one more: by how much consistent values may differ from the
-// course, and their derivatives times its width.
+// Deviations allowed between consistent values and the continuation, and between their derivatives times its width, in
+// units of the tolerance plus the expected error.
 constexpr double near = 10.0, near_in_slope = 100.0;
-// In tolerances: errors expected that are larger say nothing about a continuation.
+// Larger expected errors, in tolerances, do not allow a prediction.
 constexpr double unpredictable = 100.0;
-// Points within steps of Radau that are noted, as its steps are long.
+// Additional points stored within steps of Radau, because its steps are long.
 constexpr int points_within = 5;
 
-// The values of components that are not smooth are those as far from the point on the other side.
+// Components that are not smooth get the values at the same distance on the other side of the point.
 std::vector<double> guess_at(const CourseData& data, const SmoothCourse& course, double t) {
   const Trail::Node* nearest = &data.trail.newest();
   const double mirrored = 2.0 * data.t - t;
@@ -41,7 +41,7 @@ std::vector<double> guess_at(const CourseData& data, const SmoothCourse& course,
   return x;
 }
 
-// What contradicts a continuation of the course by the point; empty: nothing.
+// The reason why the point contradicts the smooth continuation; empty if it does not.
 std::string contradiction_of(const CourseData& data, const SmoothCourse& course, const ConsistentPoint& point) {
   for (std::size_t i = 0; i < point.x.size(); ++i) {
     if (course.degrees[i] < 0) continue;
@@ -81,9 +81,9 @@ void Passage::evaluate(double t, double* x, double* xdot) const {
   }
 }
 
-// ---- The way to the point --------------------------------------------------------------------------------------
+// ---- Approach to the point -------------------------------------------------------------------------------------
 
-// Where nothing is ever looked for it would be memory for nothing.
+// Not stored if singular points cannot be found: this saves memory.
 void Integration::start_trail() {
   branches_.fine.reset();
   if (watch_ && !watch_->may_find()) return;
@@ -91,7 +91,7 @@ void Integration::start_trail() {
   branches_.trail.start(integrator_.stepper->state().t, x.data(), x.size());
 }
 
-// After a step from there.
+// Adds the points of a step that started at `from`.
 void Integration::extend_trail(double from) {
   Trail& trail = branches_.trail;
   if (watch_ && !watch_->may_find()) return;
@@ -122,7 +122,7 @@ void Integration::refine_steps(double h) {
   branches_.fine = Branches::FineSteps{integrator_.stepper->state().t + h, fine_part * std::fabs(h)};
 }
 
-// What the next step is limited to by that.
+// Limit of the next step near a suspected singular point.
 double Integration::fine_step(double size) {
   if (!branches_.fine) return size;
   if (integrator_.has_passed(branches_.fine->until)) {
@@ -142,7 +142,7 @@ CourseData Integration::course_data() {
     data.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
     if (!(data.tolerances[i] > 0.0)) data.tolerances[i] = unit_roundoff * std::max(std::fabs(x[i]), 1.0);
   }
-  // Nothing may go unchecked: where too few are known, which is so at points where E loses rank, all have to be smooth.
+  // If too few are known, as at points where E loses rank, all components must be smooth.
   std::vector<char>& flags = data.is_differentiated;
   const bool is_known = integrator_.system.find_differentiated(flags.data());
   const auto found = std::count(flags.begin(), flags.end(), char{1});
@@ -151,7 +151,7 @@ CourseData Integration::course_data() {
   return data;
 }
 
-// Nothing: it has been passed.
+// Empty if the point has been passed.
 std::optional<CallResult> Integration::meet_change() {
   const CourseData data = course_data();
   const std::optional<SmoothCourse> course = smooth_course(data);
@@ -172,8 +172,7 @@ std::optional<CallResult> Integration::meet_change() {
   return result;
 }
 
-// Steps from the last point fail, and nothing says why: where a smooth continuation is confirmed, it was a singular
-// point.
+// Steps from the last point fail for unknown reasons: if a smooth continuation is confirmed, it was a singular point.
 bool Integration::has_passed_obstacle() {
   if (!passes_singular_points()) return false;
   const std::optional<SingularPoint> before = branches_.point;
@@ -196,7 +195,7 @@ bool Integration::pass(const CourseData& data, const SmoothCourse& course, Singu
       branches_.refusal = "stop_time or a breakpoint is too near";
       return false;
     }
-    // Of a point that was found late: what the step says.
+    // If the point was found late, the step provides the values.
     const std::vector<double> guess = t == t_last ? integrator_.stepper->x() : guess_at(data, course, t);
     try {
       const ConsistentPoint found = options_.continuation->look_at({t, toward, guess.data()});

@@ -41,7 +41,7 @@ CallResult result_outside_last_step(double t, double start, double end) {
           format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
 }
 
-// The event counts as returned: it must not be lost for want of words. Short strings need no memory.
+// The event must be reported even if memory for the message is missing. Short strings need no allocation.
 CallResult result_of_event(double t) noexcept {
   try {
     return {SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.", t)};

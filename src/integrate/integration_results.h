@@ -14,7 +14,7 @@ CallResult result_of_event(double t) noexcept;
 CallResult result_of_stop_request(double t);
 CallResult result_of_monitor_stop(double t);
 CallResult result_of_many_steps(long max_steps, double tout, double t);
-// excess: by how much tolerances have to be larger.
+// excess: factor by which tolerances have to be larger.
 CallResult result_of_small_tolerances(double t, double excess);
 CallResult result_of_ignored_contradictions(double largest);
 CallResult result_of_change(const DaeSystem& system, const LocatedChange& change);
@@ -23,7 +23,7 @@ CallResult result_of_change(const DaeSystem& system, const LocatedChange& change
 CallResult result_without_branches(double t);
 CallResult result_of_layers(double t);
 CallResult result_of_idle_steps(double t, double since);
-// The smallest step fails, and not for a change of the characteristic values.
+// The smallest step fails, but not because of a change of the characteristic values.
 CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Sensitivities of an integration: how its points are moved to for them.
+// Sensitivities of an integration: moving the system to points for them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <utility>
 #include <vector>
@@ -33,7 +33,7 @@ bool Integration::is_outside_last_step(double t) const {
          (integrator_.stepper->state().t - t) * integrator_.direction < 0.0;
 }
 
-// Whatever has been asked for since: checkpoints know nothing of that.
+// Moves the system to the last point: results must not depend on earlier requests, which checkpoints do not contain.
 void Integration::return_to_last_point() {
   DaeSystem& system = integrator_.system;
   if (system.move_to(integrator_.stepper->state().t) == PointStatus::callback_error) system.callback_error().raise();
@@ -75,7 +75,7 @@ CallResult Integration::gradient(const WeightedTimes& weighted, double* gradient
                      integrator_.stepper->state().t)};
     places.push_back(*place);
   }
-  // The equations are evaluated where they were, on the same sides of kinks.
+  // The equations are evaluated as in the integration, on the same sides of kinks.
   const auto keep_beside = [this](DaeSystem& system, double t) {
     keep_to_piece(options_, system, {t, t, integrator_.direction}, start_);
   };

@@ -1,4 +1,4 @@
-// An integrator at work on a system.
+// Integrator of a system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/integrator.h"
 
@@ -18,17 +18,18 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor
-// (docs/design/derivative_array.md).
+// Safety factor of the tolerances of nonlinear problems: errors of nonlinear mechanical systems grow along the
+// solution, and users of other codes know this factor (docs/design/derivative_array.md).
 constexpr double nonlinear_safety = 0.2;
-// The interval of interest of a method that goes on from another one, in units of its next step: first steps are at
-// most about a thousandth of it, so that they are not longer than that step by far.
+// Interval of interest after a change of the method, in units of the next step of the previous one: first steps are at
+// most about a thousandth of it, and so not much longer than that step.
 constexpr double steps_ahead = 1e3;
-// A step is at least so many spacings of doubles near t, 2 unit_roundoff each.
+// Minimum step size in spacings of doubles near t, 2 unit_roundoff each.
 constexpr double least_roundings = 4.0;
-// Where tout is farther away than so many times t, steps are not shorter than roundings of that, nor of this part of
-// tout. (Chosen: Robertson's kinetics to 1e11 begin with steps of 1e-7; DASSL takes all of tout. Roundings of t alone
-// are too short: integrations that cannot go on take 100,000 of them instead of giving up.)
+// If tout is farther away than so many times t, the minimum step is the resolution of that multiple of t, or of this
+// part of tout if that is larger. (Chosen: Robertson's kinetics to 1e11 begin with steps of 1e-7; DASSL uses tout
+// itself. The resolution of t alone is too small: integrations that cannot continue take 100,000 steps before they
+// fail.)
 constexpr double farthest_output = 100.0, smallest_part_of_output = 1e-8;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// An integrator at work on a system: the stepper of the method at present and the weights of its error test.
+// Integrator of a system: the stepper of the current method and the weights of its error test.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,22 +18,21 @@ struct Integrator {
   // direction: +1 or -1.
   Integrator(DaeSystem& its_system, double its_direction) : system(its_system), direction(its_direction) {}
 
-  // Without a point to start from; the method is bdf afterwards, or radau.
+  // Creates a stepper without a starting point; the method is bdf afterwards, or radau.
   void create(Method wanted, const IntegrationOptions& options);
-  // Everything is as before where memory is missing.
+  // Changes nothing if memory is missing.
   void set_options(const IntegrationOptions& options);
-  // At the consistent point (t, x) with derivative xdot, where the system stands.
+  // Starts at the consistent point (t, x) with derivative xdot, the current point of the system.
   void start(double t, const std::vector<double>& x, const std::vector<double>& xdot,
              const IntegrationOptions& options);
-  // From the last point, with the method at present or another one. Throws Failure; then, and where memory is
-  // missing, the history is as before.
+  // Restarts from the last point, with the current method or another one. Throws Failure; then, and if memory is
+  // missing, the history is unchanged.
   void restart(Method wanted, const IntegrationOptions& options);
 
   bool has_passed(double t) const { return (stepper->state().t - t) * direction >= 0.0; }
-  // Times of this distance, between t and tout, are told apart.
+  // Smallest resolved difference of times between t and tout.
   static double resolution(double t, double tout);
-  // Steps from t toward tout are not shorter: what begins at 0 may take place in much shorter times than what ends at
-  // tout.
+  // Minimum size of steps from t toward tout: near 0 it is much smaller than the rounding errors of tout.
   static double smallest_step(double t, double tout);
 
   DaeSystem& system;
@@ -41,8 +40,8 @@ struct Integrator {
   Method method = Method::bdf;
   std::unique_ptr<Stepper> stepper;
   ErrorWeights weights;
-  double first_step = 0.0;  // the size that a start is tried with, unless the user gives one
-  // The history does not fit the system any more, or its next step says nothing about the solution.
+  double first_step = 0.0;  // initial step size unless the user gives one
+  // The history no longer fits the system, or its next step size is unsuitable.
   bool must_restart = false;
   Contradictions contradictions;
   DifferenceCheck differences;  // of the point accepted last

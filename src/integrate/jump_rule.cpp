@@ -1,4 +1,4 @@
-// What happens to x where data jump.
+// Values of x after jumps of data.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/jump_rule.h"
 

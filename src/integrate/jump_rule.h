@@ -1,4 +1,4 @@
-// What a jump of data does to the solution, and what carries it across a singular point.
+// Rules for jumps of data and for singular points: values of the solution after them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,32 +14,32 @@ namespace sfdae::core {
 class JumpRule {
  public:
   virtual ~JumpRule() = default;
-  // The consistent values at the point, where data are those after the jump, for the values before it; the system
-  // stands there afterwards. Throws Failure.
+  // Consistent values at the point, with data after the jump, from the values before it; the system is there
+  // afterwards. Throws Failure.
   virtual ConsistentPoint values_after(const PointOfInterest& before) = 0;
-  // The consistent values nearest to those before it, with the same data: what they are where no impulse is needed. The
-  // system stands there afterwards. Throws Failure.
+  // The nearest consistent values with the same data, valid if no impulse is needed. The system is there afterwards.
+  // Throws Failure.
   virtual ConsistentPoint values_near(const PointOfInterest& before) = 0;
-  // The consistent point there, with data as they are before the jump; nothing of an integration is disturbed. Throws
-  // Failure.
+  // The consistent point with data as before the jump; does not affect the integration. Throws Failure.
   virtual ConsistentPoint values_before(const PointOfInterest& before) = 0;
-  // How the values after the last jump move, n x directions. False where the equations do not say it. Throws Failure.
+  // Derivatives of the values after the last jump, n x directions. False if the equations do not determine them. Throws
+  // Failure.
   virtual bool differentiate(const MovingJump& jump, View after) = 0;
 
-  // The values near those before where E x can stay, else those after impulses. tolerance: of a component, at this x.
-  // The system is that of these equations. Throws Failure.
+  // The values near those before if E x can stay, otherwise those after impulses. tolerance: of a component, at this x.
+  // The system has these equations. Throws Failure.
   using Tolerance = std::function<double(int i, const double* x)>;
   ConsistentPoint values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance);
 };
 
-// What carries a solution across a singular point.
+// Rule for the continuation of a solution across a singular point.
 class ContinuationRule {
  public:
   virtual ~ContinuationRule() = default;
-  // Consistent values near the point, which is after the singular one; nothing of the integration is disturbed. Throws
-  // Failure where there are none, or where the characteristic values known do not hold.
+  // Consistent values near the point, which lies after the singular one; does not affect the integration. Throws
+  // Failure if there are none, or if the known characteristic values do not hold.
   virtual ConsistentPoint look_at(const PointOfInterest& point) = 0;
-  // The same, and the system stands there afterwards.
+  // The same values; the system is there afterwards.
   virtual ConsistentPoint move_to(const PointOfInterest& point) = 0;
 };
 

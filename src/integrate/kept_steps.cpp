@@ -1,4 +1,4 @@
-// Steps that are kept for the adjoint of an integration.
+// Stored steps for the adjoint of an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/kept_steps.h"
 
@@ -44,7 +44,7 @@ void KeptSteps::drop() {
   bytes_ = 0;
 }
 
-// For BDF the slope at t of Lagrange's polynomials over t and the newest points.
+// For BDF the slope at t of the Lagrange polynomials over t and the newest points.
 KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t points) {
   KeptStep step;
   step.t = tried.t;

@@ -1,4 +1,4 @@
-// Kinks of inputs, and how steps cross them.
+// Kinks of inputs, and steps across them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/kinks.h"
 
@@ -13,16 +13,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Of a gap: a step of this size at most is one across it.
+// Maximum size of a step across a gap, relative to the gap.
 constexpr double about_a_gap = 1.5;
 // In tolerances: a jump of E x is larger. A thousand steps of a staircase add up to one tolerance at most; iterations
 // leave less than a large jump. (Chosen.)
 constexpr double least_jump = 1e-3, large_jump = 10.0;
 
-// A jump is more than so many times what slopes at both ends explain. (Chosen.)
+// A jump is larger than so many times the change that slopes at both ends explain. (Chosen.)
 constexpr double clear_of_slopes = 2.0;
 
-// Nothing is evaluated after the jump.
+// True if the stop time prevents evaluations after the jump.
 bool has_end_in(const IntegrationOptions& options, const TimeBreakpoints::Gap& gap, double direction) {
   return options.stop_time && (gap.far_end(direction) - *options.stop_time) * direction > 0.0;
 }
@@ -38,7 +38,7 @@ std::optional<double> next_kink(const IntegrationOptions& options, const StepFro
                   format("from t = %.15g on rounding errors alone decide about a condition on t, or about what is "
                          "rounded down or up: write it so that it is not next to its border all the time.",
                          step.t));
-  // The end of the data, as the user's arithmetic has it.
+  // The end of the data, within the rounding errors of the user.
   const double same = std::max(kink->slack, Integrator::resolution(step.t, step.tout));
   return std::fabs(step.tout - kink->t) <= same ? step.tout : kink->t;
 }
@@ -55,8 +55,8 @@ bool crosses_kink(const IntegrationOptions& options, double t, double h) {
   return gap && std::fabs(h) <= about_a_gap * (gap->end - gap->start) && (gap->far_end(h) - t) * h > 0.0;
 }
 
-// The solution at a kink is the one after it, unless nothing is to be evaluated there. The end of the
-// data, beyond which there is nothing to step to, may be a rounding error away.
+// The solution at a kink is the one after it, unless evaluations there are not allowed. The end of the data, which
+// steps cannot pass, may differ by a rounding error.
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t) {
   if (options.breakpoints == nullptr) return t;
   const double reached = integrator.stepper->state().t;
@@ -68,7 +68,7 @@ double beside_kink(const IntegrationOptions& options, const Integrator& integrat
   return options.stop_time && integrator.direction > 0.0 ? std::min(gap->end, *options.stop_time) : gap->end;
 }
 
-// Gaps about large times are so wide that x changes within them.
+// Gaps near large times are so wide that x changes within them.
 PointRequest request_beside_kink(double t, const PointRequest& request) {
   const double distance = t - request.t;
   if (std::fabs(distance) <= Integrator::resolution(t, request.t)) return request;
@@ -114,7 +114,7 @@ bool JumpTest::is_clear(const Integrator& integrator, bool only_large) const {
   return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()) > least;
 }
 
-// Gaps about large times are so wide that fast components change by more than their tolerances in them.
+// Gaps near large times are so wide that fast components change by more than their tolerances within them.
 void JumpTest::leave_out(double h) {
   for (std::size_t i = 0; i < jump_.size(); ++i)
     if (std::isfinite(slopes_[i]) && std::fabs(jump_[i]) <= clear_of_slopes * std::fabs(h * slopes_[i]))

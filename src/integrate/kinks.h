@@ -1,7 +1,7 @@
-// Kinks of inputs, and how steps cross them (docs/design/inputs_and_discontinuities.md).
+// Kinks of inputs, and steps across them (docs/design/inputs_and_discontinuities.md).
 //
-// A step ends where the gap of a kink begins, the next one leads across the gap, and the integrator starts anew after
-// each of them. If E x jumps in the gap, a jump by impulses (jump_rule.h) takes the place of the step.
+// A step ends where the gap of a kink begins, the next one crosses the gap, and the integrator restarts after each of
+// them. If E x jumps in the gap, a jump by impulses (jump_rule.h) replaces the step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,34 +16,33 @@
 
 namespace sfdae::core {
 
-// The time at which the next step from t toward tout, which is not longer than `longest`, has to end; none: any time.
+// Time at which the next step from t toward tout, of size `longest` at most, must end; empty: any time.
 struct StepFrom {
   double t, tout, direction;
 };
 std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step, double longest);
 
-// The last point, up to which there are steps, is an end of the gap of a kink.
+// True if the last point is an end of the gap of a kink.
 bool is_at_kink(const IntegrationOptions& options, const StepState& state);
 
-// A step of size h from t leads from one end of the gap of a kink to the other.
+// True if a step of size h from t leads from one end of the gap of a kink to the other.
 bool crosses_kink(const IntegrationOptions& options, double t, double h);
 
-// t, or where the solution is evaluated for it.
+// Time at which the solution for t is evaluated: t, or an end of a gap near it.
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t);
-// The solution at t is asked for, which is evaluated where the request says.
+// Request for the solution at t, which is evaluated at the time of the given request.
 PointRequest request_beside_kink(double t, const PointRequest& request);
 
-// The gap of a jump begins at t.
+// The gap of a jump that begins at t.
 std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, double t, double direction);
 
-// The next evaluations are those of a step from t: they stay on the side of breakpoints that it is on. start: of the
-// integration.
+// Restricts the next evaluations to those of a step from t, on its side of breakpoints. start: of the integration.
 void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start);
 
-// Tells whether E x may jump in a step across a gap that has been tried: it has moved by more than slopes at both ends
-// explain, or it is not known how far. Small jumps count, as those of a staircase add up; if E x does not have to jump,
-// the rule of jumps keeps it. With the adjoint, which cannot be carried over jumps, only large ones count. This is made
-// before the step, so that no memory is needed after it.
+// Test whether E x may jump in a step across a gap: it has moved by more than slopes at both ends explain, or its
+// movement is unknown. Small jumps count, since those of a staircase add up; if E x does not have to jump, the rule of
+// jumps keeps it. With the adjoint, which cannot pass jumps, only large ones count. Created before the step, so that no
+// memory is needed after it.
 class JumpTest {
  public:
   explicit JumpTest(std::size_t unknowns) : jump_(unknowns), tolerances_(unknowns), x_(unknowns), slopes_(unknowns) {}
@@ -51,7 +50,7 @@ class JumpTest {
 
  private:
   bool is_clear(const Integrator& integrator, bool only_large) const;
-  // Components whose slopes explain their changes in a step of size h do not count.
+  // Ignores components whose slopes explain their changes in a step of size h.
   void leave_out(double h);
 
   std::vector<double> jump_, tolerances_, x_, slopes_;

@@ -1,4 +1,4 @@
-// Automatic choice of the method: what steps and outputs have been like.
+// Automatic choice of the method from recent failures and outputs.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,8 +17,8 @@ struct MethodChoice {
   }
   void note_output() { outputs = std::min(outputs + 1, most_outputs); }
 
-  // Half of the attempts of Radau fail, or there are more outputs than stages: measured, BDF needs fewer reductions
-  // then.
+  // True if half of the attempts of Radau fail, or there are more outputs than stages: measured, BDF then needs fewer
+  // reductions.
   bool prefers_bdf() const {
     return chosen == Method::automatic && (failure_rate > many_failures || output_rate > many_outputs);
   }
@@ -28,10 +28,10 @@ struct MethodChoice {
     archive.real(output_rate);
   }
 
-  // Of running means: they report on the last six or so.
+  // Weight of a new value in the running means: they cover about the last six values.
   static constexpr double forgetting = 0.15;
   static constexpr double many_failures = 0.5, many_outputs = 5.0;
-  // Counted no further: a checkpoint keeps small integers, and this is two hundred times many_outputs.
+  // Upper limit of the count: a checkpoint stores small integers, and this is two hundred times many_outputs.
   static constexpr int most_outputs = 1000;
 
   Method chosen = Method::bdf;                   // by the user, at the start

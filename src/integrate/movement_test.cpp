@@ -1,4 +1,4 @@
-// A test of whether E x has moved in a step as its slopes say.
+// Test whether E x has moved in a step according to its slopes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/movement_test.h"
 
@@ -12,7 +12,7 @@ void MovementTest::resize(std::size_t n) {
   for (std::vector<double>* const each : {&change_, &x_, &slopes_, &tolerances_}) each->resize(n);
 }
 
-// Takes the slopes of the polynomial of the step.
+// Sets the slopes of the polynomial of the step.
 void MovementTest::set_slopes(const Integrator& integrator, double t) {
   integrator.stepper->points_of_tried().evaluate(t, x_.size(), x_.data(), slopes_.data());
 }
@@ -27,7 +27,7 @@ double MovementTest::size(const Integrator& integrator) {
   return integrator.system.change_of_differentiated(change_.data(), tolerances_.data());
 }
 
-// Begins with half of h times the change of the slope at the start.
+// Starts with half of h times the difference of the slopes at the start.
 void MovementTest::add_change_at_start(const Integrator& integrator) {
   const StepState state = integrator.stepper->state();
   const double half = 0.5 * (state.tried_t - state.t);

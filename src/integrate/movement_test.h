@@ -1,5 +1,5 @@
-// A test of whether E x has moved in a step as its slopes say. With derivatives of equations in the system both ends of
-// a step may be consistent though E x has to jump between them: no error test shows it.
+// Test whether E x has moved in a step according to its slopes. With derivatives of equations in the system both ends
+// of a step may be consistent although E x has to jump between them: no error test shows it.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,11 +13,11 @@ namespace sfdae::core {
 class MovementTest {
  public:
   void resize(std::size_t n);
-  // A step has been tried with success: how much less of what E x does its slopes at both ends explain, by the
-  // trapezoidal rule, than those of the polynomial of the step do, in tolerances. The error of the rule counts for
-  // both; half of a jump remains. Infinite: slopes are not known.
+  // Unexplained movement of E x in a successful attempt, in tolerances: the difference between the trapezoidal rule
+  // with slopes of the equations and with slopes of the step's polynomial at both ends. The error of the rule cancels;
+  // half of a jump remains. Infinite: slopes are unknown.
   double unexplained(const Integrator& integrator);
-  // Estimates the same by the slope at the start alone, as if x had jumped before the end. This is cheap.
+  // Less expensive estimate by the slope at the start only, as if x had jumped before the end.
   double unexplained_at_start(const Integrator& integrator);
 
  private:

@@ -11,7 +11,7 @@
 
 namespace sfdae::core {
 
-// The polynomial through entries 0..degree of a table of vectors, of which `size` components count.
+// The polynomial through entries 0..degree of a table of vectors, with their first `size` components.
 template <class Table, class Times>
 struct NewtonPolynomial {
   NewtonPolynomial(const Table& its_table, const Times& its_times, int its_degree, std::size_t its_size)
@@ -32,7 +32,7 @@ struct NewtonPolynomial {
   std::size_t size;
 
  private:
-  // Horner's scheme for coefficients 0..order; column(k) is where the k-th of them is written.
+  // Horner's scheme for coefficients 0..order; column(k): destination of coefficient k.
   template <class Column>
   void horner(double t, int order, Column column) const {
     std::copy_n(table[index(degree)].data(), size, column(0));
@@ -52,10 +52,10 @@ struct NewtonPolynomial {
 };
 
 // Divided differences for Hermite interpolation, which replace values and slopes: columns 2i and 2i + 1 belong to one
-// node, the slope of which stands in the latter.
+// node; the latter has its slope.
 template <class Times, class Column>
 void hermite_differences(const Times& times, int count, std::size_t size, Column column) {
-  // Slopes are divided differences of order 1 already, and stand where values of their nodes would.
+  // Slopes are divided differences of order 1 already, in place of second values of their nodes.
   for (int i = (count - 1) / 2 * 2; i >= 2; i -= 2)
     take_difference(column(i), column(i - 2), times[index(i)] - times[index(i - 1)], size);
   for (int k = 2; k < count; ++k)
@@ -63,8 +63,8 @@ void hermite_differences(const Times& times, int count, std::size_t size, Column
       take_difference(column(i), column(i - 1), times[index(i)] - times[index(i - k)], size);
 }
 
-// differences[i] := divided difference of values[0..i], which stay, over times[0..i], the newest first. Here the
-// older one is subtracted from the newer one, so that where nothing changes differences are +0 forward in time.
+// differences[i] := divided difference of values[0..i], which are unchanged, over times[0..i], the newest first. The
+// older one is subtracted from the newer one, so that differences of constants are +0 forward in time.
 template <class Times, class Values>
 void differences_of_history(const Times& times, const Values& values, int count, Values& differences) {
   const std::size_t size = values[0].size();

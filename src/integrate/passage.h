@@ -1,5 +1,4 @@
-// What an integration knows of branches of its solution: the way to a singular point, and the passage across the last
-// one.
+// State of an integration at singular points: the points before one, and the passage across the last one.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,7 +13,7 @@
 
 namespace sfdae::core {
 
-// From the last point before a singular one to the first one after it.
+// Passage from the last point before a singular one to the first one after it.
 class Passage {
  public:
   struct Point {
@@ -24,9 +23,9 @@ class Passage {
   Passage(SmoothCourse course, Point before, Point after)
       : course_(std::move(course)), before_(std::move(before)), after_(std::move(after)) {}
 
-  // t lies after the one and before the other.
+  // True if t lies between both points.
   bool has(double t) const { return (t - before_.t) * (after_.t - t) > 0.0; }
-  // The polynomials of what is smooth, and a line for the rest, through both points. xdot may be null.
+  // Fits for smooth components, corrected linearly to meet both points; linear for others. xdot may be null.
   void evaluate(double t, double* x, double* xdot) const;
 
  private:
@@ -36,11 +35,11 @@ class Passage {
 
 struct Branches {
   Trail trail;
-  std::optional<SingularPoint> point;  // met last, passed or not
+  std::optional<SingularPoint> point;  // last one met, passed or not
   std::optional<Passage> passage;      // the last one
   long passed = 0;
-  std::string refusal;  // why the point met last was not passed; empty: nobody asked for that
-  // Steps about a suspected singular point, up to this time, are so short that they tell what the solution does.
+  std::string refusal;  // reason why the point met last was not passed; empty: passing was not requested
+  // Near a suspected singular point, steps up to this time are short, to resolve the solution.
   struct FineSteps {
     double until, step;
   };

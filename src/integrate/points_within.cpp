@@ -1,4 +1,4 @@
-// Points within steps that are kept.
+// Points within stored steps.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/points_within.h"
 
@@ -12,16 +12,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the step to a point, while its equations have no solution.
+// Maximum of halvings of the step to a point if its equations have no solution.
 constexpr int most_point_halvings = 8;
-// Of the tolerances, as in the steps of nonlinear problems themselves.
+// Part of the tolerances, as in steps of nonlinear problems.
 constexpr double tolerance_factor = 0.2;
 
 const KeptPoint& end_of(const KeptSurroundings& given) {
   return given.own[given.step.method != nullptr ? given.step.method->s - 1 : 0];
 }
 
-// As the system of the integration is now: what the analysis has found, known ranks included, counts.
+// Copies the present system of the integration: results of the analysis, including known ranks, matter.
 std::unique_ptr<SystemTwin> twin_of(AdjointSystem& system) {
   Archive counter = Archive::counter();
   system.system().archive(counter);
@@ -48,12 +48,12 @@ PointsWithin::PointsWithin(AdjointSystem& system, const Tolerances& tolerances, 
   xdot_.resize(n);
 }
 
-// The system of x beside that of the integration, as after the step.
+// Moves the second system of x to its state after the step.
 void PointsWithin::stand_at(const KeptSurroundings& given) {
   const KeptPoint &from = *given.before.front(), &to = end_of(given);
   if (twin_ && from_ == from.jet.t && to_ == to.jet.t) return;
   if (!twin_) twin_ = twin_of(system_);
-  from_ = to_ = 0.0;  // while it is neither
+  from_ = to_ = 0.0;  // invalid until both are set
   keep_to_piece_(twin_->system(), from.jet.t);
   twin_->stand_between(from, to);
   from_ = from.jet.t;
@@ -81,7 +81,7 @@ KeptPoint PointsWithin::interpolated(const KeptSurroundings& given, const KeptSt
   return twin_->point(nullptr);
 }
 
-// By the collocation polynomial of the step.
+// Prediction by the collocation polynomial of the step.
 Guess PointsWithin::predict(const StageMethod& method, double t_start, double t_end, const KeptSurroundings& given) {
   const int order = twin_->system().taylor_order();
   const std::size_t block = xdot_.size() * index(order + 1);
@@ -117,7 +117,7 @@ std::vector<ShorterStep> PointsWithin::steps_to(double t, const KeptSurroundings
     const bool is_last = std::fabs(t - at) < 1.5 * std::fabs(h);
     const double to = is_last ? t : at + h;
     double reached = to;
-    // Halvings may end between two numbers.
+    // Halvings may end between two adjacent numbers.
     PointStatus status =
         to == at ? PointStatus::not_converged
                  : system.solve_stages({method, at, to, from.data(), from.data(), predict(method, at, to, given)},

@@ -1,7 +1,7 @@
-// Points within steps that are kept, for the adjoint: what leads there from the ends of steps.
+// Points within stored steps, for the adjoint.
 //
-// With BDF the polynomial through the newest points, made consistent; with Radau a shorter step from where the step
-// began. S at points within steps is found in the same way forward (sensitivities.h).
+// BDF: the polynomial through the newest points, made consistent; Radau: a shorter step from the start of the step. The
+// forward sensitivities at points within steps are computed in the same way (sensitivities.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,15 +16,15 @@
 
 namespace sfdae::core {
 
-// A step that was kept, with the points that it depends on, the newest first: enough for its formula.
+// A stored step with the points of its formula, the newest first.
 struct KeptSurroundings {
   const KeptStep& step;
   const KeptPoint* own;                  // its end, or its stages
   std::vector<const KeptPoint*> before;  // the first one is its start
-  const double* newest;                  // the time of its end, those of earlier points in front of it
+  const double* newest;                  // time of its end, preceded in memory by those of earlier points
 };
 
-// Of Radau: the stages of a step.
+// A shorter step of Radau with its stages.
 struct ShorterStep {
   double h;
   std::vector<KeptPoint> stages;
@@ -32,13 +32,13 @@ struct ShorterStep {
 
 class PointsWithin {
  public:
-  // keep_to_piece: evaluations of a system are those of a step from t.
+  // keep_to_piece: restricts evaluations of a system to those of a step from t.
   using KeepToPiece = std::function<void(DaeSystem&, double t)>;
   PointsWithin(AdjointSystem& system, const Tolerances& tolerances, KeepToPiece keep_to_piece);
 
-  // Of BDF: x at t, by the formula of interpolation_at(). Throws Failure.
+  // BDF: x at t, by the formula of interpolation_at(). Throws Failure.
   KeptPoint interpolated(const KeptSurroundings& given, const KeptStep& formula);
-  // Of Radau: the step to t, or a few that follow one another where it has no solution. Throws Failure.
+  // Radau: the step to t, or several consecutive ones if it has no solution. Throws Failure.
   std::vector<ShorterStep> steps_to(double t, const KeptSurroundings& given);
 
  private:
@@ -46,7 +46,7 @@ class PointsWithin {
   Guess predict(const StageMethod& method, double t_start, double t_end, const KeptSurroundings& given);
 
   AdjointSystem& system_;
-  std::unique_ptr<SystemTwin> twin_;  // between these points
+  std::unique_ptr<SystemTwin> twin_;  // at these points
   double from_ = 0.0, to_ = 0.0;
   ErrorWeights weights_;
   KeepToPiece keep_to_piece_;

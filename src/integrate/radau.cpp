@@ -13,16 +13,16 @@ namespace sfdae::core {
 
 namespace {
 
-// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
+// Maximum of the first attempt relative to the interval: not a simple fraction, which might be a period of the data
 // (docs/design/error_control.md). Its digits are taken from those of e.
 constexpr double first_radau_step_fraction = 0.0718281828;
-// Tolerances that call for more than three stages from the start (docs/design/radau.md).
+// Tolerances below which more than three stages are used from the start (docs/design/radau.md).
 constexpr double tight = 1e-7, very_tight = 1e-9;
-// Steps of one stage, the choice for rough problems, must not grow over what makes them rough. (Chosen.)
+// Steps of one stage, used for rough problems, must not grow beyond the scale of the roughness. (Chosen.)
 constexpr double rough_growth = 2.0;
-// Rounding of the differences of times, with room to spare.
+// Relative rounding error of differences of times, with a margin.
 constexpr double same_step = 1e-6;
-// The collocation polynomial of the last step errs less than one through more distant nodes from three stages on.
+// With three or more stages the last step's collocation polynomial is more accurate than one through distant nodes.
 constexpr int least_collocation_order = 5;
 
 StageCosts costs_of(const StrangenessFreeSystem& system) {
@@ -37,7 +37,7 @@ void Radau::set_options(const StepOptions& options) {
   const StepOptions before = options_;
   options_ = options;
   if (history_.count() > 0) {
-    // Everything has been sized for the numbers of stages of the start.
+    // All sizes depend on the numbers of stages at the start.
     options_.min_stages = before.min_stages;
     options_.max_stages = before.max_stages;
     options_.interpolates = before.interpolates;
@@ -87,15 +87,15 @@ StepState Radau::state() const {
           history_.inner_count()};
 }
 
-// Without differential equations the stages do not depend on each other.
+// Without differential equations one stage suffices, because stages are independent.
 int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
   return system.differential() == 0 ? 1 : control_.stages();
 }
 
-// The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times
-// with 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the
-// polynomial through nodes whose degree fits the method, or the tangent while there is one node only. Without
-// differential equations slopes are those of steps of one stage, which are less accurate than values.
+// The collocation polynomial of the last step is more accurate there than one through more distant nodes: 3 and 20
+// times with 5 and 7 stages and equal steps (measured). Its derivatives are less accurate if guesses need them.
+// Otherwise the polynomial through nodes whose degree fits the method is used, or the tangent if there is only one
+// node. Without differential equations slopes are those of steps of one stage, which are less accurate than values.
 RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
   HermiteTable& table = workspace_.table;
   const RadauNode& newest = history_.newest();
@@ -120,7 +120,7 @@ RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
 Guess Radau::guess(const StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
   if (system.is_linear()) return {};
   const RadauNode& start = history_.newest();
-  // Iterations are judged by the tolerances at the last node, whatever was tried since.
+  // The iteration uses the tolerances at the last node, whatever was tried since.
   weights.update(start.x.data());
   Guess prediction =
       workspace_.guess.predict(predictor(system), tried_.method->stages, start.t, t, system.taylor_order());
@@ -183,7 +183,7 @@ StepOutcome Radau::judge(const StrangenessFreeSystem& system, const ErrorTerms& 
   return StepOutcome::accepted;
 }
 
-// What is judged is the attempt, as if x had had these errors, too.
+// Repeats the decision about the attempt, as if x had these errors, too.
 StepOutcome Radau::test_beside(const StrangenessFreeSystem& system, const ErrorTerms& terms) {
   control_ = control_before_;
   return judge(system, larger_of(terms_, terms));
@@ -224,7 +224,7 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   control_.archive(archive);
   archive.real(next_step_);
   const bool is_linear = system.is_linear();
-  // Guesses extrapolate x.
+  // Initial guesses extrapolate x.
   const bool with_x = options_.interpolates || !is_linear;
   const bool with_polynomial = (options_.interpolates || system.guesses_values()) && history_.last().order > 0;
   history_.archive(archive, extent, {with_x, with_polynomial, is_linear});

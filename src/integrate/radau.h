@@ -66,7 +66,7 @@ class Radau final : public Stepper {
   Guess guess(const StrangenessFreeSystem& system, double t, ErrorWeights& weights);
   ErrorTerms test_error(StrangenessFreeSystem& system, const ErrorWeights& weights);
   StepOutcome judge(const StrangenessFreeSystem& system, const ErrorTerms& terms);
-  // Points that say how x goes on where there are no differential equations.
+  // Number of points used for extrapolation of x if there are no differential equations.
   int course_points() const { return std::min({history_.count(), options_.max_stages, max_course_points}); }
   double course_of_tried(const double* predicted, const ErrorWeights& weights) const;
   double step_after_acceptance(const StrangenessFreeSystem& system, const ErrorTerms& terms);

@@ -12,33 +12,32 @@ namespace sfdae::core {
 
 namespace {
 
-// Stands for an error of zero.
+// Replaces an error of zero.
 constexpr double least_positive_error = 1e-30;
-// Of step sizes, whatever the options say: a bound on what estimates are trusted with. (Chosen.)
+// Bound on the ratio of step sizes, whatever the options: estimates are not trusted beyond it. (Chosen.)
 constexpr double largest_ratio = 1e3;
-// Another number of stages has to promise this much more progress for the same work
-// (docs/design/radau.md).
+// A new number of stages must promise this much more progress for the same work (docs/design/radau.md).
 constexpr double worthwhile = 1.2;
-// A step of one stage does not show how more of them would do: it has to promise twice the progress. (Chosen.)
+// A step of one stage cannot predict errors with more stages: one stage must promise twice the progress. (Chosen.)
 constexpr double reluctance = 2.0;
-// Of an extrapolated logarithm: beyond e^50 nothing would be chosen, and nothing must overflow.
+// Limit of an extrapolated logarithm: e^50 is never chosen, and does not overflow.
 constexpr double largest_log = 50.0;
-// Errors are not taken for less: for the ratio of steps (chosen), and as the last one of predictive control (that of
-// RADAU5 [HW96, IV.8]).
+// Lower limits of errors: for the ratio of steps (chosen), and for the last error in predictive control (that of RADAU5
+// [HW96, IV.8]).
 constexpr double least_stage_error = 1e-10, least_last_error = 1e-2;
-// Of steps with one number of stages; more are not counted, as a checkpoint keeps small integers.
+// Upper limit of the count of steps with one number of stages: a checkpoint stores small integers.
 constexpr int most_steps_with_stages = 1000;
-// h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the
-// first step may be wrong by far.)
+// h_new / h_old after a failed error test: overflow; lower limit for the very first step; limits for later ones.
+// (Chosen; the first step may be wrong by orders of magnitude.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
-// Of the safety factor: what a rejected step takes off, the first of several in a row, and at most; every accepted step
-// gives one part back, so that about one step in twenty is rejected (docs/design/radau.md).
+// Reduction of the safety factor: unit, units for a rejected step (the first of several consecutive ones), and maximum;
+// each accepted step takes back one unit, so that about one step in twenty is rejected (docs/design/radau.md).
 constexpr double part_of_safety = 0.0025;
 constexpr int caution_of_rejection = 20, most_caution = 80;
-// h_new / h_old where a step failed without an estimate, as in DASSL.
+// h_new / h_old if a step failed without an estimate, as in DASSL.
 constexpr double fall_at_failure = 0.25;
 
-// |h^k w[k]| from the values known, which fall or grow geometrically between and beyond them.
+// |h^k w[k]| by geometric interpolation and extrapolation of the known values.
 double decay_at(int k, const ErrorTerms& terms) {
   int below = 0, above = 0, highest = 0, before = 0;
   for (int j = 1; j <= 2 * max_stages; ++j) {
@@ -55,7 +54,7 @@ double decay_at(int k, const ErrorTerms& terms) {
     const double weight = static_cast<double>(k - below) / (above - below);
     return std::pow(value(below), 1.0 - weight) * std::pow(value(above), weight);
   }
-  // Odd and even terms may differ much: not from neighbours where there are others.
+  // Odd and even terms may differ much: do not extrapolate from neighbors if there are others.
   if (highest - before == 1 && before > 1 && terms.decay[index(before - 1)] >= 0.0) before -= 1;
   if (before == 0) return 1.0 / least_positive_error;
   const double per_order = std::log(value(highest) / value(before)) / (highest - before);
@@ -93,14 +92,14 @@ double RadauControl::limited(double ratio) const {
   return std::clamp(ratio, 1.0 / options_.fastest_fall, 1.0 / options_.fastest_rise);
 }
 
-// Ratio of step sizes for which the error of the method with s stages would come out right. Not limited: with steps
-// cut short by outputs all limits would be met, and the fewest stages look best.
+// Ratio of step sizes for which the error of the method with s stages would match the tolerance. Not limited: with
+// steps cut short by outputs all would reach the limits, and the fewest stages would look best.
 double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
   const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
   return safety() * std::pow(std::max(error, least_positive_error), -1.0 / (2 * s));
 }
 
-// The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
+// Chooses the number of stages with the best progress for its work; returns its ratio of step sizes.
 double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& costs, double ratio) {
   const double present = step_for_stages(stages_, terms) / costs.work[index(stages_)];
   int best = stages_;
@@ -150,7 +149,7 @@ double RadauControl::rejected(double h, const ErrorTerms& terms) {
   if (failures_ == 1) caution_ = std::min(caution_ + caution_of_rejection, most_caution);
   last_h_ = 0.0;
   if (!std::isfinite(terms.error)) return fall_at_overflow * h;
-  // Nothing was known about the first step but its estimate.
+  // The first step size was only an estimate.
   const double lowest = any_accepted_ ? std::min(1.0 / options_.fastest_fall, lowest_ratio) : lowest_first_ratio;
   return h * std::clamp(safety() * std::pow(terms.error, -1.0 / terms.exponent), lowest, highest_ratio);
 }

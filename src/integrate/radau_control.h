@@ -14,20 +14,20 @@
 
 namespace sfdae::core {
 
-// Scaled norms of a step of size h; an error above 1 is too large.
+// Scaled norms for a step of size h; an error above 1 is too large.
 struct ErrorTerms {
   double error = 0.0;  // the one that decides
   int exponent = 1;    // it behaves like h^exponent
-  // |h^k w[k]|, w[k] the divided difference of order k: how the solution decays. Negative where unknown.
+  // |h^k w[k]|, w[k] the divided difference of order k: the decay of the coefficients. Negative if unknown.
   std::array<double, 2 * max_stages + 1> decay{};
   ErrorTerms() { decay.fill(-1.0); }
 };
 
-// Of two quantities that go the same steps: the error that asks for the shorter ones, and what is known of the decay
-// of both.
+// For two quantities with the same steps: the error that requires the shorter steps, and the larger decay terms if
+// known for both.
 ErrorTerms larger_of(const ErrorTerms& one, const ErrorTerms& other);
 
-// What a step of so many stages costs.
+// Relative cost of a step by its number of stages.
 struct StageCosts {
   std::array<double, max_stages + 1> work{};
 };
@@ -40,21 +40,21 @@ class RadauControl {
   int stages() const { return stages_; }
   void set_stages(int stages) { stages_ = stages; }
   int failures_in_a_row() const { return failures_; }
-  // Two failures of the error test in a row: the solution is not as smooth as the past suggests.
+  // Two consecutive failures of the error test: the solution is less smooth than before.
   bool is_rough() const { return failures_ >= 2; }
   bool may_change_stages() const { return options_.max_stages > options_.min_stages; }
 
   // The next step size after a step of size h. keep: a step of the same size would save factorizations.
   double accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep);
-  // A step without differential equations, which has no error.
+  // Step size after a step without differential equations, which has no error.
   double accepted_without_error(double h);
   double rejected(double h, const ErrorTerms& terms);
-  // After a stage could not be evaluated or the equations were singular.
+  // Step size after a failed evaluation of a stage, or singular equations.
   double failed(double h);
   void archive(Archive& archive);
 
  private:
-  // The option, less where steps have been rejected lately.
+  // The option, reduced after recently rejected steps.
   double safety() const;
   double limited(double ratio) const;
   double step_for_stages(int s, const ErrorTerms& terms) const;
@@ -66,7 +66,7 @@ class RadauControl {
   int steps_with_stages_ = 0;  // accepted
   int caution_ = 0;            // in parts of the safety factor
   bool any_accepted_ = false;
-  double last_h_ = 0.0, last_error_ = 0.0;  // of the step accepted last, 0 if it cannot be compared with
+  double last_h_ = 0.0, last_error_ = 0.0;  // of the last accepted step; 0: no comparison possible
 };
 
 }  // namespace sfdae::core

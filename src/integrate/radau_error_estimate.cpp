@@ -23,10 +23,10 @@ ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
 
 }  // namespace
 
-// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on 287 runs (docs/design/radau.md) with
-// s = 3 alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
-// More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference
-// of w says nothing.
+// Limit of the embedded error in units of tol^((s+1)/(2s)). Measured on 287 runs (docs/design/radau.md) with s = 3
+// alone and with all s: errors are a tenth of the tolerance on average, up to 7 if the coefficients turn fast. More
+// stages have smaller limits, because their order at the nodes requires smooth coefficients, which the divided
+// difference of w does not show.
 double embedded_limit(int s, bool beside_difference) {
   return s == 3 ? (beside_difference ? 0.4 : 0.08) : s == 5 ? 0.012 : 0.003;
 }
@@ -82,8 +82,8 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
   return terms;
 }
 
-// Of w by the embedded error, which stands in the first columns. Algebraic components are interpolated, and may vary
-// faster than w: the next divided difference over the stages is what the last ones suggest.
+// Error of w by the embedded error, in the first columns. Algebraic components are interpolated, and may vary faster
+// than w: their next divided difference over the stages is extrapolated from the last ones.
 void RadauErrorEstimate::estimate_interior(const RadauNode& start, const RadauStep& step,
                                            const ErrorWeights& weights) {
   const RadauMethod& method = *step.method;

@@ -1,4 +1,4 @@
-// Predicted stages of a Radau step, for systems whose equations are nonlinear.
+// Predicted stages of a Radau step, for nonlinear systems.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,9 +19,9 @@ struct RadauPredictor {
 
 class RadauGuess {
  public:
-  // Of a step from t_start to t_end: Taylor coefficients up to the order given.
+  // Prediction for a step from t_start to t_end: Taylor coefficients up to the order given.
   Guess predict(const RadauPredictor& predictor, const StageMethod& method, double t_start, double t_end, int order);
-  // Those at the start of the last step; there are two nodes.
+  // Coefficients at the start of the last step; requires two nodes.
   const double* at_start(const RadauPredictor& predictor, int order);
 
  private:

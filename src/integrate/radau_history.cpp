@@ -12,8 +12,8 @@ namespace sfdae::core {
 namespace {
 
 // Nodes nearer to each other than this part of the interval before, or of the step, nearly coincide: divided
-// differences over both would be rounding errors. Chosen well below what step size control does (h_old / h_new <= 5):
-// only steps cut short are dropped.
+// differences over both would be rounding errors. Chosen well below the step-size ratios of the control (h_old / h_new
+// <= 5): only steps cut short are dropped.
 constexpr double coincidence = 0.02;
 
 void archive_node(Archive& archive, RadauNode& node, bool with_x) {
@@ -56,7 +56,7 @@ void RadauHistory::append(RadauStep& step, const InteriorErrors& errors) {
   last_ = {step.h, step.method->order(), step.method->stages.gamma / step.h};
 }
 
-// Of points that nearly coincide the newest is kept, and none that nearly coincides with an end.
+// A new node replaces one that nearly coincides with it; nodes that nearly coincide with an end are not stored.
 const RadauNode& RadauHistory::insert(RadauNode& node) {
   const double t = node.t;
   const auto is_near = [&](double other) { return std::fabs(other - t) < coincidence * std::fabs(last_.h); };
@@ -80,7 +80,7 @@ ChosenNodes RadauHistory::nodes_around(double t) const {
   int available = 0;
   for (int i = 0; i < count_; ++i) all[index(available++)] = &nodes_[index(i)];
   for (int i = 0; i < inner_count_; ++i) all[index(available++)] = &inner_[index(i)];
-  // Both ends of the step always, lest it be extrapolation.
+  // Both ends of the step are included, to avoid extrapolation.
   std::sort(all.begin() + std::min(available, 2), all.begin() + available,
             [t](const RadauNode* a, const RadauNode* b) { return std::fabs(a->t - t) < std::fabs(b->t - t); });
   ChosenNodes chosen;

@@ -13,10 +13,10 @@
 
 namespace sfdae::core {
 
-// Nodes kept: enough for divided differences of order 2s that include a new one.
+// Maximum number of nodes: enough for divided differences of order 2s that include a new one.
 inline constexpr int max_radau_nodes = max_stages + 1;
 
-// Nodes that a polynomial goes through.
+// Nodes of an interpolation polynomial.
 struct ChosenNodes {
   std::array<const RadauNode*, max_radau_nodes> nodes{};
   int count = 0;
@@ -27,21 +27,21 @@ class RadauHistory {
   void resize(std::size_t n, std::size_t size_w, const StepOptions& options);
   void start(const StartingPoint& point);
 
-  // The newest first.
+  // Number of nodes; node 0 is the newest.
   int count() const { return count_; }
   const RadauNode& node(int i) const { return nodes_[index(i)]; }
   const RadauNode& newest() const { return nodes_[0]; }
   const LastStep& last() const { return last_; }
   int last_stages() const { return (last_.order + 1) / 2; }
-  // Of the last step, where there is one.
+  // Collocation polynomial of the last step, if any.
   const RadauPolynomial& polynomial() const { return polynomial_; }
   void note_test(double error) { polynomial_.note_test(error); }
 
-  // Takes over an accepted step; what is left in it does not matter.
+  // Takes over an accepted step, and leaves arbitrary values in it.
   void append(RadauStep& step, const InteriorErrors& errors);
-  // The solution is not as smooth as the nodes before the newest suggest.
+  // The solution is less smooth than the nodes before the newest suggest.
   void forget_past() { count_ = 1; }
-  // Takes over a node within the last step, which serves polynomials of this step from then on.
+  // Takes over a node within the last step; later polynomials of this step use it.
   const RadauNode& insert(RadauNode& node);
   int inner_count() const { return inner_count_; }
 
@@ -50,21 +50,21 @@ class RadauHistory {
   // Both ends of the last step and the nodes nearest to t, one more than that step had stages, if there are so many.
   ChosenNodes nodes_around(double t) const;
 
-  // What a checkpoint has: points within steps need one node more than the next step does.
+  // Contents of a checkpoint: points within steps need one node more than the next step does.
   struct Extent {
     int nodes, order, inner;
   };
   Extent extent(const StepOptions& options) const;
-  // Makes room for as much; throws DamagedArchive if that cannot be.
+  // Allocates memory for this extent; throws DamagedArchive if it is invalid.
   void set_extent(const Extent& extent, const StrangenessFreeSystem& system, const StepOptions& options);
-  // with_x: at all nodes, not the newest one alone; with_w: of the polynomial.
+  // with_x: at all nodes, not only at the newest one; with_w: of the polynomial.
   struct Content {
     bool with_x, with_polynomial, with_w;
   };
   void archive(Archive& archive, const Extent& extent, const Content& content);
 
  private:
-  // Points within one step for which outputs were asked and the polynomial was too rough: a few (chosen).
+  // Points within one step at which outputs were requested and the polynomial was too inaccurate: a few (chosen).
   static constexpr int inner_capacity = 6;
 
   std::array<RadauNode, max_radau_nodes> nodes_;

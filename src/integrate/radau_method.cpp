@@ -65,7 +65,7 @@ void eigenvector(const StageMethod& method, Complex lambda, Complex* v) {
   const int s = method.s;
   Complex matrix[max_stages * max_stages];
   int pivots[max_stages];
-  // Not quite the eigenvalue, so that the matrix is not quite singular; every iteration gains about ten digits then.
+  // Slightly shifted eigenvalue, so that the matrix is not quite singular; every iteration then gains about ten digits.
   const Complex shift = lambda * (1.0 + 1e-10);
   for (int j = 0; j < s; ++j) {
     for (int i = 0; i < s; ++i) matrix[i + j * s] = method.D_at(i, j) - (i == j ? shift : 0.0);
@@ -103,7 +103,7 @@ void build_transformation(StageMethod& method) {
   }
 }
 
-// Lagrange's polynomials and Q, the integral of M / M(0) with M = prod (tau - c_i).
+// Lagrange polynomials and Q, the integral of M / M(0) with M = prod (tau - c_i).
 void describe_polynomial(RadauMethod& method) {
   const int s = method.s();
   const auto c = [&](int k) { return k == 0 ? 0.0 : method.stages.c[index(k - 1)]; };
@@ -119,7 +119,7 @@ void describe_polynomial(RadauMethod& method) {
   for (int i = 1; i <= s; ++i)
     for (int k = i; k >= 0; --k) M[index(k)] = (k > 0 ? M[index(k - 1)] : 0.0) - c(i) * M[index(k)];
   for (int k = 0; k <= s; ++k) method.correction[index(k + 1)] = M[index(k)] / (M[0] * (k + 1));
-  // Fine enough to see the largest values to within a percent.
+  // Fine enough to find the largest values to within a percent.
   constexpr int points = 500;
   for (int i = 1; i < points; ++i) {
     const double tau = static_cast<double>(i) / points;

@@ -18,8 +18,8 @@ struct RadauMethod {
   std::array<double, max_stages> slope_at_start{};
   // The local error is error_constant h^(2s) times the divided difference of order 2s of the solution.
   double error_constant = 0.0;
-  // Of the collocation polynomial (radau_polynomial.h): factors of Lagrange's polynomials, 1 / prod (c_j - c_k) with
-  // c_0 = 0, and those of the first s - 1 points alone, so that sums of values with them are divided differences of
+  // Data of the collocation polynomial (radau_polynomial.h): factors of the Lagrange polynomials, 1 / prod (c_j - c_k)
+  // with c_0 = 0, and those of the first s - 1 points only, so that sums of values with them are divided differences of
   // orders s and s - 2; the coefficients of tau^i in Q; and the largest values in [0, 1] of |Q| and of tau |M|.
   std::array<double, max_stages + 1> lagrange_factors{}, lower_factors{};
   std::array<double, max_stages + 2> correction{};

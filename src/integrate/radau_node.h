@@ -1,4 +1,4 @@
-// A node: the end of a step of a Radau method, or a point within one that was computed as such.
+// Node: the end of a step of a Radau method, or a point within a step that was computed as such.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,7 +17,7 @@ struct RadauNode {
   std::vector<double> w, wdot, x, xdot;
 };
 
-// What the polynomials of nodes interpolate.
+// Variables that polynomials through nodes interpolate.
 enum class Interpolated { w, x };
 
 inline const std::vector<double>& values_of(const RadauNode& node, Interpolated which) {

@@ -12,24 +12,24 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
-// weights of nonlinear problems are a fifth of the tolerances (docs/design/error_control.md).
+// Errors allowed for the collocation polynomial, in units of the weights: for w, if constraints determine the rest, and
+// for x. The weights of nonlinear problems are a fifth of the tolerances (docs/design/error_control.md).
 constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
-// The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are
-// much larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
-// estimates (elsewhere by 1.2 of them). Polynomials with smaller estimates than the last pass without that test.
+// The estimate is that of the end of the step. If the matrices of a linear problem turn within a step, errors are much
+// larger. Consistent values show this: they differ from interpolated ones by more than this, and by more than so many
+// estimates (otherwise by 1.2 of them). Polynomials with estimates below the last number are not tested.
 constexpr double doubtful_difference = 5.0, doubtful_ratio = 4.0, safe_error = 0.5;
-// Of the error allowed: smaller ones say nothing about the next step, as they may be those of the slope at the start,
-// from a longer step before. And what the next step is limited to, in units of the last one, at least. (Chosen.)
+// Errors below this part of the allowed error do not limit the next step, because they may be due to the slope at the
+// start, from a longer step before; smallest limit in units of the last step. (Chosen.)
 constexpr double telling_error = 0.02, least_ratio = 0.1;
-// Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
-// than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
-// seen by differences: more is asked for. (Chosen; with them polynomials within steps were right.)
+// Errors allowed for the Hermite polynomial without its most distant node, in units of the tolerances: they are larger
+// than the errors of the full polynomial. Differences do not show the iteration errors of nonlinear equations at the
+// nodes: their limit is smaller. (Chosen; with these limits polynomials within steps were accurate.)
 constexpr double hermite_error = 0.5, nonlinear_hermite_error = 1e-3;
-// Of the step to a point within the last one, while its equations have no solution.
+// Maximum of halvings of the step to a point within the last one if its equations have no solution.
 constexpr int most_output_halvings = 4;
 
-// Of the nodes around t.
+// Hermite polynomial through the nodes around t.
 void set_polynomial(const RadauHistory& history, Interpolated which, double t, HermiteTable& table) {
   const ChosenNodes chosen = history.nodes_around(t);
   table.set_nodes(chosen, which, 2 * chosen.count, history.newest().t, history.last().h);
@@ -55,7 +55,7 @@ void RadauOutput::resize(const StrangenessFreeSystem& system, int most_stages) {
   guess_.assign_zero(n * index(system.taylor_order() + 1));
 }
 
-// Steps of one stage have no polynomial worth the name, and are short.
+// Steps of one stage have no accurate polynomial, and are short.
 void RadauOutput::note_step(const RadauHistory& history) {
   guess_.forget_ends();
   const int s = history.polynomial().stages();
@@ -71,7 +71,7 @@ bool RadauOutput::interpolates_x(const RadauHistory& history) const {
   return interpolates_well_ && history.polynomial().error_of_x() <= limit && !point_of_test(history);
 }
 
-// Between two stages in the middle, where values are interpolated.
+// Midpoint between two stages near the middle, where values are interpolated.
 std::optional<double> RadauOutput::point_of_test(const RadauHistory& history) const {
   const RadauPolynomial& polynomial = history.polynomial();
   if (!is_linear_ || !interpolates_well_ || polynomial.is_tested() || polynomial.error_of_w() <= safe_error)
@@ -130,7 +130,7 @@ PointStatus RadauOutput::solve_within(StrangenessFreeSystem& system, ErrorWeight
   for (int halvings = 0; halvings <= most_output_halvings;) {
     const bool is_last = std::fabs(target - from.t) < 1.5 * std::fabs(h);
     end.t = is_last ? target : from.t + h;
-    if (end.t == from.t) return PointStatus::not_converged;  // halves that are below the resolution of t
+    if (end.t == from.t) return PointStatus::not_converged;  // halves are below the resolution of t
     Guess prediction;
     if (needs_guess) {
       workspace.table.set_collocation(history);
@@ -163,7 +163,7 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   if (status != PointStatus::ok || system.differential() == 0 || interpolates_well_ || history.count() < 2)
     return status;
   set_polynomial(history, Interpolated::w, t, workspace.table);
-  // What the most distant node contributes to the polynomial is the error of the others.
+  // The contribution of the most distant node to the polynomial bounds the error of the others.
   workspace.table.contribution_of_last(history.nodes_around(t).count, t, contribution_);
   system.error_in_x(contribution_.data(), mapped_.data());
   workspace.scales.update(weights, history.node(1), history.newest());

@@ -1,4 +1,4 @@
-// The collocation polynomial of the last step of a Radau method.
+// Collocation polynomial of the last step of a Radau method.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/radau_polynomial.h"
 
@@ -11,13 +11,13 @@ namespace sfdae::core {
 
 namespace {
 
-// Of Q; higher Taylor coefficients, which systems ask for up to the orders of their jets, are 0.
+// Degree of Q; higher Taylor coefficients, which systems request up to the orders of their jets, are 0.
 constexpr int degree(int stages) { return stages + 1; }
 constexpr int max_degree = degree(max_stages);
 constexpr int max_columns = max_stages + 2;
 
-// Taylor coefficients k = 0, ..., order at tau, as far as they are not all 0, of the functions that the columns are
-// multiplied by: Lagrange's polynomials for 0, c_1, ..., c_s, and Q.
+// Taylor coefficients k = 0, ..., order at tau, up to the degree, of the weight functions of the columns: the Lagrange
+// polynomials for 0, c_1, ..., c_s, and Q.
 struct ColumnWeights {
   ColumnWeights(const RadauMethod& method, double tau, int its_order);
   void set_values(const RadauMethod& method, double tau);
@@ -27,7 +27,7 @@ struct ColumnWeights {
   std::array<std::array<double, max_columns>, max_degree + 1> weights;
 };
 
-// Coefficients 0 alone, to the same bits, for outputs.
+// Coefficients 0 only, for outputs, bitwise equal to those of the constructor.
 void ColumnWeights::set_values(const RadauMethod& method, double tau) {
   const int s = method.s();
   double* l = weights[0].data();

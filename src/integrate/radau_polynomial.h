@@ -1,12 +1,12 @@
-// The collocation polynomial of the last step of a Radau method: what the solution is within the step.
+// Collocation polynomial of the last step of a Radau method: the solution within the step.
 //
-// u of degree s goes through the start and the stages. Its error within the step is O(h^(s+1)), the leading term of
-// which for w is known: w' - u' = (w' - u')(start) M(tau) / M(0), M(tau) = prod (tau - c_i), so that adding
+// u of degree s interpolates the start and the stages. Its error within the step is O(h^(s+1)), with known leading term
+// for w: w' - u' = (w' - u')(start) M(tau) / M(0), M(tau) = prod (tau - c_i). Therefore adding
 //
 //     h (w' - u')(start) Q(tau),   Q(tau) = integral of M / M(0) from 0 to tau,   Q(0) = Q(1) = 0,
 //
-// gains an order where the equations are not stiff (docs/design/error_control.md). The factor is the embedded error of
-// the step, Radau's own estimate.
+// gains an order if the equations are not stiff (docs/design/error_control.md). The factor is the embedded error of the
+// step, Radau's own estimate.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,10 +19,10 @@
 
 namespace sfdae::core {
 
-// What the error estimate of a step says about its polynomial. Errors: the largest within the step, in units of the
+// Errors of the polynomial according to the error estimate of the step: maxima within the step, in units of the
 // weights.
 struct InteriorErrors {
-  double w = std::numeric_limits<double>::infinity();  // of w, mapped to x: nothing that constraints make up for
+  double w = std::numeric_limits<double>::infinity();  // of w, mapped to x: not determined by constraints
   double x = std::numeric_limits<double>::infinity();  // of all components
   std::vector<double> correction_w, correction_x;      // h (w' - u')(start), and mapped to x
 };
@@ -31,16 +31,16 @@ class RadauPolynomial {
  public:
   void resize(std::size_t n, std::size_t size_w, int most_stages);
   void forget() { s_ = 0; }
-  // Of an accepted step from `start`.
+  // Sets the polynomial of an accepted step from `start`.
   void set(const RadauNode& start, const RadauStep& step, const InteriorErrors& errors);
 
-  // 0: none.
+  // 0: no polynomial.
   int stages() const { return s_; }
   // x at the start, i = 0, and at the stages.
   const double* x_at(int i) const { return x_.data() + size_x_ * index(i); }
   double error_of_w() const { return error_w_; }
   double error_of_x() const { return error_x_; }
-  // Values have been compared with a point within the step: an error found there, or none.
+  // Notes the error found by comparison with a point within the step, or 0.
   void note_test(double error) {
     is_tested_ = true;
     error_w_ = std::max(error_w_, error);
@@ -54,7 +54,7 @@ class RadauPolynomial {
   // Taylor coefficients of x at t: n x (order + 1).
   void taylor(double t, int order, double* coefficients) const;
 
-  // s: that of the last step. with_w: else w is part of x.
+  // s: that of the last step. with_w: otherwise w is part of x.
   void archive(Archive& archive, int s, bool with_w);
 
  private:

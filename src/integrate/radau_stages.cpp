@@ -1,4 +1,4 @@
-// A step that a Radau method tries.
+// A step tried by a Radau method.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/radau_stages.h"
 

@@ -1,4 +1,4 @@
-// A step that a Radau method tries: its stages and its end.
+// A step tried by a Radau method: its stages and its end.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 struct RadauStages {
   void resize(std::size_t n, std::size_t size_w, int most_stages);
-  // The last of the stages of a step from `start` as a node, the time of which is set.
+  // The last stage of a step from `start` as a node, whose time is set.
   void take_end(const RadauMethod& method, const RadauNode& start, RadauNode& end) const;
 
   // n x s and leading_size() x s.

@@ -1,4 +1,4 @@
-// Sensitivities carried along with the steps of x.
+// Sensitivities computed along with the steps of x.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/sensitivities.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Errors of all columns, mapped to the directions that the constraints leave.
+// Errors of all columns, mapped to the directions that constraints do not determine.
 class ErrorOfS final : public ErrorMap {
  public:
   ErrorOfS(SensitivitySystem& system, const std::vector<ErrorWeights>& weights)
@@ -96,7 +96,7 @@ void Sensitivities::archive(Archive& archive, const Integrator& integrator) {
   system_->archive(archive);
 }
 
-// Of BDF the points, more of which than the highest order needs are not kept; of Radau the stages of the last step.
+// BDF: the points that the highest order needs; Radau: the stages of the last step.
 void Sensitivities::archive_history(Archive& archive, const Integrator& integrator) {
   int s = method_ != nullptr ? method_->s : 0;
   archive.small(s);
@@ -117,7 +117,7 @@ void Sensitivities::archive_history(Archive& archive, const Integrator& integrat
     archive.reals(before_, size());
     archive.reals(stages_, size() * index(s));
   }
-  // Where the error test is asked for only after restoring, it begins with the next step.
+  // If the error test is only requested after restoring, it begins with the next step.
   bool has_estimate = estimate_.has_started();
   archive.small(has_estimate);
   if (has_estimate) estimate_.archive(archive, size());
@@ -134,12 +134,12 @@ StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tol
     outcome = solve_tried();
     if (outcome == StepOutcome::accepted && options_.error_test) outcome = test_error(integrator, tolerances);
   } catch (...) {
-    // The next call tries this step again.
+    // The next call repeats this step.
     stepper.withdraw();
     stepper.set_next_step(step_tried_.h);
     throw;
   }
-  // Errors of S have been judged as those of x are.
+  // The stepper has already handled errors of S like those of x.
   const bool is_judged = outcome == StepOutcome::accepted || outcome == StepOutcome::error_too_large;
   if (!is_judged) stepper.withdraw();
   return outcome;
@@ -153,10 +153,10 @@ StepOutcome Sensitivities::solve_tried() {
   return all_finite(tried_.data(), tried_.size()) ? StepOutcome::accepted : StepOutcome::not_finite;
 }
 
-// Those of the last step, as a rule.
+// Usually these are those of the last step.
 void Sensitivities::set_weights(const Tolerances& tolerances, Tightening tightening) {
   if (tolerances == tolerances_ && tightening == tightening_) return;
-  tolerances_ = {};  // while memory may be missing
+  tolerances_ = {};  // in case memory is missing
   for (std::size_t j = 0; j < weights_.size(); ++j) {
     Tolerances scaled = tolerances;
     scaled.atol = tolerances.atol.mapped([scale = options_.scales[j]](double atol) { return atol / scale; });
@@ -184,7 +184,7 @@ StepOutcome Sensitivities::test_error_of_radau(Integrator& integrator) {
   return integrator.stepper->test_beside(integrator.system, terms);
 }
 
-// The order as well is chosen for the larger local terms.
+// The larger local terms determine the order, too.
 StepOutcome Sensitivities::test_error_of_bdf(Integrator& integrator) {
   if (integrator.system.differential() == 0) return StepOutcome::accepted;
   const std::size_t n = index(unknowns());
@@ -256,7 +256,7 @@ void Sensitivities::evaluate(const Integrator& integrator, double t, double* S, 
     history_.compute_differences(degree + 1, false);
     history_.polynomial_w(degree).evaluate(t, tried_.data(), slopes_.data());
   } else if (method_ != nullptr) {
-    // The slope of the collocation polynomial at its end.
+    // The slope of the collocation polynomial at the end of the step.
     const int s = method_->s;
     std::fill(slopes_.begin(), slopes_.end(), 0.0);
     for (int j = 0; j < s; ++j)

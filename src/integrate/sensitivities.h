@@ -1,4 +1,4 @@
-// Sensitivities carried along with the steps of x: the same formulas, after each step of x [FTB97].
+// Sensitivities computed along with the steps of x: by the same formulas, after each step of x [FTB97].
 //
 // [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale
 // differential-algebraic
@@ -21,8 +21,8 @@
 namespace sfdae::core {
 
 struct SensitivityOptions {
-  bool error_test = false;     // of S as well, else of x alone
-  std::vector<double> scales;  // of the parameters: S_ij scale_j counts as x_i does; one for each
+  bool error_test = false;     // of S and x, otherwise of x only
+  std::vector<double> scales;  // of the parameters: the tolerances of x_i apply to S_ij scale_j
   bool operator==(const SensitivityOptions&) const = default;
 };
 
@@ -33,29 +33,29 @@ struct SensitivityWork {
 
 class Sensitivities final : public Companion {
  public:
-  // S: those at the point where the system of x stands, consistent; of any value where they are going to be read.
+  // S: at the current point of the system of x, consistent; arbitrary if archive() will read them.
   Sensitivities(std::unique_ptr<SensitivitySystem> system, SensitivityOptions options, std::vector<double> S);
-  // Reading: in place of start(), when the integrator is as it was. Throws DamagedArchive.
+  // Reading replaces start(), after the integrator was restored. Throws DamagedArchive.
   void archive(Archive& archive, const Integrator& integrator);
 
   void start(const Integrator& integrator) override;
-  // With the error test of S if that is asked for; error_too_large: the next step is smaller.
+  // Includes the error test of S if requested; error_too_large: the next step is smaller.
   StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
   void commit(Integrator& integrator) override;
 
-  // At the last point, as the step has found them.
+  // S at the last point, as computed by the step.
   void copy_last(double* S);
   const std::vector<double>& last() const { return S_; }
   ConstView columns() const { return {S_.data(), unknowns(), count(), unknowns()}; }
-  // Where x jumps, or its time moves; start() is due.
+  // After jumps of x, or a moved time; start() must follow.
   void replace_last(std::vector<double> S) { S_ = std::move(S); }
-  // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...
+  // Points within the last step, to which the system of x has been moved: by the polynomial of BDF, ...
   void evaluate(const Integrator& integrator, double t, double* S, double* Sdot);
-  // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them,
-  // the last is t.
+  // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them; the
+  // last is t.
   template <class Move>
   void evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot);
-  // Whether that is the way.
+  // True if evaluate_by_stages() is required.
   bool needs_stages(const Integrator& integrator, double t) const;
 
   void parameters_changed() { system_->parameters_changed(); }
@@ -81,19 +81,19 @@ class Sensitivities final : public Companion {
   std::unique_ptr<SensitivitySystem> system_;
   SensitivityOptions options_;
   SensitivityWork work_;
-  std::vector<double> S_, Sdot_;  // at the last point; the slope at starts alone
-  std::vector<double> before_;    // S where the last step started
+  std::vector<double> S_, Sdot_;  // at the last point; the slope only at starts
+  std::vector<double> before_;    // S at the start of the last step
   TriedStep step_tried_;
   std::vector<double> tried_;  // at its end
   BdfHistory history_;
   BdfStep step_;
-  const StageMethod* method_ = nullptr;  // of the last step, of Radau
+  const StageMethod* method_ = nullptr;  // of the last step, for Radau
   std::vector<double> stages_, slopes_, error_;
   std::vector<double> xdot_;
-  SensitivityErrorEstimate estimate_;  // of Radau
+  SensitivityErrorEstimate estimate_;  // for Radau
   BdfErrorEstimate estimate_of_bdf_;
   std::vector<ErrorWeights> weights_;
-  Tolerances tolerances_;  // that these were made of
+  Tolerances tolerances_;  // from which the weights were computed
   Tightening tightening_ = Tightening::none;
 };
 

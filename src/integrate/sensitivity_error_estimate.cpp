@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 void SensitivityErrorEstimate::reserve(std::size_t size) {
   if (!nodes_.empty() && this->size() == size) return;
-  nodes_.clear();  // while memory may be missing
+  nodes_.clear();  // in case memory is missing
   end_.assign_zero(0, size);
   for (std::vector<double>* v : {&difference_, &mapped_, &largest_, &nearby_}) v->assign(size, 0.0);
   columns_.assign(size * index(max_stages + 1), 0.0);
@@ -55,7 +55,7 @@ void SensitivityErrorEstimate::archive(Archive& archive, std::size_t size) {
   count_ = count;
 }
 
-// As StepScales has them for x.
+// As in StepScales for x.
 void SensitivityErrorEstimate::update(std::vector<ErrorWeights>& weights, double h) {
   const RadauNode& start = nodes_[0];
   for (std::size_t i = 0; i < size(); ++i) {
@@ -109,15 +109,15 @@ ErrorTerms SensitivityErrorEstimate::estimate(SensitivitySystem& system, const S
   return terms;
 }
 
-// The embedded error falls as h^(s+1). One that falls more slowly than h is a jump between S at the start and at the
-// stages, which know x only as its iterations do: no step is short enough for it. (Jumps of 0.03 tolerances, where
-// seven stages allow 0.01, ended 38 of 280 random runs at 1e-7 to 1e-10 with a step of 1e-15.)
+// The embedded error falls as h^(s+1). If it falls more slowly than h, S jumps between the start and the stages, which
+// know x only to the accuracy of its iterations: no step is short enough for it. (Jumps of 0.03 tolerances, where seven
+// stages allow 0.01, ended 38 of 280 random runs at 1e-7 to 1e-10 with a step of 1e-15.)
 bool SensitivityErrorEstimate::is_jump_at_start(const Attempt& attempt) const {
   const double ratio = std::fabs(attempt.h / last_.h);
   return attempt.t == last_.t && ratio < 1.0 && attempt.embedded > ratio * last_.embedded;
 }
 
-// The embedded errors have been mapped.
+// Requires the embedded errors in mapped_.
 void SensitivityErrorEstimate::judge_several_stages(SensitivitySystem& system, const Step& step,
                                                     const std::vector<ErrorWeights>& weights, ErrorTerms& terms) {
   const int s = step.method.s();

@@ -1,7 +1,7 @@
 // Error estimate of sensitivities for Radau steps: that of x (radau_error_estimate.h), for all columns of S at once.
 //
-// The last points with the slopes of their steps' polynomials are kept for the divided difference of order 2s. Errors
-// of what the constraints determine do not count, as for x.
+// The last points with the slopes of their steps' polynomials are stored for the divided difference of order 2s. As for
+// x, errors in directions that constraints determine are ignored.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,24 +20,23 @@ namespace sfdae::core {
 
 class SensitivityErrorEstimate {
  public:
-  // At a point from which steps start; S, Sdot: n x count.
+  // Starts at a point from which steps start; S, Sdot: n x count.
   void start(double t, const std::vector<double>& S, const std::vector<double>& Sdot);
   bool has_started() const { return count_ > 0; }
-  // Reading: as it was; of S with `size` numbers. Throws DamagedArchive.
+  // Reading restores the state; S has `size` numbers. Throws DamagedArchive.
   void archive(Archive& archive, std::size_t size);
-  // Until start() or start_within().
+  // Stops the estimate until start() or start_within().
   void forget() { count_ = 0; }
-  // S at the stages of a step h from the last point, where the system has solved for them.
+  // S at the stages of a step h from the last point, at which the system has solved for them.
   struct Step {
     const RadauMethod& method;
     double h;
-    bool forgets_past;  // earlier points do not say how smooth S is
+    bool forgets_past;  // earlier points do not show the smoothness of S
     const std::vector<double>& stages;
   };
-  // At the start t of a step that has been solved, where nothing is known of those before: the slope is that of the
-  // step.
+  // Starts at the start t of a step that has been solved, without previous points: the slope is that of the step.
   void start_within(const Step& step, double t, const std::vector<double>& S);
-  // weights: those of each column, which are updated.
+  // weights: one for each column; they are updated.
   ErrorTerms estimate(SensitivitySystem& system, const Step& step, std::vector<ErrorWeights>& weights);
   // The step estimated last has been taken.
   void append();
@@ -53,7 +52,7 @@ class SensitivityErrorEstimate {
   void reserve(std::size_t size);
   std::size_t size() const { return end_.w.size(); }
 
-  // The attempt judged last: from where, its size and embedded error.
+  // The attempt judged last: its start, its size and its embedded error.
   struct Attempt {
     double t = 0.0, h = 0.0, embedded = 0.0;
   };

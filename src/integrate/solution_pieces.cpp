@@ -13,20 +13,20 @@ namespace sfdae::core {
 
 namespace {
 
-// Tried one after the other: the points of one are among those of the next.
+// Degrees tried in order: the points of one are among those of the next.
 constexpr int chebyshev_degrees[] = {4, 8, 16};
 constexpr int max_chebyshev_degree = 16;
-// What the last two coefficients may amount to, in tolerances: they bound what is left out, as coefficients of smooth
-// functions decrease. The integrator's own polynomials err by up to half a tolerance.
+// Size allowed for the last two coefficients, in tolerances: they bound the truncated terms, because coefficients of
+// smooth functions decrease. The integrator's own polynomials have errors up to half a tolerance.
 constexpr double tail = 0.3;
-// Of a piece: tolerances that stand for an error that is not known.
+// Value in tolerances for an unknown error of a piece.
 constexpr double unknown = 1e300;
 // Steps of problems without differential equations are as long as the interval.
 constexpr int most_interval_halvings = 10;
 
 using Points = std::array<double, max_chebyshev_degree + 1>;
 
-// cos(pi j / 16), the points of the highest degree, from 1 to -1, to the last bit symmetric.
+// cos(pi j / 16), the points of the highest degree, from 1 to -1, bitwise symmetric.
 const Points& points() {
   static const Points all = [] {
     Points cosines{};
@@ -41,14 +41,14 @@ const Points& points() {
 
 }  // namespace
 
-// x at the points cos(pi j / 16) of an interval, as far as they are known, and coefficients.
+// x at the points cos(pi j / 16) of an interval, if known, and coefficients.
 struct SolutionPieces::Samples {
   double a, b;
   std::array<bool, max_chebyshev_degree + 1> known{};
   std::vector<double> x;  // (max_degree + 1) n
   int degree = 0;
   std::vector<double> coefficients;  // (degree + 1) n
-  bool is_accurate = true;           // as far as they are known
+  bool is_accurate = true;           // all values known so far
 
   double time(int j) const {
     if (j == 0) return b;
@@ -62,7 +62,7 @@ void SolutionPieces::forget() {
   coefficients_.clear();
 }
 
-// The pieces that begin at or after t go, the one that holds it ends there.
+// Removes pieces that begin at or after t; the piece that contains t ends there.
 void SolutionPieces::cut(double t) {
   while (!pieces_.empty() && (pieces_.back().a - t) * direction_ >= 0.0) {
     coefficients_.resize(pieces_.back().first);
@@ -99,7 +99,7 @@ void SolutionPieces::add(int n, const Step& step) {
   end_ = step.b;
 }
 
-// Coefficients through the values at the points; returns what the last of them amount to, in tolerances.
+// Computes coefficients through the values at the points; returns the size of the last two, in tolerances.
 double SolutionPieces::fit(const Step& step, Samples& samples) const {
   const std::size_t n = index(n_);
   double largest = 0.0;
@@ -112,7 +112,7 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
     }
     samples.degree = degree;
     samples.coefficients.assign(index(degree + 1) * n, 0.0);
-    // c_k = 2 / degree sum'' x_j cos(pi j k / degree), the first and last of everything halved.
+    // c_k = 2 / degree sum'' x_j cos(pi j k / degree), with the first and last terms and coefficients halved.
     for (int k = 0; k <= degree; ++k)
       for (int j = 0; j <= degree; ++j) {
         const int turn = j * k * stride % (2 * max_chebyshev_degree);
@@ -132,7 +132,7 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
       const double allowed =
           std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
                    step.tolerance(static_cast<int>(i), samples.x.data() + max_chebyshev_degree * n));
-      // Unknown: NaN as well.
+      // NaN also counts as unknown.
       largest = left_out / unknown < allowed ? std::max(largest, left_out / allowed) : unknown;
     }
     if (!samples.is_accurate) largest = unknown;
@@ -208,7 +208,7 @@ void SolutionPieces::archive(Archive& archive) {
   if (archive.is_reading() && !is_sound()) throw DamagedArchive();
 }
 
-// What was read can be evaluated.
+// True if the data read can be evaluated.
 bool SolutionPieces::is_sound() const {
   const auto ahead = [this](double from, double to) { return (to - from) * direction_ > 0.0; };
   if (n_ < 1) return pieces_.empty();

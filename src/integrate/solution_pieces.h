@@ -1,6 +1,6 @@
 // The solution over a whole run: a polynomial for every step, in Chebyshev's basis.
 //
-// docs/design/error_control.md has the degrees and the bounds.
+// Degrees and bounds are explained in docs/design/error_control.md.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,41 +14,41 @@ namespace sfdae::core {
 
 class SolutionPieces {
  public:
-  // Of a step from a to b that was accepted. continues: the step before is the last one added, of the same integration.
+  // An accepted step from a to b. continues: the last step added is the one before, of the same integration.
   struct Step {
     double a, b;
     bool continues;
-    // Writes x at a time from a to b; false if it is not known to be accurate.
+    // Writes x at a time from a to b; false if it may be inaccurate.
     std::function<bool(double t, double* x)> sample;
     // Tolerances of x there.
     std::function<double(int i, const double* x)> tolerance;
   };
 
-  // What was recorded after a goes, if a lies within it: everything, if not, or for steps in the other direction.
+  // Removes the record after a if a lies within it, and all of it if not or if the direction differs; adds the step.
   void add(int n, const Step& step);
 
   int n() const { return n_; }
   std::size_t count() const { return pieces_.size(); }
   double start() const { return start_; }  // where there are pieces
   double end() const { return end_; }
-  // The piece that differs most from what it was made of, and by how many tolerances, about: what the last two of its
-  // coefficients amount to; 1e300 if one of its values is not known to be accurate.
+  // The piece with the largest deviation from the recorded solution, and the approximate deviation in tolerances: the
+  // size of its last two coefficients; 1e300 if one of its values may be inaccurate.
   struct Accuracy {
     double in_tolerances, t;
   };
   Accuracy accuracy() const;
 
-  // It ends at t, between start and end; at the start there is nothing left.
+  // Ends the record at t, between start and end; at the start nothing is left.
   void cut(double t);
 
   // False outside of start ... end. x and xdot: n values, xdot may be null.
   bool evaluate(double t, double* x, double* xdot) const;
 
-  // All of it; throws DamagedArchive, after which there is nothing.
+  // Archives everything; throws DamagedArchive and is empty then.
   void archive(Archive& archive);
 
  private:
-  // The polynomial holds in [a, b]; degree + 1 coefficients of every unknown, order after order.
+  // A polynomial on [a, b]; degree + 1 coefficients of every unknown, order after order.
   struct Piece {
     double a, b;
     int degree;
@@ -58,7 +58,7 @@ class SolutionPieces {
   struct Samples;
 
   void forget();
-  // Adds the interval as it is, or in halves where that helps, as it does with a jump.
+  // Adds the interval as a whole, or in halves if that reduces the error, as it does with a jump.
   void add_interval(const Step& step, Samples& samples, int halvings);
   double fit(const Step& step, Samples& samples) const;
   bool is_sound() const;

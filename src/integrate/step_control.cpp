@@ -9,18 +9,18 @@ namespace sfdae::core {
 
 namespace {
 
-// Without a word of their own, numbers here are those of DASSL [BCP96, 5.2].
+// Numbers without a comment are those of DASSL [BCP96, 5.2].
 
 // Measured: 2 (as in the literature) wastes steps with the mapped error norm, 1.5 does not.
 constexpr double error_safety = 1.5;
-// Stands for an error of zero.
+// Replaces an error of zero.
 constexpr double least_positive_estimate = 1e-30;
-// Added to errors, so that a step without any has a limit, too.
+// Added to errors, so that step sizes are limited even without an error.
 constexpr double error_offset = 1e-4;
-// Of steps at one order; more are not counted, as a checkpoint keeps small integers.
+// Upper limit of the count of steps at one order: a checkpoint stores small integers.
 constexpr int most_steps_at_order = 1000;
-// The first step after a failure, which its measured error prescribes, aims at half the error allowed, 0.7^2, but
-// is not shorter than this part of what failed (docs/design/error_control.md; both chosen).
+// The size of the first step after a failure follows from its measured error, for half the error allowed, 0.7^2, but is
+// at least this part of the failed one (docs/design/error_control.md; both chosen).
 constexpr double first_step_safety = 0.7, shortest_first_step = 1e-6;
 // The error of order 1 in units of its local term.
 constexpr double error_of_euler = 0.5;
@@ -40,7 +40,7 @@ bool can_lower_order(int k, const LocalTerms& terms) {
   return k * terms.of_order[k - 1] <= (k + 1) * terms.of_order[k];
 }
 
-// The order is lowered where the terms do not fall: near the imaginary axis that is the safe policy [BCP96].
+// The order is lowered if the terms do not fall: near the imaginary axis this is the safe policy [BCP96].
 int StepControl::lower_order(const LocalTerms& terms) const {
   const int k = order_;
   const double* term = terms.of_order;
@@ -90,7 +90,7 @@ double StepControl::accepted(double h, const LocalTerms& terms) {
 double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
   ++failures_;
   if (first_step_ && finite) {
-    // Nothing is known but this estimate: it is of order 1, so that the right size follows from it.
+    // Only this estimate is known: it has order 1, and gives the right size.
     const double error = error_of_euler * std::max(terms.of_order[1], least_positive_estimate);
     return h * std::clamp(first_step_safety / std::sqrt(error), shortest_first_step, 0.5);
   }

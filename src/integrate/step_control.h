@@ -12,17 +12,17 @@ namespace sfdae::core {
 inline constexpr int max_bdf_order = 5;
 
 // Scaled norms of the local terms of the Taylor series: terms[q] ~ h^(q+1) |w^(q+1)|, q = order - 2 .. order + 1;
-// negative where unknown.
+// negative if unknown.
 struct LocalTerms {
   double of_order[max_bdf_order + 2];
 };
 
-// Whether the order k > 2 may be lowered by what is known of order k - 1, whatever order k - 2 says.
+// True if the term of order k - 1 permits lowering the order k > 2, whatever that of order k - 2.
 bool can_lower_order(int k, const LocalTerms& terms);
 
 class StepControl {
  public:
-  // start: the first step is of order 1, and order and step are raised with every step until terms stop falling.
+  // The first step has order 1; order and step size rise with every step until terms stop falling.
   void start(int max_order);
 
   int order() const { return order_; }
@@ -30,8 +30,8 @@ class StepControl {
     max_order_ = max_order;
     order_ = order_ < max_order ? order_ : max_order;
   }
-  // Whether the next step may have a higher order than this one, if it is accepted, as its terms say: in the beginning
-  // the order rises whatever they are.
+  // True if the terms of this step may raise the order of the next one, if it is accepted; in the starting phase the
+  // order rises whatever they are.
   bool may_raise_order() const { return !starting_ && order_ < max_order_ && steps_at_order_ >= order_; }
   // The next step size after an accepted step of size h.
   double accepted(double h, const LocalTerms& terms);
@@ -39,7 +39,7 @@ class StepControl {
   double rejected(double h, const LocalTerms& terms, bool finite);
   // The next step size after the point could not be evaluated or the matrix was singular.
   double failed(double h);
-  // Orders above the number of points known are not possible.
+  // The order is limited by the number of points known.
   void limit_order(int points) { order_ = order_ < points - 1 ? order_ : points - 1; }
   int failures_in_a_row() const { return failures_; }
   void archive(Archive& archive) {

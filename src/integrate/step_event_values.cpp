@@ -1,4 +1,4 @@
-// The values of event functions within the last step.
+// Values of event functions within the last step.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/step_event_values.h"
 
@@ -16,20 +16,20 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Relative changes of x, x' and t that rounding errors may amount to, and how many of them are tried
+// Relative changes of x, x' and t by assumed rounding errors, and number of trials
 // (docs/design/events_and_switching.md).
 constexpr double rounding_unit = 8.0 * unit_roundoff;
 constexpr int patterns = 8;
-// Rough values of g are trusted where they are larger than their error by this factor: it is measured at one point.
+// Rough values of g are trusted if they exceed their error by this factor: it is measured at one point only.
 constexpr double clearly_wrong = 8.0;
-// A polynomial whose error is that part of g says nothing. (Chosen.)
+// A polynomial whose error is this part of g is misleading. (Chosen.)
 constexpr double misleading_part = 0.1, no_trust = 1e300;
-// Where in the last step, from its end, rates of change of g are looked at, and over which part of it. (Chosen.)
+// Places in the last step, as parts from its end, and interval for rates of change of g. (Chosen.)
 constexpr double rate_places[] = {0.4, 0.153, 0.771, 0.587, 0.914}, rate_part = 1e-5;
-// Smaller errors, relative to g, change no sign that is not looked at closely anyway. (Chosen.)
+// Smaller errors, relative to g, change no sign that is not examined anyway. (Chosen.)
 constexpr double negligible_change_of_g = 1e-4;
 
-// Rounding errors as they might be, the same in every run.
+// Pseudo-random rounding errors, the same in every run.
 class RandomSigns {
  public:
   double changed(double value) {
@@ -61,7 +61,7 @@ Failure failure_of(int status, double t, const Vector& g) {
 }  // namespace
 
 bool StepEventValues::approximate(double t, double* g) {
-  // Without differential equations steps go anywhere at once, and a polynomial says nothing.
+  // Without differential equations steps have any length, and polynomials are inaccurate.
   if (step_.integrator.system.differential() == 0) return false;
   Events::Point& rough = events_.rough;
   Vector& values = events_.g_rough;
@@ -69,7 +69,7 @@ bool StepEventValues::approximate(double t, double* g) {
   if (!are_finite(rough.x) || !are_finite(rough.xdot)) return false;
   const int status = events_.evaluate(t, rough, values);
   stop_if_asked(t);
-  // What violates the constraints a little may be where g is not defined.
+  // g may be undefined at points that slightly violate the constraints.
   if (status != 0 || !are_finite(values)) return false;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::fabs(values[i]) < clearly_wrong * events_.rough_error[i]) return false;
@@ -88,7 +88,7 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
   for (const double place : places) {
     const double t = state.t - place * state.last.h;
     const Vector &rough = events_.g_rough, &g = events_.g_now;
-    // Where nothing is known of errors yet, there is no approximation only if g is not defined there.
+    // As long as no error is known, the approximation only fails if g is not defined there.
     const bool has_rough = approximate(t, events_.g_now.data());
     if (!has_rough && place != places.front()) continue;
     evaluate_consistently(t, events_.g_now);
@@ -104,8 +104,8 @@ void StepEventValues::measure_rough_error(std::span<const double> places) {
   }
 }
 
-// g at a consistent point of the step. Rough slopes will do, unless g is not defined for them; it has to be for those
-// of the solution.
+// g at a consistent point of the step. Rough slopes are used unless g is not defined for them; it must be defined for
+// the slopes of the solution.
 void StepEventValues::evaluate_consistently(double t, Vector& g) {
   Events::Point& now = events_.now;
   int status = 0;
@@ -124,7 +124,7 @@ void StepEventValues::distrust() {
   std::fill(events_.rough_error.begin(), events_.rough_error.end(), no_trust);
 }
 
-// The larger one of g here and where the step began counts: near a zero every error is large beside g.
+// Errors are compared with the larger of g here and at the start of the step: near a zero g itself is too small.
 bool StepEventValues::is_misleading(const Vector& rough) const {
   const Vector &g = events_.g_now, &g_before = events_.search.g();
   for (std::size_t i = 0; i < g.size(); ++i)
@@ -135,7 +135,7 @@ bool StepEventValues::is_misleading(const Vector& rough) const {
   return false;
 }
 
-// By differences of values as they are returned: x' there may be that of the polynomial.
+// By finite differences of returned values: x' there may be that of the polynomial.
 void StepEventValues::look_at_rates() {
   const LastStep last = step_.integrator.stepper->state().last;
   const double t_end = step_.integrator.stepper->state().t, delta = rate_part * last.h;
@@ -150,8 +150,8 @@ void StepEventValues::look_at_rates() {
   resolution.take_rates(last.h);
 }
 
-// Whether g is the same for different x', of either sign, and much larger than those of the step; it may be meant for
-// others where it fails.
+// True if g is the same for different x', of either sign, and much larger than those of the step. If g fails for them
+// it may require the true x'.
 bool StepEventValues::determine_without_slopes(double t, bool may_improve, double* g) {
   constexpr double large = 1e3;
   Events::Point& now = events_.now;

@@ -1,4 +1,4 @@
-// The values of the user's event functions within the last step of an integrator.
+// Values of the user's event functions within the last step of an integrator.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -41,12 +41,12 @@ class StepEventValues final : public EventValues {
     events_.has_slopes = !events_.tries_without_slopes;
   }
 
-  // The error of values by the polynomial, at places of the last step in parts of it from its end. Steps are as long
-  // as w = W x allows; algebraic components may vary faster, and their polynomials show nothing then.
+  // Measures errors of g by the polynomial, at places given as parts of the last step from its end. The step size
+  // depends on w = W x; algebraic components may vary faster, and their polynomials are inaccurate then.
   void measure_rough_error(std::span<const double> places);
-  // The polynomials say nothing: all points of the step are exact ones, as many as rates of change of g ask for.
+  // Replaces the polynomials by exact points of the step, as many as rates of change of g require.
   void distrust();
-  // Whether g at the end of the step, which the polynomials go through, is what steps before lead to expect.
+  // True if g at the end of the step, which the polynomials interpolate, agrees with extrapolation from previous steps.
   bool is_expected(double t_end);
 
  private:

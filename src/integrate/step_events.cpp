@@ -16,21 +16,21 @@ namespace sfdae::core {
 
 namespace {
 
-// Zeros this near to the start, in units of the rounding errors of times, are zeros at the start. (Chosen: what the
-// interval of interest and the user's times have of them.)
+// Zeros this near to the start, in units of rounding errors of times, belong to the start. (Chosen: typical errors of
+// the interval of interest and of the user's times.)
 constexpr double start_width = 100.0;
-// The whole of the last step has still to be searched, but for rounding errors of its ends.
+// The last step counts as entirely unsearched from this part on, because of rounding errors of its ends.
 constexpr double whole_step = 1.0 - 1e-10;
-// Where in the last step, from its end, the error of the rough values is measured: off the middle and the nodes of a
-// search. (Chosen.)
+// Places in the last step, as parts from its end, at which errors of rough values are measured: not the middle or nodes
+// of a search. (Chosen.)
 constexpr double measured_places[] = {0.4, 0.73, 0.17};
-// Halvings of a step without differential equations, which nothing limits: its points are those of a search.
+// Halvings of a step without differential equations, whose length is unlimited: only a search resolves it.
 constexpr int halvings_of_search = 5;
 
-// Half of the points that a polynomial of the step's order can swing through, at least; more follow where g bends.
+// At least half of the points at which a polynomial of the step's order can oscillate; more follow where g bends.
 int halvings_of_step(int order) { return order <= 2 ? 2 : order <= 5 ? 3 : 4; }
 
-// Of the interval from `from` to `to` within the last step.
+// Halvings for the interval from `from` to `to` within the last step.
 int halvings(const Integrator& integrator, const EventResolution& resolution, double from, double to) {
   const LastStep last = integrator.stepper->state().last;
   if (integrator.system.differential() == 0) return halvings_of_search;
@@ -41,8 +41,7 @@ int halvings(const Integrator& integrator, const EventResolution& resolution, do
   return std::max(1, whole + static_cast<int>(fewer));
 }
 
-// How many of the places above. Of Radau's steps, which are long, one at least; of BDF's none where the end was
-// expected.
+// Number of the places above: at least one for Radau's long steps; none for BDF if the end is as expected.
 std::size_t places_to_measure(const SearchedStep& step, StepEventValues& values) {
   const StepState state = step.integrator.stepper->state();
   if (step.events.resolution.is_suspicious(state.last.h)) return std::size(measured_places);
@@ -51,8 +50,8 @@ std::size_t places_to_measure(const SearchedStep& step, StepEventValues& values)
   return is_expected ? 1 : std::size(measured_places);
 }
 
-// Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: then it
-// costs Radau one reduction to know, and the stages of up to three points to make up for it.
+// When a long step follows short ones the polynomial may be too inaccurate to show zeros: testing it costs Radau one
+// reduction, and improving it the stages of up to three points.
 void refine_polynomial(const SearchedStep& step) {
   const StepState state = step.integrator.stepper->state();
   if (state.interpolates_well) return;

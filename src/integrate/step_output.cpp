@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Evaluates twice where the user's function failed for reasons that may have passed: there is no other point to try.
+// Evaluates again if the user's function failed for reasons that may be temporary: there is no other point to try.
 template <class Evaluate>
 PointStatus evaluate_or_raise(DaeSystem& system, Evaluate evaluate) {
   PointStatus status = evaluate();
@@ -62,7 +62,7 @@ void check_differences(Integrator& integrator, const double* x) {
 void find_slopes(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const StepState state = integrator.stepper->state();
-  // The slope of a polynomial of high degree over a long step is not as accurate as x is.
+  // The slope of a polynomial of high degree over a long step is less accurate than x.
   const bool is_within_long_step =
       integrator.method == Method::radau && request.t != state.t && request.slopes == Slopes::wanted;
   if (request.slopes == Slopes::none || (request.slopes == Slopes::rough && !system.is_linear()))
@@ -100,7 +100,7 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   if (request.may_interpolate && has_interpolated(integrator, request, options, x, xdot)) return;
   find_values(integrator, request, options, x, xdot);
   const bool is_within = request.t != integrator.stepper->state().t;
-  // Polynomials of nonlinear problems are never given up.
+  // Polynomials of nonlinear problems are never rejected.
   if (is_within && request.may_refine && integrator.system.is_linear() &&
       integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x))
     find_values(integrator, request, options, x, xdot);
@@ -111,11 +111,11 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   for (std::size_t i = 0; i < index(integrator.system.unknowns()); ++i) x[i] += request.distance * xdot[i];
 }
 
-// Consistent x, and the slope of the polynomial if one is wanted.
+// Consistent x, and the slope of the polynomial if requested.
 void StepOutput::find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                              double* x, double* xdot) {
   DaeSystem& system = integrator.system;
-  // w of nonlinear problems is in x, which they are restored from.
+  // Nonlinear problems are restored from x, which determines w.
   double* const w = system.is_linear() ? w_.data() : nullptr;
   const PointValues point{request.t, w, x_free_.data(), request.slopes == Slopes::none ? nullptr : xdot};
   integrator.stepper->interpolate(point);
@@ -133,13 +133,13 @@ void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& requ
   if (xdot != nullptr) std::copy(slopes_.begin(), slopes_.end(), xdot);
 }
 
-// The point of a step is one that its error test has seen, whatever is said about points within.
+// The end of a step has passed the error test, whatever the accuracy within the step.
 bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request,
                                   const IntegrationOptions& options, double* x, double* xdot) {
   Stepper& stepper = *integrator.stepper;
-  // A consistent point says how large errors of differences are there, and ends the call if they are too large.
+  // A consistent point shows errors of finite differences there; if these are too large the call ends.
   if (integrator.differences.is_in_doubt(integrator.weights)) return false;
-  // Without differential equations no error test has seen a slope.
+  // Without differential equations no error test covers the slopes.
   if (integrator.system.differential() == 0 && request.slopes != Slopes::none) return false;
   const bool at_step = request.t == stepper.state().t;
   if (!at_step && !integrator.must_restart) test_polynomial(integrator, options, x, xdot);
@@ -154,7 +154,7 @@ bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& re
   return all_finite(x, n) && all_finite(xdot, n);
 }
 
-// Writes what it likes to x and xdot. Where the test fails to be made the polynomial is not trusted.
+// May overwrite x and xdot. If the test fails with an error, the polynomial remains untested.
 void StepOutput::test_polynomial(Integrator& integrator, const IntegrationOptions& options, double* x, double* xdot) {
   const std::optional<double> t = integrator.stepper->point_of_test();
   if (!t) return;
@@ -177,17 +177,17 @@ void StepOutput::move_to(Integrator& integrator, const PointRequest& request, co
   demand_point(system, request.t, move);
 }
 
-// x with its constraints, from what the polynomials say.
+// x that fulfills the constraints, from the values of the polynomials.
 void StepOutput::restore(Integrator& integrator, double t, double* x) {
   DaeSystem& system = integrator.system;
   const std::vector<double>& x_last = integrator.stepper->x();
   const bool at_step = t == integrator.stepper->state().t;
   if (integrator.must_restart && !at_step) {
-    // The history is that of another leading term: x alone can be used.
+    // The history has another leading term: only x can be used.
     w_.resize(std::max(w_.size(), index(system.leading_size())));
     system.leading(x_free_.data(), w_.data());
   }
-  // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
+  // Iterations for nonlinear equations stop at errors below the tolerances: the constraints require more accuracy.
   if (at_step && system.is_linear()) {
     std::copy(x_last.begin(), x_last.end(), x);
     return;

@@ -1,4 +1,4 @@
-// A piece of an integration, saved and made again.
+// Piece of an integration: saving and repeating.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/step_piece.h"
 
@@ -9,7 +9,7 @@ namespace sfdae::core {
 
 namespace {
 
-// As they were: what the steps depend on beside the system.
+// Repetition of steps: restores the data other than the system on which they depend.
 class Replay {
  public:
   Replay(const StepPiece& piece, SystemTwin& twin)
@@ -29,7 +29,7 @@ class Replay {
     steps.make_room();
     steps.add(step, points_);
   }
-  // False where it does not come out as it did.
+  // False if the outcome differs from the original one.
   bool repeat(const Attempt& attempt, const std::vector<double>& times, KeptSteps& steps) {
     Stepper& stepper = *integrator_.stepper;
     const double h = attempt.t - stepper.state().t;

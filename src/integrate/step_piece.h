@@ -1,9 +1,8 @@
-// A piece of an integration: steps that are kept, or a checkpoint from which they are made again.
+// Piece of an integration: stored steps, or a checkpoint from which they are repeated.
 //
-// Steps are made again by what the stepper was asked for, attempt by attempt, those that failed included, as the
-// system remembers them. Nothing is decided anew, so that events, outputs, stops and whatever else the driver had to
-// do with need not come again, and the same bits come out: the checkpoint has all that the next step depends on
-// (checkpoint.h).
+// Steps are repeated by the same sequence of attempts, including failed ones, because the system remembers them. No
+// decision is repeated, so events, outputs, stops and other tasks of the driver are not needed, and the results agree
+// bitwise: the checkpoint contains all data on which the next step depends (checkpoint.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -24,12 +23,12 @@ struct Attempt {
 struct StepPiece {
   std::size_t first = 0;           // number of its first point
   std::size_t count = 0;           // of points
-  std::size_t origin = 0;          // the point at which the history of BDF starts
-  KeptSteps kept;                  // those of all points, or none: they have been dropped
-  bool has_failures = false;       // evaluations have failed in a step that was taken: it is not made again
+  std::size_t origin = 0;          // the point at which the BDF history starts
+  KeptSteps kept;                  // those of all points; empty: they have been dropped
+  bool has_failures = false;       // evaluations have failed in a step that was taken: it is never repeated
   bool begins_anew = false;        // no step leads to its first point
-  std::vector<KeptPoint> before;   // the last points before, the newest first; but for that one x alone
-  std::vector<double> checkpoint;  // of the first point, or of the one before; empty: steps are kept
+  std::vector<KeptPoint> before;   // the last points before, the newest first; only that one has more than x
+  std::vector<double> checkpoint;  // of the first point, or of the one before; empty: steps are stored
   Method method = Method::bdf;
   double direction = 1.0;
   std::shared_ptr<const IntegrationOptions> options;
@@ -41,14 +40,14 @@ struct StepPiece {
     for (const KeptPoint& point : before) sum += bytes_of(point);
     return sum;
   }
-  // After the steps of another one: what points within its first steps depend on.
+  // Takes the points of the previous piece on which points within the first steps depend.
   void follow(const StepPiece& last, std::size_t most);
-  // The integrator as it is now.
+  // Saves the current state of the integrator.
   void save(Integrator& integrator);
 };
 
-// The steps of a piece. times: of all points. Throws Failure, where functions of the user's do not return what they
-// have returned, too.
+// Repeats the steps of a piece. times: of all points. Throws Failure, also if user-supplied functions return other
+// values than before.
 KeptSteps steps_made_again(const StepPiece& piece, const std::vector<double>& times, SystemTwin& twin);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Sizes of the components of x over a step, which its tolerances are relative to.
+// Sizes of the components of x over a step, to which tolerances are relative.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,8 +12,8 @@ namespace sfdae::core {
 class StepScales {
  public:
   void resize(std::size_t n);
-  // Tolerances for what is larger at either end of a step. Where a component runs through zero, its size nearby is
-  // what it changes by.
+  // Sets weights for the larger of the values at both ends of a step. For a component that passes through zero, its
+  // change over the step counts as its size nearby.
   void update(ErrorWeights& weights, const RadauNode& start, const RadauNode& end);
 
  private:

@@ -1,4 +1,4 @@
-// Where an attempted step ends.
+// End of an attempted step.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/step_target.h"
 
@@ -8,10 +8,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Of a step: a rest before a limit that is a rounding error of the limit.
+// Remainder before a limit, relative to the step, that is a rounding error of the limit.
 constexpr double rest_at_limit = 1e-10;
-// Of a step: nearly at tout counts as there, as steps may be that much longer than what the error test allows.
-// (Chosen.)
+// Relative extension of a step that ends nearly at tout: the error test permits that much. (Chosen.)
 constexpr double nearly = 1e-4;
 
 }  // namespace
@@ -22,11 +21,11 @@ StepTarget choose_target(const StepState& state, double size, const StepBounds& 
   const auto& [direction, tout, limit, never_pass_output] = bounds;
   const double h = direction * size;
   StepTarget target{state.t + h, 0.0};
-  // No tiny rest before a limit, and not a bit beyond.
+  // Avoid tiny remainders before a limit; never pass it.
   if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
-  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
-  // interpolation would not be accurate this is the cheapest way, too, unless it makes steps shorter than they need to
-  // be for that.
+  // Steps that end at tout: near tout they are extended; a step cut short does not affect the size of the next one. If
+  // interpolation would be inaccurate this is also the least expensive way, unless it makes steps shorter than
+  // interpolation needs.
   const bool is_at_output =
       (target.t - tout) * direction > -nearly * std::fabs(h) && !(limit && (tout - *limit) * direction > 0.0);
   const bool is_too_long = std::fabs(target.t - state.t) > state.longest_interpolated;

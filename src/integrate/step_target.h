@@ -1,4 +1,4 @@
-// Where an attempted step ends.
+// End of an attempted step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,13 +17,13 @@ struct StepBounds {
 
 struct StepTarget {
   double t;
-  double uncut;  // the step wanted, if it was cut short at tout, else 0
+  double uncut;  // the step size wanted if the step was cut short at tout, otherwise 0
 
-  // By more than what nearly there means; h: the step that is left.
+  // True if the cut is more than negligible; h: size of the remaining step.
   bool is_cut_short(double h) const;
 };
 
-// The end of a step that is to have this size, or what limits it.
+// End of a step of this size, subject to the bounds.
 StepTarget choose_target(const StepState& state, double size, const StepBounds& bounds);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// What integrators have in common.
+// Common functions of integrators.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/stepper.h"
 

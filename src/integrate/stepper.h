@@ -1,4 +1,4 @@
-// What the driver sees of an integrator: one step at a time.
+// Interface of integrators for the driver: one step at a time.
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -20,28 +20,28 @@ enum class StepOutcome {
   error_too_large,
   singular,       // the matrix of the step
   not_converged,  // nonlinear equations
-  not_finite,     // overflow on the way
+  not_finite,     // overflow
   callback_error,
   changed,
   leading_changed,  // as PointStatus
-  not_searched      // points within could not be evaluated when changes of the characteristic values were looked for
+  not_searched      // points within could not be evaluated in the search for changes of the characteristic values
 };
 
 // nullopt for PointStatus::ok.
 std::optional<StepOutcome> failed_outcome(PointStatus status);
 
-// What the user may choose about steps.
+// Step options of the user.
 struct StepOptions {
   int max_order = 5;  // BDF
   // Radau IIA: numbers of stages, odd.
   int min_stages = 1, max_stages = 7;
-  bool classical_control = false;  // else predictive
+  bool classical_control = false;  // otherwise predictive
   // These defaults of the Radau methods are those of RADAU5 [HW96, IV.8], as are those of keep_from and keep_to.
   double safety = 0.9;
   double fastest_fall = 5.0, fastest_rise = 0.125;  // h_old / h_new stays in [fastest_rise, fastest_fall]
-  // Whether points within steps are asked for.
+  // True if outputs within steps will be requested.
   bool interpolates = true;
-  // Constant matrices: h is kept, and its factorization, if the step wanted is in [keep_from, keep_to] h.
+  // Constant matrices: h and its factorization are reused if the step size wanted is in [keep_from, keep_to] h.
   double keep_from = 1.0, keep_to = 1.2;
   bool operator==(const StepOptions&) const = default;
 };
@@ -55,7 +55,7 @@ struct StartingPoint {
   const std::vector<double>& wdot;
 };
 
-// Where w, x and x' at t are written; w and xdot: null if they are not wanted.
+// Destinations of w, x and x' at t; w and xdot may be null.
 struct PointValues {
   double t;
   double* w;
@@ -63,7 +63,7 @@ struct PointValues {
   double* xdot;
 };
 
-// A step that was accepted.
+// An accepted step.
 struct LastStep {
   double h = 0.0;  // 0 before the first
   int order = 0;   // 0 before the first
@@ -71,8 +71,8 @@ struct LastStep {
   double leading_coefficient = std::numeric_limits<double>::infinity();
 };
 
-// A step that was tried with success, with what says what D_h x is for W = I: c x + rest for BDF, where `method` is
-// null; else the stages of x (n x s) and where it started.
+// A successful attempt, with the formula of D_h x for W = I: c x + rest for BDF, with method = null; otherwise the
+// stages of x (n x s) and the start of the step.
 struct TriedStep {
   double t = 0.0, h = 0.0;
   int order = 0;
@@ -81,26 +81,25 @@ struct TriedStep {
   const double* rest = nullptr;
   const StageMethod* method = nullptr;
   const double* x_start = nullptr;
-  bool forgets_past = false;  // of Radau: points before its start do not say how smooth the solution is
+  bool forgets_past = false;  // Radau: the solution is less smooth than points before the start suggest
 };
 
 struct ErrorTerms;
 struct LocalTerms;
 
-// Where an integrator stands between attempts.
+// State of an integrator between attempts.
 struct StepState {
   double t;        // the last point
-  double tried_t;  // of the last attempt: its end, or where it failed
+  double tried_t;  // end of the last attempt, or the time at which it failed
   LastStep last;
-  double next_step;  // the size to try next, after a failure as well
+  double next_step;  // the size to try next, also after a failure
   int next_order;
   int failures_in_a_row;
-  // The next step may be so long, in size, and interpolate() will be accurate enough within it, as far as the last
-  // step tells.
+  // Maximum size of the next step for which interpolate() is expected to be accurate, judged by the last step.
   double longest_interpolated;
   bool interpolates_well;  // within the last one, for w
-  double tried_error;      // of the last attempt that has been judged, in tolerances as the weights have them
-  // Points within the last step where refine() made up for interpolate(), as far as they are kept.
+  double tried_error;      // of the last attempt judged, in tolerances according to the weights
+  // Number of points within the last step that refine() computed and that are still stored.
   int refined_points;
 };
 
@@ -109,55 +108,55 @@ class Stepper {
   explicit Stepper(Tightening tightening) : tightening_(tightening) {}
   virtual ~Stepper() = default;
 
-  // What is to be done with the tolerances before errors are tested against them.
+  // Adjustment of the tolerances before errors are compared with them.
   Tightening tightening() const { return tightening_; }
   virtual void set_options(const StepOptions& options) = 0;
   // Size of a first attempt. span: length of the interval of interest.
   virtual double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) = 0;
 
-  // The first step will have size h. Everything is as before where memory is missing.
+  // The first step will have size h. Changes nothing if memory is missing.
   virtual void start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) = 0;
   // Tries one step from the last point to t; commit() makes an accepted one the last point.
   virtual StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) = 0;
   virtual void commit() = 0;
-  // Gives up an attempt for reasons of the caller's (a smaller step is wanted).
+  // Undoes an attempt for the caller's reasons (for example, a smaller step is needed).
   virtual void withdraw() = 0;
-  // After a failure: the next step becomes smaller.
+  // Reduces the next step after a failure.
   virtual void reduce_after_failure(double h) = 0;
-  // Of Radau, after an attempt that was accepted: that what goes along with x has these errors counts as well, for
-  // this step and the next.
+  // Radau, after an accepted attempt: includes these errors of companions in the decisions about this step and the
+  // next.
   virtual StepOutcome test_beside(const StrangenessFreeSystem&, const ErrorTerms&) { return StepOutcome::accepted; }
-  // Likewise of BDF: the local terms, and the error of the formula. Whether those of the next higher order are asked
-  // for.
+  // The same for BDF, by local terms and the error of the formula. judges_higher_order(): true if terms of the next
+  // higher order are required.
   virtual StepOutcome test_beside(const LocalTerms&, double /*error*/) { return StepOutcome::accepted; }
   virtual bool judges_higher_order() const { return false; }
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;
-  virtual TriedStep tried() const = 0;                // after an attempt that was accepted, before commit()
-  virtual PointsOfCurve points_of_tried() const = 0;  // likewise; the start and the end of the step are the first
+  virtual TriedStep tried() const = 0;                // after an accepted attempt, before commit()
+  virtual PointsOfCurve points_of_tried() const = 0;  // likewise; starting with both ends of the step
   virtual const std::vector<double>& x() const = 0;   // at the last point
-  // Returns x at the end of the last attempt, which was accepted or has an error that is too large.
+  // x at the end of the last attempt, which was accepted or has an error that is too large.
   virtual const std::vector<double>& tried_x() const = 0;
   virtual const std::vector<double>& error() const = 0;  // of the last attempt, mapped to x
 
-  // A point within the last step; its x is inaccurate in the constraints.
+  // A point within the last step; its x may violate the constraints.
   virtual void interpolate(const PointValues& point) = 0;
-  // Whether its x is as accurate as the tolerances ask for, constraints included.
+  // True if its x is as accurate as the tolerances require, including the constraints.
   virtual bool interpolates_x(ErrorWeights& weights) = 0;
-  // Where the next function should be called for, before the polynomial is trusted for interpolates_x().
+  // Time at which to call gives_up_polynomial() before interpolates_x() trusts the polynomial.
   virtual std::optional<double> point_of_test() const { return std::nullopt; }
-  // x is what has become of the values interpolated at a point within the last step, with all equations that hold
-  // there: whether they contradict what is known of the polynomial, which is not used any more then.
+  // x: the consistent values for those interpolated at a point within the last step. True if they contradict the error
+  // estimate of the polynomial, which is then no longer used.
   virtual bool gives_up_polynomial(ErrorWeights&, const double* /*interpolated*/, const double* /*x*/) {
     return false;
   }
-  // What an iteration toward the point starts from, Taylor coefficients up to that order; empty: nothing is known.
+  // Initial guess for an iteration at the point, Taylor coefficients up to that order; empty: unknown.
   virtual Guess guess_within(double t, int order) = 0;
-  // Moves the system to the point interpolated last, and makes up for its values where they are not accurate enough.
+  // Moves the system to the point interpolated last, and improves its values if they are inaccurate.
   virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) = 0;
 
-  // All that the next step depends on.
+  // Archives all data on which the next step depends.
   virtual void archive(Archive& archive, const StrangenessFreeSystem& system) = 0;
 
  private:

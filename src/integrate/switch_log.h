@@ -29,7 +29,7 @@ class SwitchLog {
   double time_along_surfaces() const { return sliding_; }
 
  private:
-  // Conditions are numbered in the order in which they switch first.
+  // Conditions are numbered in the order of their first switches.
   int number_of(const PassedSwitch& passed) {
     const std::pair condition(passed.record.get(), passed.node);
     return numbers_.try_emplace(condition, static_cast<int>(numbers_.size())).first->second;

@@ -1,4 +1,4 @@
-// Taylor coefficients of an integrator's polynomial, as guesses of points within its last step.
+// Taylor coefficients of an integrator's polynomial as initial guesses for points within its last step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,15 +10,15 @@
 namespace sfdae::core {
 
 struct TaylorGuess {
-  // n x (order + 1): at the point, at the ends of the step. At its start when that is wanted first; empty: neither
-  // end is known.
+  // n x (order + 1): at the point, and at the end and the start of the step. at_start is computed when needed first;
+  // empty: neither end is known.
   std::vector<double> here, before, at_start;
 
   void assign_zero(std::size_t size) {
     for (std::vector<double>* v : {&here, &before}) v->assign(size, 0.0);
     at_start.clear();
   }
-  // The polynomial is another one from here on.
+  // The polynomial has changed.
   void forget_ends() { at_start.clear(); }
   struct Times {
     double t, newest, start;

@@ -1,4 +1,4 @@
-// Counts of an integration; those of its system go on from one integration to the next.
+// Counts of an integration; those of its system continue from one integration to the next.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,20 +18,20 @@ class WorkCounts {
     counts.factorizations = system.counts().factorizations - before_.factorizations;
     return counts;
   }
-  // Goes on from counts of an integration that is restored.
+  // Continues from the counts of an integration that is restored.
   void restore(const IntegrationCounts& counts, const DaeSystem& system) {
     own = counts;
     before_.reductions = system.counts().reductions - counts.reductions;
     before_.factorizations = system.counts().factorizations - counts.factorizations;
   }
 
-  IntegrationCounts own;  // all but those of the system
+  IntegrationCounts own;  // excluding those of the system
 
  private:
   SystemCounts before_;
 };
 
-// is_short: without what only statistics need.
+// is_short: without data that only statistics need.
 inline void archive_counts(Archive& archive, IntegrationCounts& counts, bool is_short) {
   archive.counts(counts.steps, counts.error_failures);
   archive.counts(counts.other_failures, counts.reductions);

@@ -15,7 +15,7 @@ constexpr std::size_t per_double = 3;
 constexpr double radix = 65536.0;
 constexpr double count_radix = 67108864.0;
 
-// NaN is none, and raises no floating-point exception.
+// NaN compares as false, and raises no floating-point exception.
 bool is_whole_below(double limit, double number) {
   return std::isfinite(number) && number >= 0.0 && number < limit && number == std::floor(number);
 }

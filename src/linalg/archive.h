@@ -12,11 +12,11 @@
 
 namespace sfdae::core {
 
-// What was read cannot have been written by an Archive.
+// Thrown if the data read cannot have been written by an Archive.
 struct DamagedArchive {};
 
-// Checksum of a sequence of words: FNV-1a with its constants for 64 bits, high bits brought down after each, as a
-// product changes none below the lowest that differs.
+// Checksum of a sequence of words: FNV-1a with its constants for 64 bits. High bits are folded down after each word, as
+// a product changes no bits below the lowest one that differs.
 class WordHash {
  public:
   void add(std::uint64_t word) {
@@ -48,12 +48,12 @@ class Archive {
   bool is_reading() const { return from_ != nullptr; }
   std::size_t size() const { return size_; }  // doubles counted, written or read so far
   bool has_ended() const { return size_ == length_; }
-  std::size_t rest() const { return length_ - size_; }  // that can still be read
+  std::size_t rest() const { return length_ - size_; }  // remaining to be read
 
   // Reading beyond the end, or NaN, throws DamagedArchive.
   void real(double& value) { reals(&value, 1); }
   void reals(double* values, std::size_t count);
-  // A vector is resized when reading; when writing, what it lacks counts as zero.
+  // A vector is resized when reading; when writing, missing entries count as zero.
   void reals(std::vector<double>& values, std::size_t count);
   // Two counts from 0 to 2^26 - 1, larger ones cut, in one double.
   void counts(long& first, long& second);

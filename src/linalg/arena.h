@@ -1,5 +1,6 @@
-// Scratch memory for numerical kernels: grows during the first calls, allocates nothing afterwards. All of it begins at
-// multiples of a cache line: long vectors are slower elsewhere, and sums of BLAS depend on where their operands begin.
+// Scratch memory for numerical kernels: grows during the first calls, allocates nothing afterwards. All blocks begin at
+// multiples of a cache line: long vectors are slower elsewhere, and sums of BLAS depend on the alignment of their
+// operands.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,7 +23,7 @@ class Arena {
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
 
-  // Memory taken while a frame lives is given back when it ends.
+  // Memory taken during the lifetime of a frame is released when it ends.
   class Frame {
    public:
     explicit Frame(Arena& arena) : arena_(arena), chunk_(arena.chunk_), used_(arena.used_) {}

@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-// What is left of the sizes of entries, log2, after units have explained what they can.
+// Largest deviation of entries from 1, in bits, that balanced units may leave.
 constexpr double similar_size = 12.0;
 // Pivots below that, in such units, are useless for steps even if they are certain (docs/design/scaling_and_units.md).
 constexpr double useful_pivot = 1e-10;
@@ -58,7 +58,7 @@ bool balance(Matrix& J, Matrix& changes, Matrix& without_suspects) {
   EntrySizes::Block& entries = sizes.blocks[only];
   UnitExponents units(J.rows(), J.cols());
   const auto left = [&](int i, int j) { return entries.bits(i, j) + units.sum_at(entries, i, j); };
-  // Entries that are too small do not count in the units, one after the other: the worst one draws all others along.
+  // Entries that are too small are excluded from the units one by one: the worst one distorts all others.
   const int most_suspects = J.rows();
   for (int suspects = 0;; ++suspects) {
     fit_squares(sizes, units);
@@ -74,7 +74,7 @@ bool balance(Matrix& J, Matrix& changes, Matrix& without_suspects) {
     if (-smallest <= similar_size || suspects == most_suspects) return false;
     entries.counts(row, column) = 0.0;
   }
-  // Powers of two: rounding errors of anything else would hide that rows depend on each other.
+  // Powers of two: with other factors, rounding errors would hide linear dependence of rows.
   without_suspects = Matrix(J.rows(), J.cols());
   for (int j = 0; j < J.cols(); ++j)
     for (int i = 0; i < J.rows(); ++i) {

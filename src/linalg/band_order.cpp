@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Neighbours of node v: first[v], ..., first[v + 1] - 1.
+// Neighbors of node v: first[v], ..., first[v + 1] - 1.
 struct Graph {
   std::vector<int> first, neighbour;
   int size() const { return static_cast<int>(first.size()) - 1; }
@@ -129,7 +129,7 @@ void find_widths(const SparsePattern& pattern, BandOrder& order) {
       order.upper = std::max(order.upper, -below);
     }
   if (order.lower <= order.upper) return;
-  // Counted from the end, what is below the diagonal is above it: a lower band is what costs.
+  // Counted from the end, entries below the diagonal are above it: a wide lower band is the expensive one.
   const auto reverse = [&](std::vector<int>& places) {
     for (int& place : places) place = pattern.size - 1 - place;
   };

@@ -25,12 +25,12 @@ namespace sfdae::core {
 struct BandOrder {
   std::vector<int> row_place, column_place;
   int lower = 0, upper = 0;
-  // Of a factorization with row exchanges.
+  // Operations of a factorization with row exchanges.
   double flops() const;
 };
 
-// column_of[i]: of a matching with as many rows as possible, -1 where row i has none. Entries of the diagonal are
-// preferred, then rows and columns with few entries [HK73].
+// column_of[i]: column of row i in a matching with as many rows as possible, -1 if it has none. Entries of the diagonal
+// are preferred, then rows and columns with few entries [HK73].
 std::vector<int> maximum_matching(const SparsePattern& pattern);
 
 // The best of three: the given order; reverse Cuthill-McKee [CM69; GL79] on A + A^T after rows are matched to

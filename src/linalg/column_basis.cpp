@@ -77,7 +77,8 @@ int Exchanges::highest_basic_class() const {
   return highest;
 }
 
-// Classes ascending: what was refused once depends on basic columns of its class and lower ones only, and so it stays.
+// Classes ascending: a column refused once depends on basic columns of its class and lower ones only, and stays
+// refused.
 void Exchanges::run(ColumnBasis& result) {
   if (settings_.classes.empty() || basic_.empty()) return;
   int highest = highest_basic_class();

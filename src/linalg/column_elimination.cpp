@@ -46,8 +46,8 @@ void ColumnElimination::run(ColumnBasis& result) {
   result.fill = entries_.size() + row_of_pivot_.size();
 }
 
-// Along a band where there is a narrow one (rows of a flow on 30 x 30 cells: 35 ms, 2200 by numbers of entries), else
-// rows with few entries first (random rows: 50 ms, 156 along the band).
+// Along a band if there is a narrow one (rows of a flow on 30 x 30 cells: 35 ms, 2200 by numbers of entries), else rows
+// with few entries first (random rows: 50 ms, 156 along the band).
 std::vector<int> ColumnElimination::row_order() const {
   if (!settings_.order.empty()) return settings_.order;
   std::vector<int> order(index(a_.rows()));
@@ -82,7 +82,7 @@ void ColumnElimination::find_reach(int row) {
   }
 }
 
-// Columns behind all that they change: postorder, without recursion.
+// Columns after all columns that they change: postorder, without recursion.
 void ColumnElimination::search(int column, int row) {
   stack_.assign(1, column);
   next_.assign(1, pivot_of_column_[index(column)] < 0 ? 0 : first_of_pivot_[index(pivot_of_column_[index(column)])]);

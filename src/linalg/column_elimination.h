@@ -13,7 +13,7 @@ namespace sfdae::core {
 class ColumnElimination {
  public:
   ColumnElimination(const SparseRows& a, const BasisSettings& settings);
-  // All rows; fills in what the elimination knows of the result.
+  // All rows; fills in the parts of the result known to the elimination.
   void run(ColumnBasis& result);
 
   struct Entry {
@@ -43,9 +43,9 @@ class ColumnElimination {
   std::vector<int> first_of_pivot_;
   std::vector<Entry> entries_;
 
-  // The row that is being eliminated: values of its columns, and the sizes of what was added up for them.
+  // The row that is being eliminated: values of its columns, and the sizes of the terms summed for them.
   std::vector<double> x_, added_;
-  std::vector<int> reached_;  // columns; those with pivots behind all that they change
+  std::vector<int> reached_;  // columns; those with pivots after all that they change
   std::vector<int> seen_in_;  // of columns: the row that met it last
   std::vector<int> stack_, next_;
   std::vector<int> count_;  // entries of columns of A

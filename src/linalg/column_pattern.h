@@ -21,14 +21,14 @@ struct ColumnPattern {
   bool operator==(const ColumnPattern&) const = default;
 };
 
-// What a user has handed over, as it is: start has columns + 1 numbers, row as many as `entries` says.
+// A pattern as a user has supplied it: start has columns + 1 numbers, row as many as `entries` says.
 struct GivenPattern {
   int entries = 0;
   const int *start = nullptr, *row = nullptr;
 };
-// What is wrong with it, "" if nothing is. name: that of the matrix.
+// Message about an invalid pattern, "" if it is valid. name: of the matrix.
 std::string complaint_about(const GivenPattern& given, const char* name, int rows, int columns);
-// Of one without complaints.
+// Converts a valid pattern.
 ColumnPattern column_pattern(const GivenPattern& given, int columns);
 
 ColumnPattern united(const ColumnPattern& a, const ColumnPattern& b, int rows);
@@ -40,10 +40,10 @@ void gather(const ColumnPattern& pattern, const double* matrix, int rows, double
 struct MatrixEntry {
   int row = -1, column = -1;
 };
-// Of a dense matrix, by columns: the first entry that is not zero and not in the pattern; row -1: none.
+// The first entry of a dense matrix, by columns, that is nonzero and not in the pattern; row -1: none.
 MatrixEntry entry_beyond(const ColumnPattern& pattern, int rows, const double* matrix);
 
-// Columns of a group have no row in common: one difference gives all their entries [CPR74].
+// Columns of a group have no row in common: one finite difference gives all their entries [CPR74].
 using ColumnGroups = std::vector<std::vector<int>>;
 // Columns one after the other, each into the first group that it fits.
 ColumnGroups group_columns(const ColumnPattern& pattern, int rows);

@@ -40,7 +40,7 @@ std::size_t largest_entry(const std::vector<Number>& x) {
   return largest;
 }
 
-// Signs that are hard to find are caught by this vector.
+// Estimate with an alternating vector, for cases in which the signs are hard to find.
 template <class Number>
 double alternating_estimate(std::vector<Number>& x, auto&& solve) {
   const double n = static_cast<double>(x.size());

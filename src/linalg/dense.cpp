@@ -22,7 +22,7 @@ constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
 constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
-// Above these and up to that, products in vector loops win, where the processor has some
+// Above these and up to that, products in vector loops are faster if the processor has vectors
 // (docs/design/kernels.md).
 constexpr int most_inner = 112;
 static_assert(most_inner <= kernels::most_transposed);
@@ -178,7 +178,7 @@ void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
 }
 
 int permutation_sign(const int* pivots, int count) {
-  // Every cycle of even length changes it; each is counted at its smallest number.
+  // Every cycle of even length changes the sign; each is counted at its smallest number.
   int sign = 1;
   for (int i = 0; i < count; ++i) {
     int next = i, length = 0;
@@ -243,10 +243,10 @@ Svd svd(ConstView a) {
   return result;
 }
 
-// As svd() finds them, but with a single vector turned along: without any LAPACK takes another algorithm (dqds), which
+// Same method as svd(), with a single vector carried along: without any LAPACK uses another algorithm (dqds), which
 // probes the arithmetic by dividing by zero.
 std::vector<double> singular_values(ConstView a) {
-  // Squares of others may over- or underflow: dgesvd scales them.
+  // Squares of other sizes may over- or underflow: dgesvd scales them.
   constexpr double largest = 1e140;
   const int count = std::min(a.rows, a.cols);
   const double size = max_abs(a);
@@ -297,11 +297,11 @@ int determinant_sign(View a, Arena& arena) {
 
 namespace {
 
-// Calls visit with every eigenvalue that is real, or is so but for rounding errors.
+// Calls visit with every eigenvalue whose imaginary part may be roundoff.
 template <class Visit>
 void for_each_real_eigenvalue(View a, Arena& arena, Visit visit) {
-  // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding,
-  // 1e-8; two digits of safety by judgement (docs/design/singular_points.md).
+  // Rounding errors turn two equal eigenvalues into a complex pair: they split by the square root of roundoff, 1e-8;
+  // two digits of safety by judgment (docs/design/singular_points.md).
   constexpr double nearly_real = 1e-6;
   const int n = a.cols, length = 8 * n + 1;  // dgeev without vectors needs 3 n
   const Arena::Frame frame(arena);

@@ -27,8 +27,8 @@ Matrix transpose_product(ConstView a, ConstView b);  // A^T B
 // A = Q R in place: R on and above the diagonal, Householder vectors below, min(rows, cols) factors in tau.
 void factor_qr(View a, double* tau, Arena& arena);
 // A P = Q R in place, with column pivoting: column j of R belongs to column pivots[j] of A, |r_jj| decreasing.
-// Once all columns of what is left are no longer than `negligible` (< 0: never), it is taken for zero: the next r_jj is
-// the length of the longest one.
+// Once no remaining column is longer than `negligible` (< 0: never), the rest is taken for zero: the next r_jj is the
+// length of the longest one.
 void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena, double negligible = -1.0);
 // C := Q^T C (transposed) or Q C (plain), Q from the first count Householder vectors of a factorization.
 void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena);
@@ -66,16 +66,15 @@ std::vector<double> singular_values(ConstView a);
 Matrix range_basis(ConstView a, int rank);
 // The solution of smallest 2-norm of A x = b in the least squares sense, singular values <= threshold dropped.
 std::vector<double> least_squares(ConstView a, const std::vector<double>& b, double threshold);
-// Of the permutation that takes column pivots[j] to place j.
+// Sign of the permutation that takes column pivots[j] to place j.
 int permutation_sign(const int* pivots, int count);
-// Of det Q, Q from the first count Householder vectors of a factorization.
+// Sign of det Q, Q from the first count Householder vectors of a factorization.
 int reflections_sign(const double* tau, int count);
 // sign of det A, 0 if a pivot vanishes; A is destroyed.
 int determinant_sign(View a, Arena& arena);
-// How many eigenvalues are real and negative, or are so but for rounding errors; A is destroyed.
+// Number of negative eigenvalues whose imaginary parts may be roundoff; A is destroyed.
 int count_negative_eigenvalues(View a, Arena& arena);
-// Of the eigenvalues that are real, or are so but for rounding errors, the one of largest size, 0 if there is none; A
-// is destroyed.
+// Largest in size of the eigenvalues whose imaginary parts may be roundoff, 0 if there is none; A is destroyed.
 double largest_real_eigenvalue(View a, Arena& arena);
 
 }  // namespace sfdae::core

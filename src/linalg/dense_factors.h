@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// A pivot below that, where all entries are below 2, is zero for all that follows: 1e-150, quotients do not overflow.
+// With all entries below 2, a smaller pivot counts as zero: 1e-150, so that quotients do not overflow.
 constexpr double vanishing_pivot = 0x1p-500;
 
 template <class Number>

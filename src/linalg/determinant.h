@@ -28,7 +28,7 @@ struct Determinant {
   }
 };
 
-// Of a permutation of 0, ..., size - 1: whether it takes an odd number of exchanges.
+// True if a permutation of 0, ..., size - 1 takes an odd number of exchanges.
 inline bool is_odd(const int* permutation, int size) {
   std::vector<char> is_done(index(size), 0);
   bool odd = false;

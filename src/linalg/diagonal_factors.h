@@ -1,4 +1,4 @@
-// A diagonal matrix in place of its factors: that of derivatives by x' of an explicit system is one, say.
+// A diagonal matrix in place of its factors, such as the derivatives of an explicit system by x'.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,7 +18,7 @@ inline bool is_diagonal(const SparsePattern& pattern) {
   return true;
 }
 
-// As the other factors of SparseLu; no entry is zero.
+// Same interface as the other factors of SparseLu; no entry is zero.
 template <class Number>
 class DiagonalFactors {
  public:
@@ -34,7 +34,7 @@ class DiagonalFactors {
     for (int c = 0; c < count; ++c, b += size_)
       for (std::size_t i = 0; i < size_; ++i) b[i] /= pivots_[i];
   }
-  // Those of the lower factor count, too, as for the other methods.
+  // Entries of the lower factor count, too, as for the other methods.
   std::size_t fill() const { return 2 * size_; }
   Determinant<Number> determinant() const {
     Determinant<Number> determinant;

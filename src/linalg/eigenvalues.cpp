@@ -39,7 +39,7 @@ Complex dot(const Vector& y, const Vector& x) {
   return sum;
 }
 
-// Column k of what LAPACK returns: real vectors, or a column of real parts and one of imaginary parts for a pair.
+// Column k as LAPACK returns it: real vectors, or a column of real parts and one of imaginary parts for a pair.
 Vector vector_of(ConstView columns, int k, double imaginary) {
   Vector x(index(columns.rows));
   for (int i = 0; i < columns.rows; ++i)
@@ -53,7 +53,7 @@ void normalize(Vector& x) {
     for (Complex& value : x) value /= size;
 }
 
-// What QZ returns: alpha / beta, and vectors of both sides.
+// Output of QZ: alpha / beta, and vectors of both sides.
 struct Schur {
   explicit Schur(int n) : alpha_r(index(n)), alpha_i(index(n)), beta(index(n)), left(n, n), right(n, n) {}
   std::vector<double> alpha_r, alpha_i, beta;
@@ -78,7 +78,7 @@ struct Norms {
   double G, B;
 };
 
-// Infinite where it would overflow, without a floating-point exception.
+// Infinite if it would overflow, without a floating-point exception.
 Complex quotient(Complex alpha, double beta) {
   const double size = std::max(std::fabs(alpha.real()), std::fabs(alpha.imag()));
   if (std::fabs(beta) < 1.0 && size >= std::fabs(beta) * std::numeric_limits<double>::max())
@@ -86,7 +86,7 @@ Complex quotient(Complex alpha, double beta) {
   return alpha / beta;
 }
 
-// y^H (lambda G - B) = 0: the backward error of QZ is some roundings of these norms; 4 by judgement.
+// y^H (lambda G - B) = 0: the backward error of QZ is a few roundoffs of these norms; 4 by judgment.
 double error_of(const Schur& schur, int k, Complex value, ConstView G, const Norms& norms) {
   const double imaginary = schur.alpha_i[index(k)];
   const Vector x = vector_of(schur.right, k, imaginary);
@@ -122,7 +122,7 @@ double size_of_terms(const ShiftedPencil& pencil, const Vector& y, const Vector&
   return sum;
 }
 
-// |y|^T |(s + change) E x - A x|: of vectors that errors of the factors disturb.
+// |y|^T |(s + change) E x - A x| for vectors perturbed by errors of the factors.
 double what_is_left(const ShiftedPencil& pencil, Complex change, const Vector& y, const Vector& x) {
   const Vector Ex = product(Op::plain, pencil.E(), x), Sx = pencil.product(Op::plain, x);
   double sum = 0.0;
@@ -136,17 +136,18 @@ bool factor_near(ShiftedPencil& pencil, Complex& value, double distance) {
   return pencil.factor(value);
 }
 
-// What may be another eigenvalue than the known one number k: much farther from it than its error, and not much
-// nearer than the others.
+// Largest plausible correction of the known value number k: beyond it lies another eigenvalue, much farther away than
+// the error of k, and not much nearer than the other known ones.
 double largest_change(const std::vector<Eigenvalue>& known, std::size_t k) {
-  constexpr double of_errors = 100, of_gap = 1e-3;  // by judgement: errors of QZ are estimates
+  constexpr double of_errors = 100, of_gap = 1e-3;  // by judgment: errors of QZ are estimates
   double gap = std::numeric_limits<double>::infinity();
   for (std::size_t l = 0; l < known.size(); ++l)
     if (l != k) gap = std::min(gap, std::abs(known[l].value - known[k].value));
   return std::max(of_errors * known[k].error, of_gap * std::min(gap, std::abs(known[k].value)));
 }
 
-// The nearest eigenvalue to a known one: y^T A x / y^T E x with vectors of inverse iterations, and again from there.
+// The eigenvalue nearest to a known one: y^T A x / y^T E x with vectors of inverse iterations, repeated from the
+// result.
 Eigenvalue refined(ShiftedPencil& pencil, const Eigenvalue& known, double largest) {
   constexpr int most_factorizations = 3, iterations = 3;
   std::minstd_rand generator(1);
@@ -177,7 +178,7 @@ Eigenvalue refined(ShiftedPencil& pencil, const Eigenvalue& known, double larges
   return result.error < known.error ? result : known;
 }
 
-// Two values that became one, although they were not.
+// Two values merged into one, although they were distinct.
 bool have_merged(const Eigenvalue& a, const Eigenvalue& b, const Eigenvalue& old_a, const Eigenvalue& old_b) {
   const double distance = std::abs(a.value - b.value);
   return distance <= a.error + b.error && std::abs(old_a.value - old_b.value) > 2 * distance;

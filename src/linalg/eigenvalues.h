@@ -16,24 +16,25 @@
 
 namespace sfdae::core {
 
-// A value and an estimate of its absolute error: rounding errors of the data and of what computed it, times the
-// condition. Of a pair of complex ones, conjugate in every bit, that with the positive imaginary part comes first.
+// A value and an estimate of its absolute error: rounding errors of the data and of the algorithm, times the condition.
+// In a complex pair, conjugate in every bit, the one with the positive imaginary part comes first.
 struct Eigenvalue {
   std::complex<double> value;
   double error = 0.0;
 };
 
-// All of them, by QZ: G and B are square, of one size, finite, G regular; where it is not, infinite ones with
-// infinite errors. Empty for matrices without columns. The errors are those that normwise backward stability allows.
-// Throws std::runtime_error where QZ does not converge.
+// All eigenvalues, by QZ: G and B are square, of one size, finite, G nonsingular; otherwise some are infinite, with
+// infinite errors. Empty for matrices without columns. The errors are those of normwise backward stability. Throws
+// std::runtime_error if QZ does not converge.
 std::vector<Eigenvalue> generalized_eigenvalues(ConstView G, ConstView B);
 
-// By two-sided inverse iteration with a pencil lambda E - A, which may have infinite eigenvalues: errors are then
-// those of relative errors of the entries, which small eigenvalues beside large ones feel less [HH98]. Values that
-// this does not improve, as multiple ones, stay as they are, and so do those whose relative errors are small enough.
+// Refinement by two-sided inverse iteration with a pencil lambda E - A, which may have infinite eigenvalues: errors are
+// then those of relative errors of the entries, to which eigenvalues much smaller than others are less sensitive
+// [HH98]. Values that this does not improve, such as multiple ones, are unchanged, and so are those with small relative
+// errors.
 std::vector<Eigenvalue> refined(ConstView E, ConstView A, std::vector<Eigenvalue> known, double small_enough);
 
-// By size, of the same size with positive imaginary parts first; pairs stay together.
+// Sorted by size; of equal sizes, positive imaginary parts come first; pairs stay together.
 void sort_by_size(std::vector<Eigenvalue>& eigenvalues);
 
 }  // namespace sfdae::core

@@ -17,7 +17,7 @@
 
 namespace sfdae::core {
 
-// The elimination of one matrix, pivots by Markowitz's count among those that are large enough [Z80].
+// The elimination of one matrix, with pivots by Markowitz's count among those that are large enough [Z80].
 class EliminationPlanning {
  public:
   struct Entry {
@@ -58,7 +58,7 @@ class EliminationPlanning {
   int pivot_position(std::size_t k) const { return pivot_positions_[k]; }
 
  private:
-  // Pivots are not smaller than this part of the largest entry of their columns, among the columns with fewest entries.
+  // Pivots are at least this part of the largest entry of their columns, among the columns with fewest entries.
   static constexpr double threshold = 0.1;
   static constexpr std::size_t columns_searched = 4;
 
@@ -136,7 +136,7 @@ class EliminationPlanning {
     steps_.push_back(std::move(step));
   }
 
-  std::vector<std::vector<Entry>> rows_;   // of what is left
+  std::vector<std::vector<Entry>> rows_;   // of the remaining matrix
   std::vector<std::vector<int>> columns_;  // rows with entries there
   std::vector<int> remaining_, place_, pivot_positions_, targets_;
   std::vector<Step> steps_;

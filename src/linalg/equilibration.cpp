@@ -21,7 +21,7 @@ bool Equilibration::compute(const CompressedLines& matrix, const Number* values)
     find_largest(matrix, values);
     if (!halve_distances()) break;
   }
-  // What is left, so that the largest of each column is between 1 and 2, none above.
+  // Removes the remaining factors, so that the largest of each column is between 1 and 2, none above.
   find_largest(matrix, values);
   bool has_zeros = false;
   for (std::size_t i = 0; i < crossing_.size(); ++i)

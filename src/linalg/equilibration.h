@@ -1,7 +1,7 @@
 // Powers of two that scale the rows and columns of a sparse matrix so that the largest entry of each is about 1. In
 // exponents, so that nothing overflows or vanishes on the way.
 //
-// By the largest entries, never by means: these are led astray by entries that are nothing but rounding errors of zeros
+// The largest entries are used, never means: these are distorted by entries that are rounding errors of zeros
 // (docs/design/sparse_algebra.md).
 //
 // [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034,
@@ -31,7 +31,7 @@ inline int binary_exponent(double value) {
   if (biased > 0) return biased - 1023;
   return bits == 0 ? exponent_of_zero : 63 - std::countl_zero(bits) - 1074;
 }
-// Of the larger part.
+// Exponent of the larger part.
 inline int binary_exponent(std::complex<double> value) {
   return std::max(binary_exponent(value.real()), binary_exponent(value.imag()));
 }
@@ -66,7 +66,7 @@ class Equilibration {
   template <class Number>
   bool compute(const CompressedLines& matrix, const Number* values);
 
-  // S = 2^crossing A 2^line: all sizes are below 2, apart from zero lines each has one that is at least 1.
+  // S = 2^crossing A 2^line: all sizes are below 2, and each nonzero line has one that is at least 1.
   const std::vector<int>& of_lines() const { return line_; }
   const std::vector<int>& of_crossings() const { return crossing_; }
 

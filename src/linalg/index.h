@@ -1,4 +1,4 @@
-// Sizes and subscripts are int, as in BLAS; the standard library counts with std::size_t.
+// Conversion of subscripts: sizes are int, as in BLAS; the standard library counts with std::size_t.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// The instruction sets that there is code for.
+// Instruction sets with code of their own.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/instruction_set.h"
 

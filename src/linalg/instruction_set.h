@@ -1,4 +1,4 @@
-// The instruction sets that there is code for.
+// Instruction sets with code of their own.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,7 +6,7 @@ namespace sfdae::core {
 
 enum class InstructionSet { portable, avx2, avx512 };
 
-// Whether the processor has it: AVX2 with FMA; AVX-512 F and DQ beside these.
+// True if the processor has the set: AVX2 with FMA; AVX-512 F and DQ in addition.
 bool has_instruction_set(InstructionSet set);
 
 // The best that the processor has, or less if the environment variable SFDAE_INSTRUCTIONS says so: portable, avx2.

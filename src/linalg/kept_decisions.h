@@ -1,4 +1,4 @@
-// Rank decisions for a report, in little memory where many are the same: those on blocks of one equation, by thousands.
+// Rank decisions for a report, in little memory if many are the same: those on blocks of one equation, by thousands.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,7 +26,7 @@ class KeptDecisions {
                                         [](std::size_t wanted, const Run& run) { return wanted < run.first; });
     return at(*(after - 1), i);
   }
-  // In their order; of those that differ by the number of the stage, the first.
+  // Decisions in order; of those that differ only by the number of the stage, the first.
   std::vector<RankDecision> different() const {
     std::vector<RankDecision> result;
     for (const Run& run : runs_) result.push_back(run.decision);
@@ -39,7 +39,7 @@ class KeptDecisions {
   }
 
  private:
-  // Those that follow are the same, with the next stages.
+  // A decision and its repetitions in the following stages.
   struct Run {
     std::size_t first;
     RankDecision decision;

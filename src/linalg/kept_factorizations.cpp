@@ -1,4 +1,4 @@
-// Pivoted QR factorizations that are asked for again.
+// Stored pivoted QR factorizations that are requested again.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/kept_factorizations.h"
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Bit by bit: with zeros of another sign it is another matrix.
+// Bitwise comparison: zeros of different sign make different matrices.
 bool is_same(ConstView a, ConstView b) {
   if (a.rows != b.rows || a.cols != b.cols) return false;
   for (int j = 0; j < a.cols; ++j)
@@ -30,7 +30,7 @@ void KeptFactorizations::Factorization::copy_to(View a, int* to_pivots, double* 
   std::copy_n(tau, std::min(a.rows, a.cols), to_tau);
 }
 
-// Where it is not kept, the next one takes the place of the oldest.
+// If the factorization is not stored, last_ becomes the place of the oldest.
 bool KeptFactorizations::find(ConstView A, double negligible) {
   for (last_ = 0; last_ < kept_.size(); ++last_)
     if (kept_[last_].negligible == negligible && is_same(kept_[last_].original, A)) return true;
@@ -60,7 +60,7 @@ void KeptFactorizations::factor(ConstView A, double negligible, View a, int* piv
   of_A.reflections_of_q = -1;
 }
 
-// Where it was ended earlier than another one would be, it has the same reflections up to there.
+// A factorization that ended earlier than another one would has the same reflections up to its end.
 bool KeptFactorizations::find_first(ConstView A, int count, View a, int* pivots, double* tau) const {
   for (const Factorization& kept : kept_) {
     if (!is_same(kept.original, A) || (count > 0 && kept.tau[count - 1] == 0.0)) continue;

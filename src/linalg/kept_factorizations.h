@@ -1,5 +1,5 @@
-// Pivoted QR factorizations that are asked for again: found by comparing all entries, so that results are the same
-// bits.
+// Stored pivoted QR factorizations that are requested again: found by comparing all entries, so that results are the
+// same bits.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sfdae::core {
 
-// Of the last two matrices, while it keeps any.
+// Stores the factorizations of the last two matrices, while it keeps any.
 class KeptFactorizations {
  public:
   bool is_keeping() const { return memory_ != nullptr; }
@@ -19,12 +19,11 @@ class KeptFactorizations {
   void start_keeping(Arena& memory) { memory_ = &memory; }
   void stop_keeping() { *this = {}; }
 
-  // What factor_qr_pivoted() makes of A, in `a`, copied where A and `negligible` are those of a factorization that is
-  // kept.
+  // Result of factor_qr_pivoted() for A, in `a`, copied if a factorization with the same A and `negligible` is stored.
   void factor(ConstView A, double negligible, View a, int* pivots, double* tau, Arena& scratch);
-  // The same where a factorization of A with these first `count` reflections is kept; else false.
+  // The same if a factorization of A with these first `count` reflections is stored; else false.
   bool find_first(ConstView A, int count, View a, int* pivots, double* tau) const;
-  // form_q() for what was factored last.
+  // form_q() for the matrix factored last.
   void form_q(ConstView factors, int count, const double* tau, View q, Arena& scratch);
 
  private:

@@ -1,15 +1,14 @@
 // Products of matrices of moderate size; kernel_loops.h includes this.
 //
 // A tile of C, up to three vectors high and up to eight columns wide, stays in registers while the inner dimension is
-// run through in order, as BLAS does: what matters below a few hundred is that nothing is copied before.
+// traversed in order, as in BLAS: below a few hundred it matters most that nothing is copied first.
 // SPDX-License-Identifier: BSD-3-Clause
 
 namespace sfdae::core::kernels {
 
 namespace {
 
-// What a tile is made of: rows of op(A), column after column, and columns of op(B), entry (k, j) at k b_down + j
-// b_right.
+// Operands of a tile: rows of op(A), column after column, and columns of op(B), entry (k, j) at k b_down + j b_right.
 struct Tile {
   int inner;
   const double* a;
@@ -22,7 +21,7 @@ struct Tile {
   int rows;  // of the last vector
 };
 
-// alpha sum + beta C. Sums of BLAS begin with a zero, too: nothing else makes zeros of the same sign.
+// alpha sum + beta C. Sums of BLAS begin with a zero, too: otherwise zeros could differ in sign.
 inline V updated(const Tile& of, V sum, V before) {
   const V change = Lanes::product(Lanes::all(of.alpha), sum);
   if (of.beta == 0.0) return Lanes::sum(Lanes::zero(), change);

@@ -10,7 +10,7 @@ namespace sfdae::core::kernels {
 
 namespace {
 
-// An updated square that is left with less than this of what it was has lost half of its digits [DB08].
+// An updated square that falls below this part of its old value has lost half of its digits [DB08].
 constexpr double cancellation = 1e-8;
 // Squares below lose digits to underflow.
 constexpr double least_square = 1e-280;
@@ -80,7 +80,7 @@ void mark_done(const QrWork& work, int j) {
   work.reference[j] = done_reference;
 }
 
-// p where nothing can be compared: norms that are NaN are passed over.
+// Returns p if nothing can be compared: norms that are NaN are skipped.
 int largest_norm(const QrWork& work, int p) {
   V best = Lanes::all(done_norm);
   for (int j = round_down(p); j < round_up(work.a.cols); j += width)
@@ -154,14 +154,14 @@ int factor_columns(const QrWork& work, int first, int last, int end) {
 
 // ---- Panels [QSB98] ---------------------------------------------------------------------------------------------
 
-// What the reflections first, ..., p - 1 do to column p, in the rows from p on.
+// Applies the reflections first, ..., p - 1 to column p, in the rows from p on.
 void catch_up(const QrWork& work, int first, int p) {
   const int from = round_down(p), count = p - first, to = round_up(work.a.rows);
   double *x = column(work.a, p), *y = work.v;
   for (int i = from; i < to; i += width) Lanes::store(y + i, Lanes::load(x + i));
   for (int q = 0; q < count; ++q) work.coefficients[q] = -column(work.F, q)[p];
   add_combination({column(work.a, first), work.a.ld, count, work.coefficients}, from, to, y);
-  // Rows above are finished. No vector is read of which parts have just been written: that would wait for them.
+  // Rows above are finished. No vector is read whose parts have just been written, as that would stall.
   for (int i = from; i < from + lanes; i += width) {
     const V above = Lanes::up_to(Lanes::load(x + i), p - 1 - i), below = Lanes::behind(Lanes::load(y + i), p - 1 - i);
     Lanes::store(x + i, Lanes::sum(above, below));
@@ -169,7 +169,7 @@ void catch_up(const QrWork& work, int first, int p) {
   for (int i = from + lanes; i < to; i += width) Lanes::store(x + i, Lanes::load(y + i));
 }
 
-// Column p - first of F: tau A^T v, less what the reflections before have made of A.
+// Column p - first of F: tau A^T v, corrected for the earlier reflections.
 void extend_F(const QrWork& work, int first, int p, double tau) {
   const int k = p - first, cols = work.a.cols, to = round_up(work.a.rows);
   double* f = column(work.F, k);

@@ -1,4 +1,4 @@
-// What loops with AVX2 and with AVX-512 have in common; compiled apart for each, as they are.
+// Common loops for AVX2 and AVX-512, compiled separately for each.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// Which loops are taken.
+// Selection of the loops for the processor.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/kernels_in_use.h"
 

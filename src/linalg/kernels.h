@@ -1,5 +1,4 @@
-// Loops over whole vectors of numbers, compiled for several instruction sets; which one is taken is decided at run
-// time.
+// Loops over whole vectors of numbers, compiled for several instruction sets; the set is selected at run time.
 //
 // They work on padded matrices: columns aligned to 64 bytes, leading dimension a multiple of 8, zeros in the rows from
 // `rows` to the next multiple of 8, and room for spare columns, so that no loop has a remainder. dense.h uses them.
@@ -12,7 +11,7 @@
 
 namespace sfdae::core::kernels {
 
-// What rows are rounded up to: the longest vector, and a cache line.
+// Row counts are rounded up to this: the longest vector, and a cache line.
 inline constexpr int lanes = 8;
 // Columns behind the last one that loops over groups of columns may read and write; zeros.
 inline constexpr int spare_columns = 8;
@@ -22,7 +21,7 @@ static constexpr int round_down(int i) { return i & ~(lanes - 1); }
 static constexpr int round_up(int i) { return round_down(i + lanes - 1); }
 
 // Squared norms, and references, of columns that a pivoted factorization is done with, and of spare ones: they are
-// never chosen, and their updates never look as if they had lost digits.
+// never chosen, and their updates never seem to lose digits.
 inline constexpr double done_norm = -1.0;
 inline constexpr double done_reference = -1e300;
 
@@ -33,21 +32,21 @@ struct Padded {
   int rows, cols;
 };
 
-// A factorization A P = Q R under way: R and the Householder vectors in A as LAPACK has them.
+// A factorization A P = Q R in progress: R and the Householder vectors in A as in LAPACK.
 struct QrWork {
   Padded a;
   double* v;    // the Householder vector at work, with its zeros and 1: ld entries
   double* row;  // the row at work: as many entries as there are columns, rounded up, and spare ones
   double* tau;
-  // With column pivoting; nullptr: without. Squared norms of what is left of each column, and what these were when they
-  // were last computed and not only updated; of the length of `row`.
+  // With column pivoting; nullptr: without. Squared norms of the remaining part of each column, and their values when
+  // last computed instead of updated; of the length of `row`.
   int* pivots;
   double* norms;
   double* reference;
-  // Once no square is larger, nothing is left that counts; < 0: go on to the end.
+  // If no square is larger, the rest is negligible; < 0: continue to the end.
   double negligible;
-  // Of a panel: A = A - V F^T is what its reflections do to the columns behind it. Of the length of `row` times the
-  // width of a panel, and as many coefficients as that is wide, and spare ones.
+  // For a panel: A = A - V F^T applies its reflections to the columns behind it. Length of `row` times the width of a
+  // panel, and as many coefficients as the panel is wide, and spare ones.
   Padded F;
   double* coefficients;
 };
@@ -58,7 +57,7 @@ struct ArrayLoops {
   double (*largest_size)(const double* x, int count);
   // Neither NaN nor infinite; raises no floating-point exception.
   bool (*all_finite)(const double* x, size_t count);
-  // x_i := x_i factor_i; returns the largest size that there is then.
+  // x_i := x_i factor_i; returns the largest resulting size.
   double (*scale_entries)(double* x, const double* factors, int count);
   // sizes_i := max(sizes_i, unit |x_i|)
   void (*raise_sizes)(const double* x, double unit, int count, double* sizes);
@@ -83,7 +82,7 @@ struct Product {
   ptrdiff_t ldc;
   int rows, cols;
 };
-// So many at most where A is transposed: it is copied, a few rows at a time.
+// Upper limit if A is transposed: it is copied, a few rows at a time.
 inline constexpr int most_transposed = 128;
 
 // Q^T C takes the first reflection first, Q C the last; to_identity: Q C where C begins with the identity, whose
@@ -96,13 +95,13 @@ struct Loops {
   // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
   void (*pad)(const double* a, int lda, Padded to, double* squares);
   // Reflections first, ..., last - 1, each applied to all columns up to end at once. Returns last, or the first one
-  // that was not made because nothing is left that counts.
+  // that was not made because the rest is negligible.
   int (*factor_columns)(const QrWork& work, int first, int last, int end);
   // Reflections first, ..., first + count - 1 at most, pivoted: the columns behind the panel get their pivot rows, the
-  // rest of them is left as it was, for one product with F. Returns how many were made: fewer where norms have to be
-  // computed anew before the next pivot can be chosen, or nothing is left.
+  // rest of them is left unchanged, for one product with F. Returns how many were made: fewer if norms have to be
+  // recomputed before the next pivot can be chosen, or the rest is negligible.
   int (*factor_panel)(const QrWork& work, int first, int count);
-  // Norms of the columns from `first` on, in the rows from there on, computed anew where updates have lost them.
+  // Norms of the columns from `first` on, in the rows from there on, recomputed if updates have lost their digits.
   void (*renew_norms)(const QrWork& work, int first);
   // C := Q^T C or Q C, reflection by reflection. V: Householder vectors with zeros and 1.
   void (*apply_reflections)(Padded V, const double* tau, Order order, Padded C);
@@ -112,9 +111,9 @@ struct Loops {
   void (*multiply)(const Product& product);
 };
 
-// nullptr where the processor, or this build, does not have it.
+// nullptr if the processor, or this build, does not have it.
 const Loops* loops_for(InstructionSet set);
-// What the parts of the build have; called by loops_for().
+// Loops in the parts of the build; called by loops_for().
 const Loops* portable_loops();
 const Loops* avx2_loops();
 const Loops* avx512_loops();

@@ -1,4 +1,4 @@
-// The loops that are taken: the best that the processor has.
+// Loops in use: the best that the processor has.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace sfdae::core::kernels {
 
-// Those chosen; nullptr until they are.
+// The loops selected; nullptr before the selection.
 extern std::atomic<const Loops*> loops_in_use;
 
-// Those of the best instruction set, best_instruction_set(), that this build has loops for.
+// Loops of the best instruction set, best_instruction_set(), that this build contains.
 const Loops& choose_loops();
 
 inline const Loops& loops() {

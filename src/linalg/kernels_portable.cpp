@@ -1,4 +1,4 @@
-// Loops for any processor: vectors of two numbers that compilers map to what there is.
+// Loops for any processor: vectors of two numbers that compilers map to the available registers.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/kernels.h"
 
@@ -16,7 +16,7 @@ struct Lanes {
   };
   static constexpr int width = 2;
   static constexpr const char* name = "portable";
-  // BLAS is made for the processor.
+  // BLAS is optimized for the processor.
   static constexpr bool multiplies = false;
   static V zero() { return {0.0, 0.0}; }
   static V all(double x) { return {x, x}; }

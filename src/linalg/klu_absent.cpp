@@ -1,4 +1,4 @@
-// In place of klu_factors.cpp where the library is built without KLU.
+// Replacement of klu_factors.cpp in builds without KLU.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <stdexcept>
 

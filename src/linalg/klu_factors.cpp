@@ -21,9 +21,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Pivots are kept while the growth of the factors is at most so many times that of a factorization with new ones.
+// Pivots are reused while the growth of the factors is at most this multiple of that of a factorization with new ones.
 constexpr double most_loss = 100.0;
-// Diagonal pivots are taken if they are not smaller than so many times the largest of their column. 0.001 is usual for
+// Diagonal pivots are taken if they are at least this part of the largest entry of their column. 0.001 is usual for
 // circuits; there is no refinement of solutions here.
 constexpr double pivot_threshold = 0.1;
 
@@ -84,7 +84,7 @@ Symbolic analyzed(const SparsePattern& pattern, Ordering ordering) {
           }};
 }
 
-// COLAMD foretells no fill: what random numbers need is written to `symbolic` as AMD does.
+// COLAMD predicts no fill: the need of random numbers is written to `symbolic` as AMD does.
 void estimate_by_trial(const SparsePattern& pattern, klu_symbolic& symbolic) {
   std::minstd_rand generator;
   std::vector<double> values(pattern.row.size());
@@ -147,7 +147,7 @@ struct KluFactors<Number>::State {
   klu_common common = settings();
   Symbolic symbolic;  // never changed
   klu_numeric* numeric = nullptr;
-  double fresh_growth = 0.0;  // reciprocal, after new pivots were chosen
+  double fresh_growth = 0.0;  // reciprocal, with newly chosen pivots
 };
 
 // False if the pivots are not good enough. Old pivots may vanish: quotients that overflow are no error then.
@@ -174,7 +174,7 @@ void KluFactors<Number>::State::copy_array(const Item* from, std::size_t count, 
   std::memcpy(static_cast<void*>(to), static_cast<const void*>(from), count * item_size);
 }
 
-// What klu_factor() allocates. Where memory ends on the way, the parts that are there are released.
+// Copies the arrays that klu_factor() allocates. If memory runs out on the way, the finished parts are released.
 template <class Number>
 void KluFactors<Number>::State::copy_numeric(const klu_numeric& from) {
   const std::size_t n = index(from.n), entries = index(from.nzoff) + 1, blocks = index(from.nblocks);

@@ -1,4 +1,4 @@
-// LU factors of a sparse matrix by KLU, where the library is built with it (SFDAE_WITH_KLU).
+// LU factors of a sparse matrix by KLU, in builds with it (SFDAE_WITH_KLU).
 //
 // [DP10] T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 // problems.
@@ -31,7 +31,7 @@ class KluFactors {
   void analyze(const SparsePattern& pattern);
   // Estimated by analyze(), of a factorization; 0 if not known.
   double flops() const;
-  // The pivots of the factorization before are taken again where they are good enough. False if one vanishes.
+  // The pivots of the previous factorization are reused if they are good enough. False if one vanishes.
   bool factor(const SparsePattern& pattern, const Number* values);
   // The last factorization has chosen its pivots.
   bool has_new_pivots() const { return has_new_pivots_; }

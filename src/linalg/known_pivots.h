@@ -1,4 +1,4 @@
-// Sparse factors with the matrix that their pivots were chosen for, so that these can be archived.
+// Sparse factors with the matrix that their pivots were chosen for, so that the factors can be archived.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,9 +11,9 @@ namespace sfdae::core {
 
 class KnownPivots {
  public:
-  // After analyze() of the factors: none are known.
+  // Call after analyze() of the factors: no pivots are known.
   void forget() { values_.clear(); }
-  // As SparseLu::factor. After a failure the factors have no pivots.
+  // Same result as SparseLu::factor. After a failure the factors have no pivots.
   bool factor(SparseLu<double>& lu, const std::vector<double>& values) {
     if (!lu.factor(values.data())) {
       lu.forget_pivots();
@@ -23,7 +23,7 @@ class KnownPivots {
     if (lu.method() == SparseMethod::klu && lu.has_new_pivots()) values_ = values;
     return true;
   }
-  // Of matrices with so many entries. Reading: the factors have these pivots again. Throws DamagedArchive.
+  // entries: of the matrix. Reading restores the pivots of the factors. Throws DamagedArchive.
   void archive(Archive& archive, SparseLu<double>& lu, std::size_t entries) {
     bool are_known = !values_.empty();
     archive.small(are_known);

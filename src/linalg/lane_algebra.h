@@ -1,7 +1,7 @@
 // Dense linear algebra on lanes: the same small systems at several points. A matrix is stored by rows.
 //
-// Pivots are common to all points. They are refused where they are not good for one of them: that point has to be
-// looked at alone.
+// Pivots are common to all points. They are refused if they are not good for one of them: that point has to be treated
+// alone.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace sfdae::core::lane_algebra {
 
-// P A = L U, row i of it being row order[i] of what is stored in A.
+// P A = L U, its row i is row order[i] of the stored A.
 struct Factors {
   int n;
   Lanes* A;
@@ -36,7 +36,7 @@ inline double largest_above_noise(const Lanes* values, int count, const double* 
 
 // False: no pivot of some column is good for all points.
 inline bool choose_pivot(const Factors& lu, int p) {
-  // A diagonal that is hardly less than the largest entry saves the search; with less than a hundredth of it rounding
+  // A diagonal that is hardly less than the largest entry avoids the search; with less than a hundredth of it rounding
   // errors would grow.
   constexpr double good = 0.25, least = 0.01;
   const int n = lu.n;

@@ -1,4 +1,4 @@
-// Which instruction set lanes are computed with.
+// Selection of the instruction set for lanes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/lanes.h"
 
@@ -8,9 +8,8 @@ namespace sfdae::core {
 
 namespace {
 
-// AVX2 serves loops that are written for it alone: with GCC 12, which moves eight numbers piece by piece, all others
-// take 1.25 to
-// 1.4 times as long as portable code (docs/design/radau.md).
+// AVX2 is used only in loops written for it: with GCC 12, which moves eight numbers piece by piece, all others take
+// 1.25 to 1.4 times as long as portable code (docs/design/radau.md).
 std::atomic<InstructionSet>& chosen() {
   static std::atomic<InstructionSet> set = best_instruction_set();
   return set;

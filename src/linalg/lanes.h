@@ -1,8 +1,8 @@
 // Eight numbers side by side, one of each of eight points, for the same operation on all of them.
 //
-// Sums and products of lanes are those of single numbers to the last bit: sources that use them are compiled without
-// contraction to fused operations, and for every instruction set in the same way. Points that are not there repeat one
-// that is, so that nothing happens in their lanes that does not happen elsewhere.
+// Sums and products of lanes equal those of single numbers to the last bit: sources that use them are compiled without
+// contraction to fused operations, and for every instruction set in the same way. Unused lanes repeat a point that is
+// present, so that nothing happens in them that does not happen elsewhere.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,7 +20,7 @@ struct alignas(64) LaneBlock {
 };
 using LaneArray = std::vector<LaneBlock>;
 
-// What the compiler computes with: a vector type of GCC and Clang, whatever registers there are.
+// Vector type of GCC and Clang that lanes are computed with, independent of the registers.
 typedef double Lanes __attribute__((vector_size(64), may_alias));
 typedef std::int64_t LaneMask __attribute__((vector_size(64), may_alias));
 
@@ -71,13 +71,13 @@ inline void lanes_to_columns(const LaneBlock* blocks, int rows, int count, doubl
     for (int k = 0; k < rows; ++k) columns[static_cast<std::ptrdiff_t>(l) * rows + k] = blocks[k].lane[l];
 }
 
-// What lanes are computed with: AVX-512 where best_instruction_set() says so, else what the compiler aims at, but for
-// loops that are written for AVX2. A test may choose otherwise.
+// Instruction set for lanes: AVX-512 if best_instruction_set() returns it, else the compiler's target, except in loops
+// written for AVX2. A test may choose otherwise.
 InstructionSet instruction_set_of_lanes();
 void use_for_lanes(InstructionSet set);
 
-// SFDAE_LANE_KERNEL(name, Work) defines run_name(Work&), which calls name(Work&) compiled for the instruction set in
-// use, everything that it calls included.
+// SFDAE_LANE_KERNEL(name, Work) defines run_name(Work&), which calls name(Work&), with everything it calls, compiled
+// for the instruction set in use.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define SFDAE_LANE_KERNEL(name, Work)                                                                        \
   __attribute__((target("avx512f,avx512dq"), flatten)) static void name##_avx512(Work& work) { name(work); } \

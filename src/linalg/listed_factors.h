@@ -1,5 +1,5 @@
 // LU factors of one sparse matrix after another, of one pattern and with values that change little: by a recorded
-// elimination whose pivots are kept as long as they serve.
+// elimination whose pivots are reused as long as they are suitable.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,15 +15,15 @@ namespace sfdae::core {
 
 class ListedFactors {
  public:
-  // Of larger ones the search for pivots takes longer than what is saved: Stokes's equations in 239 unknowns.
+  // For larger ones the search for pivots takes longer than it saves: Stokes's equations in 239 unknowns.
   static constexpr int largest_size = 200;
 
-  // As at first: another pattern may follow.
+  // Initial state: another pattern may follow.
   void reset() {
     elimination_.forget();
     is_too_long_ = false;
   }
-  // Whether other methods are not known to be faster.
+  // True unless other methods are known to be faster.
   bool may_factor(const SparsePattern& pattern) const {
     return !is_too_long_ && pattern.size > 0 && pattern.size <= largest_size;
   }
@@ -47,7 +47,7 @@ class ListedFactors {
   }
   Determinant<double> determinant() const { return elimination_.determinant(factors_.data()); }
   const RecordedElimination& elimination() const { return elimination_; }
-  // Without the factors: those of the same values are the same in every bit.
+  // Archives all but the factors, which are the same in every bit for the same values.
   void archive(const SparsePattern& pattern, Archive& archive) {
     archive.small(is_too_long_);
     elimination_.archive(pattern, archive);

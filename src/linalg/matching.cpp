@@ -1,4 +1,4 @@
-// Maximum matching of rows and columns: shortest augmenting paths, as many at once as do not meet [HK73].
+// Maximum matching of rows and columns: shortest augmenting paths, as many disjoint ones at once as possible [HK73].
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
@@ -100,7 +100,7 @@ void Matching::augment_from(int column) {
     const int owner = column_of_[index(row(k))];
     if (owner == none) {
       for (const int passed : path_) match(row(next_[index(passed)]), passed);
-      // What is on the path is used up in this phase.
+      // Columns of the path are exhausted for this phase.
       for (const int passed : path_) next_[index(passed)] = pattern_.first[index(passed) + 1];
       return;
     }

@@ -58,7 +58,7 @@ class Matrix {
   operator ConstView() const { return view(); }
 
  private:
-  // First, as members are copied in order: where there is no memory for them the sizes stay, too.
+  // Declared first, as members are copied in order: without memory for them the sizes stay, too.
   std::vector<double> entries_;
   int rows_ = 0;
   int cols_ = 0;

@@ -100,7 +100,7 @@ void find_residual(const PlannedLaneWork& work, Columns width) {
   }
 }
 
-// Whether the residual is below what is refused, relative to the terms that it is the sum of.
+// True if the residual, relative to its terms, is below the limit of refusal.
 template <class Columns>
 bool is_residual_small(const PlannedLaneWork& work, Columns width) {
   const EliminationList& list = work.list;
@@ -128,7 +128,7 @@ bool is_residual_small(const PlannedLaneWork& work, Columns width) {
   return !any(bad);
 }
 
-// y += change. False: a column changes by more than what would be refused of residuals, or is not finite.
+// y += change. False: a column changes by more than the limit for residuals, or is not finite.
 template <class Columns>
 bool refine(const PlannedLaneWork& work, const Lanes* change, Columns width) {
   const int length = static_cast<int>(work.list.size()) * width;
@@ -162,7 +162,7 @@ bool solve_columns(const PlannedLaneWork& work, int first, Columns width) {
   substitute(work, work.y, width);
   find_residual(work, width);
   substitute(work, work.r, width);
-  // Solutions that hardly change have a small residual, which is what counts.
+  // Solutions that hardly change have a small residual, which is the criterion.
   if (!refine(work, work.r, width) && !is_residual_small(work, width)) return false;
   for (int j = 0; j < size; ++j)
     for (int c = 0; c < width; ++c)
@@ -171,7 +171,7 @@ bool solve_columns(const PlannedLaneWork& work, int first, Columns width) {
   return true;
 }
 
-constexpr int at_once = 3;  // columns: what is known of them stays in registers
+constexpr int at_once = 3;  // columns: their data stay in registers
 
 template <int width>
 struct Columns {

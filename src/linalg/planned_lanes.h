@@ -9,9 +9,8 @@ namespace sfdae::core {
 
 class PlannedLanes {
  public:
-  // X := A^-1 B, b and x: one column after the other, apart from each other. values: in the order of the pattern.
-  // False: pivots do not serve for one of the matrices, which have to be looked at one by one. Allocates where sizes
-  // are new alone.
+  // X := A^-1 B, b and x: one column after the other, without overlap. values: in the order of the pattern. False:
+  // pivots are unsuitable for one of the matrices, which have to be solved one by one. Allocates only for new sizes.
   bool solve(const EliminationList& list, const LaneBlock* values, const LaneBlock* b, int count, LaneBlock* x);
 
  private:

@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Pivots may be chosen for every eighth solution; more often they do not save anything.
+// Limit: one choice of pivots per eight solutions; more frequent choices save nothing.
 constexpr long least_plans = 8, solutions_of_a_plan = 8;
 
 // Nanoseconds, as in sparse_lu.cpp: of the list, and of a full matrix by LAPACK.
@@ -24,7 +24,7 @@ double time_of_full_matrix(double n) { return n * (50.0 + 0.3 * n) + 0.022 * n *
 
 double power_of_two(int exponent) { return times_power_of_two(1.0, exponent); }
 
-// With a row of `count` entries beside its pivot, from all rows that have multipliers.
+// Eliminates with a row of `count` entries besides its pivot, in all rows that have multipliers.
 template <int count>
 double* eliminate_rows(double* all, const double* u, double inverse, double* L, const double* last,
                        const int*& target) {
@@ -154,7 +154,7 @@ void PlannedLu::take(const EliminationPlanning& planning) {
   for (std::vector<double>* v : {&b_, &y_, &r_}) v->assign(size * index(at_once), 0.0);
 }
 
-// In the order of the pattern within a row.
+// Lists the entries of rows in the order of the pattern.
 void PlannedLu::list_rows() {
   const std::size_t size = list_.size(), entries = list_.position.size();
   first_of_row_.assign(size + 1, 0);
@@ -206,7 +206,7 @@ bool PlannedLu::factor(const double* values) {
   return true;
 }
 
-// By steps, `width` columns side by side: right-hand sides become the solution.
+// Solves, by steps, `width` columns side by side: right-hand sides become the solution.
 template <int width>
 void PlannedLu::substitute(double* z) const {
   const std::size_t size = list_.size();
@@ -275,8 +275,8 @@ double PlannedLu::residual() {
   return error;
 }
 
-// The first `count` columns of x, of at most `width`: others repeat the last. Where the residual is what may be left
-// after a refinement it is not evaluated again.
+// The first `count` columns of x, of at most `width`: others repeat the last. After a refinement the residual is
+// evaluated again only if it was above the limit of refusal.
 template <int width>
 bool PlannedLu::solve_columns(const double* b, int count, double* x) {
   const std::size_t size = list_.size();

@@ -1,10 +1,8 @@
-// Sparse systems of linear equations with matrices that change little: pivots are chosen once, by values and fill,
-// and all operations of the elimination are listed. Those of later matrices run through the list, without any search
-// or test.
+// Sparse systems of linear equations with matrices that change little: pivots are chosen once, by values and fill, and
+// all operations of the elimination are listed. Later matrices are eliminated by the list, without any search or test.
 //
-// Whether the pivots serve is seen from the solutions: their residuals have to be rounding errors of the scaled
-// equations, after one step of refinement where necessary [ADD89]. If not, pivots are chosen anew for the matrix at
-// hand.
+// Residuals of the solutions show whether the pivots are suitable: they have to be rounding errors of the scaled
+// equations, after one step of refinement if necessary [ADD89]. If not, new pivots are chosen for the current matrix.
 //
 // [ADD89] M. Arioli, J. W. Demmel, I. S. Duff: Solving sparse linear systems with sparse backward error. SIAM J.
 // Matrix Anal.
@@ -21,9 +19,9 @@
 
 namespace sfdae::core {
 
-// What is done to matrices of one pattern, without any search or test. Step k of the elimination: the row of its
-// pivot has the further entries first_u[k], ..., its column the multipliers first_l[k], ...; rows and columns are
-// numbered by their steps. All numbers are in one array of `fill`: pivots, entries of rows, multipliers.
+// Operations of the elimination for matrices of one pattern, without any search or test. Step k: the row of its pivot
+// has the further entries first_u[k], ..., its column the multipliers first_l[k], ...; rows and columns are numbered by
+// their steps. All numbers are in one array of `fill`: pivots, entries of rows, multipliers.
 struct EliminationList {
   std::size_t size() const { return row_factor.size(); }
 
@@ -37,9 +35,9 @@ struct EliminationList {
   std::size_t fill = 0;
 };
 
-// Residuals of scaled equations, relative to the terms that they are sums of, after which solutions are refined no
-// more, and those that are refused. With residuals up to 1e-14 left as they were the error test of sensitivities ran
-// into their noise, and steps became ever shorter.
+// Residuals of scaled equations relative to their terms: limits below which solutions are not refined, and above which
+// they are refused. With residuals up to 1e-14 accepted, the error test of sensitivities was limited by their noise,
+// and steps became ever shorter.
 inline constexpr double rounding_of_residuals = 1e-16, refused_residuals = 1e-12;
 
 class EliminationPlanning;
@@ -48,23 +46,22 @@ class PlannedLu {
  public:
   // Forgets the pivots. accepted: residuals with which solutions are not refined.
   void analyze(const SparsePattern& pattern, double accepted = rounding_of_residuals);
-  // Pivots for this matrix. False: it is singular or has values that are not finite, or the elimination takes longer
-  // than that of a full matrix by LAPACK does; then, or where pivots had to be chosen too often, it is unsuitable
-  // until analyze().
+  // Chooses pivots for this matrix. False: it is singular or has values that are not finite, or the elimination takes
+  // longer than that of a full matrix by LAPACK; then, or if pivots had to be chosen too often, it is unsuitable until
+  // analyze().
   bool plan(const double* values);
   bool is_suitable() const { return is_suitable_; }
-  // X := A^-1 B, both column-major, size x count, apart from each other. Chooses pivots where none are known or these
-  // do not serve. False: as plan(), or no residual was small. Raises no floating-point exception, allocates only for
-  // new pivots.
+  // X := A^-1 B, both column-major, size x count, without overlap. Chooses pivots if none are known or these are
+  // unsuitable. False: as plan(), or no residual was small. Raises no floating-point exception, allocates only for new
+  // pivots.
   bool solve(const double* values, const double* b, int count, double* x);
 
-  // After analyze() of the same pattern, when reading: the pivots are those of the same matrix again. Throws
-  // DamagedArchive.
+  // Reading, after analyze() of the same pattern, restores the pivots of the same matrix. Throws DamagedArchive.
   void archive(Archive& archive);
 
-  // For those who eliminate several matrices at once; null where no pivots are known.
+  // Used to eliminate several matrices at once; null if no pivots are known.
   const EliminationList* list() const { return is_suitable_ && has_plan_ ? &list_ : nullptr; }
-  // Choices of pivots.
+  // Number of pivot choices.
   long plans() const { return plans_; }
   // Multiplications of the elimination.
   std::size_t operations() const { return list_.target.size(); }

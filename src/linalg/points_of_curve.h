@@ -18,7 +18,7 @@ struct PointsOfCurve {
     t[count] = time;
     x[count++] = values;
   }
-  // By how much x' at the first point grows, times the distance to the second one, as x at that one grows by 1.
+  // Derivative of x' at the first point with respect to x at the second one, times their distance.
   double part_of_second_in_slope() const {
     double part = 1.0;
     for (std::size_t k = 2; k < count; ++k) part *= (t[0] - t[k]) / (t[1] - t[k]);

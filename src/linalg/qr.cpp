@@ -25,15 +25,15 @@ using kernels::Padded;
 using kernels::round_up;
 
 // Measured crossovers, docs/design/kernels.md.
-// Up to so many rows plain loops win.
+// Up to this many rows plain loops are fastest.
 constexpr int tiny_rows = 12;
-// So few columns do not pay for blocks of up to most_at_once reflections, nor, in few rows, for vectors.
+// Fewer columns do not pay for blocks of up to most_at_once reflections, nor, with few rows, for vectors.
 constexpr int few_columns = 8;
 constexpr int most_at_once = 16;
 // Reflections in a panel of a pivoted factorization, where the first pass over the matrix is as long as all others
 // together.
 constexpr int panel = 8;
-// What is left of a pivoted factorization is not worth a panel.
+// A smaller remainder of a pivoted factorization does not pay for a panel.
 constexpr int unblocked = 40;
 
 // Reflections in a block; fewer pay where small products are fast (docs/design/kernels.md).
@@ -76,7 +76,7 @@ void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
   work.coefficients = arena.take(index(panel + kernels::spare_columns));
 }
 
-// By their squares.
+// Largest length, given the squares.
 double largest_length(const double* squares, int count) {
   return count > 0 ? std::sqrt(std::max(*std::max_element(squares, squares + count), 0.0)) : 0.0;
 }
@@ -91,7 +91,7 @@ struct Reflections {
   int first, count;
 };
 
-// As a block, in the rows from `first` on.
+// A block of reflections, in the rows from `first` on.
 struct Block {
   View V;   // with zeros and ones
   View Yt;  // T V^T, or T^T V^T for the transposed block, which is I - V Yt
@@ -138,7 +138,7 @@ void apply_unblocked(Order order, const Reflections& of, View C, Arena& arena) {
   copy(view(work), C);
 }
 
-// Squares of entries of other sizes over- or underflow: these matrices are scaled, which rounds nothing that matters.
+// Squares of entries of other sizes over- or underflow: these matrices are scaled, which causes no relevant rounding.
 // 1: no need.
 double scale_for_squares(ConstView a) {
   const double size = max_abs(a);
@@ -189,7 +189,7 @@ void factor_qr(View a, double* tau, Arena& arena) {
 
 namespace {
 
-// All reflections that count; returns how many.
+// All reflections that are not negligible; returns their number.
 int factor_pivoted(const kernels::QrWork& work) {
   const kernels::Loops& loops = kernels::loops();
   const View factors = view(work.a);
@@ -208,10 +208,10 @@ int factor_pivoted(const kernels::QrWork& work) {
   return steps;
 }
 
-// Nothing is below a negative length.
+// No length is below a negative one.
 double square_of(double length) { return length < 0.0 ? -1.0 : length * length; }
 
-// What was not factored counts as zero, but for its size.
+// Sets the part that was not factored to zero, except for its size.
 void leave_out_rest(View factors, int done, double size, double* tau) {
   const int steps = std::min(factors.rows, factors.cols);
   if (done == steps) return;
@@ -277,7 +277,7 @@ void form_last_q(ConstView factors, int count, const double* tau, View q, Arena&
     const int width = std::min(block, count - first), below = q.rows - first - width;
     const Arena::Frame frame(arena);
     const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
-    // Rows of the block, and those above, are zero yet; below the last block the identity stands.
+    // Rows of the block, and those above, are still zero; below the last block the identity stands.
     const View W = arena.matrix(width, q.cols);
     const ConstView Yt = of.Yt.columns(width, below);
     if (first + width == count) copy(Yt.columns(below - q.cols, q.cols), W);
@@ -305,7 +305,7 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
     const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
     const View C = q.block(first, first, q.rows - first, q.cols - first);
     const View W = arena.matrix(width, C.cols);
-    // C begins with columns of the identity, and has nothing but zeros beside them.
+    // C begins with columns of the identity, which are zero elsewhere.
     const bool is_identity = first + width >= count;
     const int columns = is_identity ? C.cols : width, below = C.rows - width;
     copy(of.Yt.columns(0, columns), W.columns(0, columns));

@@ -1,4 +1,4 @@
-// Arithmetic whose overflows are seen in its results, in programs that let floating-point exceptions end them.
+// Arithmetic without floating-point exceptions, for programs that trap them: overflows are detected in the results.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace sfdae::core {
 
-// No exception is raised while it lives.
+// During its lifetime no exception is raised.
 class QuietArithmetic {
  public:
   QuietArithmetic() {

@@ -12,12 +12,12 @@ namespace {
 
 // Threshold = safety * dimension * noise. Measured with 400 random problems: no wrong index for 3 ... 100.
 constexpr double safety = 10.0;
-// Kept values have to be above the threshold by this: for large matrices, where the threshold itself is near
-// clear_gap * noise. By judgement.
+// Minimal distance of kept values from the threshold: for large matrices, where the threshold itself is near clear_gap
+// * noise. By judgment.
 constexpr double clear_margin = 3.0;
-// A threshold above this fraction of the norm of the data leaves nothing to be seen: two digits. By judgement.
+// A threshold above this fraction of the norm of the data decides nothing: two digits. By judgment.
 constexpr double blinding = 1e-2;
-// Stands for an infinite gap, in messages and statistics.
+// Value of an infinite gap, in messages and statistics.
 constexpr double largest_gap = 1e300;
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 namespace sfdae::core {
 
-// What was judged: S(:, y_j), A^, E T2, M, a diagonal block of the system Jacobian.
+// Matrix that was judged: S(:, y_j), A^, E T2, M, a diagonal block of the system Jacobian.
 enum class Subject { stage, constraints, differential, array, block };
 enum class Verdict { clear, confirmed, unclear, user };
 
@@ -36,9 +36,9 @@ struct RankDecision {
 inline constexpr double clear_gap = 1e3;
 inline constexpr double unit_roundoff = 1.1102230246251565e-16;  // 2^-53
 
-// What a decision is measured by; absolute.
+// Scales of a decision; absolute.
 struct RankScale {
-  double noise = 0.0;     // what rounding errors of single entries may amount to
+  double noise = 0.0;     // bound for rounding errors of single entries
   double norm = 1.0;      // of the data
   int dimension = 1;      // of the matrices that went into the one judged: errors of entries add up
   double rank_tol = 0.0;  // > 0 overrides the threshold: rank_tol * norm
@@ -50,7 +50,7 @@ struct RankScale {
 // Judges `count` decreasing magnitudes values[0], values[stride], ...
 RankDecision decide_rank(const double* values, int count, int stride, const RankScale& scale);
 
-// The smallest gap, 1e300 without decisions, and the smallest value kept, 1 where none is.
+// The smallest gap, 1e300 without decisions, and the smallest value kept, 1 if there is none.
 double smallest_gap(const std::vector<RankDecision>& decisions);
 double smallest_kept(const std::vector<RankDecision>& decisions);
 

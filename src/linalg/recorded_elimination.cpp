@@ -18,15 +18,15 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the largest entry in the row: what a pivot has to be when it is chosen (the usual bound [DER86, 5.4]), and when
-// the elimination is repeated, as for lanes (docs/design/radau.md).
+// Least size of a pivot relative to the largest entry in its row: when it is chosen (the usual bound [DER86, 5.4]), and
+// when the elimination is repeated, as for lanes (docs/design/radau.md).
 constexpr double large_enough = 0.1, still_large_enough = 0.01;
 constexpr double largest_number = std::numeric_limits<double>::max();
 // Products of two scales and their inverses are numbers.
 constexpr int largest_exponent = 400;
-// Among rows with fewest entries, as Zlatev has it [DER86, 7.2].
+// Search among rows with fewest entries, after Zlatev [DER86, 7.2].
 constexpr std::size_t rows_searched = 4;
-// Entries that rows and columns have room for beside their own.
+// Reserved entries of rows and columns for fill.
 constexpr int usual_fill = 3;
 // KLU is faster with more. Chosen: matrices of mechanisms and circuits have 2 to 11
 // (docs/design/sparse_algebra.md).
@@ -74,7 +74,7 @@ class RecordedElimination::Search {
   struct Pivot {
     int row = -1, column = -1;
   };
-  // The entry that fills in least, the larger one of several.
+  // The entry that causes the least fill, the larger one of several.
   Pivot choose() {
     Pivot best;
     std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -102,7 +102,7 @@ class RecordedElimination::Search {
     }
     return best;
   }
-  // Both leave what is searched; the row without the pivot, and the column without it.
+  // Both leave the search: the row without the pivot, and the column without it.
   std::pair<std::vector<int>, std::vector<int>> take(const Pivot& pivot) {
     std::erase(left_, pivot.row);
     std::vector<int> row = std::move(rows[index(pivot.row)]), column = std::move(columns[index(pivot.column)]);
@@ -113,7 +113,7 @@ class RecordedElimination::Search {
     return {std::move(row), std::move(column)};
   }
 
-  std::vector<std::vector<int>> rows, columns;  // of what is left, the other index of its entries
+  std::vector<std::vector<int>> rows, columns;  // of the remaining matrix, the other index of its entries
   std::vector<double> value;                    // by slots
 
  private:
@@ -135,7 +135,7 @@ RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pat
   return record(pattern, values, Pivots::wanted);
 }
 
-// values: null where pivots are known.
+// values: null if pivots are known.
 RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pattern, const double* values,
                                                         Pivots pivots) {
   const int n = pattern.size;
@@ -251,7 +251,7 @@ bool RecordedElimination::factor(const double* values, double* factors) const {
   return true;
 }
 
-// Pointers beside, as what is written could be any of the lists to the compiler.
+// Local pointers, as written values could alias any of the lists for the compiler.
 void RecordedElimination::substitute(const double* factors, double* y) const {
   const std::size_t size = index(list_.size);
   const int* const first_lower = list_.first_lower.data();
@@ -292,7 +292,7 @@ void RecordedElimination::solve(const double* factors, double* b) {
   for (std::size_t k = 0; k < index(list_.size); ++k) b[list_.column[k]] = list_.column_scale[k] * y[k];
 }
 
-// In the order of the pivots: the norms of rows and columns in another order are the same.
+// Works in the order of the pivots: the norms of rows and columns are the same in another order.
 double RecordedElimination::reciprocal_condition(const double* values, const double* factors) const {
   const QuietArithmetic quiet;
   std::vector<double> sums(index(list_.size), 0.0);

@@ -1,7 +1,7 @@
 // LU factors of many small sparse matrices of one pattern: the elimination of one of them is recorded, and repeated
 // with the values of others.
 //
-// Pivots are chosen by Markowitz' counts among entries that are not small in their row [DER86, 7.2]. Nothing is
+// Pivots are chosen by Markowitz's counts among entries that are not small in their row [DER86, 7.2]. Nothing is
 // searched when the elimination is repeated; a pivot that has become small is refused.
 //
 // [DER86] I. S. Duff, A. M. Erisman, J. K. Reid: Direct Methods for Sparse Matrices. Oxford University Press, 1986.
@@ -21,16 +21,16 @@ namespace sfdae::core {
 
 class RecordedElimination {
  public:
-  // Rows, columns and pivots scaled and chosen by finite values in the order of the pattern. Else nothing may be
-  // factored: `singular` to working precision, or values not finite; too_long: other methods are faster.
+  // Chooses scales and pivots by finite values in the order of the pattern. Otherwise nothing may be factored:
+  // `singular` to working precision, or values not finite; too_long: other methods are faster.
   enum class Choice { made, singular, too_long };
   Choice choose(const SparsePattern& pattern, const double* values);
   bool has_pivots() const { return list_.slots > 0; }
   void forget() { list_.size = list_.slots = 0; }
   std::size_t size() const { return index(list_.size); }
-  // Of the factors of one matrix.
+  // Entries in the factors of one matrix.
   std::size_t fill() const { return index(list_.slots); }
-  // What it takes to repeat the elimination, in solutions; estimated from counts of operations.
+  // Cost of repeating the elimination, in solutions; estimated from counts of operations.
   double factorization_in_solutions() const;
   // factors: fill() numbers. False: a value is not finite, or a pivot much smaller than others of its row.
   bool factor(const double* values, double* factors) const;
@@ -38,13 +38,13 @@ class RecordedElimination {
   void solve(const double* factors, double* b);
   // As SparseLu::reciprocal_condition(), of the scaled matrix; values: those factored.
   double reciprocal_condition(const double* values, const double* factors) const;
-  // Of the matrix, not of the scaled one.
+  // Determinant of the matrix, not of the scaled one.
   Determinant<double> determinant(const double* factors) const;
   // The pivots, if there are any. Reading throws DamagedArchive.
   void archive(const SparsePattern& pattern, Archive& archive);
 
-  // As factor(), of the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane
-  // that refuses one.
+  // factor() for the matrices of eight points side by side, with pivots that may be smaller. -1, or the first lane that
+  // refuses one.
   int factor_lanes(const LaneBlock* values, LaneBlock* factors) const;
   void solve_lanes(const LaneBlock* factors, LaneBlock* b) { solve_lanes(factors, lane_count, b); }
   // In the first `count` lanes at least; others may stay as they are.
@@ -58,8 +58,7 @@ class RecordedElimination {
   struct Entry {
     int slot, place;  // place: in the order of pivots
   };
-  // All operations: of pivot k those from first[k] to first[k + 1] - 1, rows of U, columns of L, and what is
-  // subtracted.
+  // All operations: those of pivot k from first[k] to first[k + 1] - 1, for rows of U, columns of L, and updates.
   struct List {
     int size = 0, slots = 0;
     std::vector<int> slot_of_entry;  // of the pattern
@@ -71,7 +70,8 @@ class RecordedElimination {
     std::vector<Entry> lower, upper;
     std::vector<Update> updates;
   };
-  // What a pivot has to be when the elimination is repeated, in size: at least a part of the largest entry of its row.
+  // Bounds for the size of a pivot when the elimination is repeated; least_of_row: relative to the largest entry of its
+  // row.
   struct PivotBounds {
     double least, least_of_row, largest;
   };
@@ -87,7 +87,7 @@ class RecordedElimination {
   void substitute_transposed(const double* factors, double* y) const;
 
   List list_;
-  bool is_odd_ = false;                              // what takes the rows of pivots to their columns
+  bool is_odd_ = false;                              // permutation from rows to columns of pivots
   std::vector<int> column_of_entry_;                 // of the pattern
   std::vector<int> row_exponent_, column_exponent_;  // of the scales
   Equilibration equilibration_;

@@ -12,8 +12,8 @@ namespace {
 
 using List = RecordedElimination::List;
 
-// Pivots of all points: one that is good for each may not exist. What is solved is iterated, with residuals of the
-// equations themselves, so that rounding errors may grow.
+// Pivots for all points: one that is good for each may not exist. Solutions are refined with residuals of the original
+// equations, so that rounding errors may grow.
 constexpr double least_part_of_row = 1e-4;
 
 struct FactorWork {
@@ -24,7 +24,7 @@ struct FactorWork {
   LaneMask refused;
 };
 
-// As RecordedElimination::factor, up to the first pivot that is refused in any lane.
+// RecordedElimination::factor, up to the first pivot that is refused in any lane.
 void factor_all(FactorWork& work) {
   const List& list = work.list;
   Lanes* const factors = work.factors;
@@ -52,7 +52,7 @@ void factor_all(FactorWork& work) {
   }
 }
 
-// The first lanes alone, two at a time: what vectors of any processor have.
+// The first lanes alone, two at a time: vectors of any processor have at least two numbers.
 typedef double TwoLanes __attribute__((vector_size(16), may_alias));
 template <int pairs>
 struct __attribute__((may_alias)) SomeLanes {
@@ -73,7 +73,7 @@ struct __attribute__((may_alias)) SomeLanes {
   }
 };
 
-// Of each block of lanes the first ones.
+// The first lanes of each block of lanes.
 template <class Some, class Block = LaneBlock>
 struct First {
   Block* blocks;
@@ -91,7 +91,7 @@ struct SolveWork {
   LaneBlock *b, *y;
 };
 
-// As RecordedElimination::solve.
+// RecordedElimination::solve for lanes.
 template <class Some>
 void solve_some(SolveWork& work) {
   const List& list = work.list;
@@ -123,7 +123,7 @@ struct RowWork {
   LaneBlock *x, *y;
 };
 
-// As RecordedElimination::substitute_transposed, with a unit vector.
+// RecordedElimination::substitute_transposed, with a unit vector.
 template <class Some>
 void find_row(RowWork& work) {
   const List& list = work.list;

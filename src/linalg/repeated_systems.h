@@ -1,5 +1,5 @@
-// Sparse systems of linear equations of one pattern, one after another: by a list of operations as long as that
-// serves, else with sparse factors, whose pivots are those of an earlier matrix.
+// Sparse systems of linear equations of one pattern, one after another: by a list of operations while it is suitable,
+// else with sparse factors that reuse the pivots of an earlier matrix.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 class RepeatedSystems {
  public:
-  // Forgets the pivots. accepted: as of PlannedLu.
+  // Forgets the pivots. accepted: see PlannedLu.
   void analyze(const SparsePattern& pattern, double accepted = rounding_of_residuals) {
     pattern_ = pattern;
     planned_.analyze(pattern_, accepted);
@@ -26,8 +26,8 @@ class RepeatedSystems {
   int size() const { return pattern_.size; }
   std::size_t num_entries() const { return pattern_.row.size(); }
 
-  // X := A^-1 B, both column-major, size x count, apart from each other; values in the order of the pattern. False: A
-  // is singular to working precision, or something is not finite.
+  // X := A^-1 B, both column-major, size x count, without overlap; values in the order of the pattern. False: A is
+  // singular to working precision, or a value is not finite.
   bool solve(const std::vector<double>& values, const double* b, int count, double* x) {
     if (planned_.is_suitable() && planned_.solve(values.data(), b, count, x)) return true;
     if (!has_lu_) lu_.analyze(pattern_);
@@ -53,9 +53,9 @@ class RepeatedSystems {
  private:
   SparsePattern pattern_;
   PlannedLu planned_;
-  SparseLu<double> lu_;  // where that is of no use
+  SparseLu<double> lu_;  // if the list is unsuitable
   bool has_lu_ = false;
-  KnownPivots pivots_;  // of these
+  KnownPivots pivots_;  // of lu_
 };
 
 }  // namespace sfdae::core

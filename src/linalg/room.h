@@ -8,7 +8,7 @@
 
 namespace sfdae::core {
 
-// Of std::vector, whose new entries have no values then: nothing is written to memory before it is used.
+// Allocator of a std::vector whose new entries are uninitialized: memory is not written before it is used.
 template <class T>
 struct WithoutValues : std::allocator<T> {
   WithoutValues() = default;
@@ -25,7 +25,7 @@ struct WithoutValues : std::allocator<T> {
   }
 };
 
-// Numbers that count only once they have been written.
+// Numbers that are valid only once they have been written.
 using Room = std::vector<double, WithoutValues<double>>;
 
 }  // namespace sfdae::core

@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// Powers of two R, C make the largest entry of each row and column of R (|s| |E| + |A|) C about 1: what is computed
-// does not depend on the units of equations and unknowns. All below is said of R E C and R A C.
+// Powers of two R, C make the largest entry of each row and column of R (|s| |E| + |A|) C about 1: results do not
+// depend on the units of equations and unknowns. Everything below refers to R E C and R A C.
 class ShiftedPencil {
  public:
   using Complex = std::complex<double>;

@@ -9,8 +9,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Rows with their largest entry in [1/2, 1); exponent: the sum of their powers of two. False: a row vanishes, or is
-// not finite.
+// Scales rows so that their largest entry is in [1/2, 1); exponent: the sum of their powers of two. False: a row
+// vanishes, or is not finite.
 bool scale_rows(double* a, int size, int& exponent) {
   for (int i = 0; i < size; ++i) {
     double largest = 0.0;
@@ -28,7 +28,7 @@ bool scale_rows(double* a, int size, int& exponent) {
   return true;
 }
 
-// The largest entry of column k below the diagonal comes to it. Whether rows have been exchanged.
+// Moves the largest entry of column k from row k on to the diagonal. True if rows have been exchanged.
 bool bring_pivot(double* a, int size, int k) {
   int pivot = k;
   for (int i = k + 1; i < size; ++i)

@@ -109,7 +109,7 @@ inline void factor_qr(View a, double* tau) {
   }
 }
 
-// norms: workspace of 2 a.cols, squares of what is left of the columns at the end. Ends where none of them is above
+// norms: workspace of 2 a.cols, squared norms of the remaining columns at the end. Ends when none of them is above
 // `negligible`; returns the number of reflections.
 struct Pivoting {
   int* pivots;
@@ -137,7 +137,7 @@ inline int factor_qr_pivoted(View a, const Pivoting& to) {
     tau[p] = reflector(a.rows - p, &a(p, p));
     if (p + 1 == a.cols) break;
     apply_reflector(&a(p, p), tau[p], a.block(p, p + 1, a.rows - p, a.cols - p - 1));
-    // Squared norms of what is left, updated; computed anew where cancellation has eaten half of the digits.
+    // Squared norms of the remaining columns, updated; recomputed when cancellation has lost half of the digits.
     for (int j = p + 1; j < a.cols; ++j) {
       norms[j] -= a(p, j) * a(p, j);
       if (norms[j] < 1e-8 * reference[j])
@@ -164,14 +164,14 @@ inline bool factor_lu(View a, int* pivots) {
   return true;
 }
 
-// Without the checks for infinite parts that complex products have.
+// Complex product without the checks for infinite parts.
 inline std::complex<double> product(std::complex<double> a, std::complex<double> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 inline std::complex<double> quotient(std::complex<double> a, std::complex<double> b) {
   const double square = b.real() * b.real() + b.imag() * b.imag();
-  const bool in_range = square > 1e-290 && square < 1e290;  // as are c and the quotient by it, digits and all
+  const bool in_range = square > 1e-290 && square < 1e290;  // as are c and the quotient by it, with all digits
   if (!in_range) return a / b;
   const std::complex<double> c = product(a, std::conj(b));
   return {c.real() / square, c.imag() / square};

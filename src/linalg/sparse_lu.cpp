@@ -14,11 +14,11 @@ namespace sfdae::core {
 
 namespace {
 
-// Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured
-// them with OpenBLAS on one thread; only their ratios matter. Of KLU that with pivots known, the usual one.
+// Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured them
+// with OpenBLAS on one thread; only their ratios matter. KLU: with known pivots, the usual case.
 constexpr double solutions = 10.0;  // integrations solve 10 to 40 times with each factorization
 
-// b_i := b_i 2^(exponents_i - shift); returns the shift, which is not 0 only where something would overflow or vanish.
+// b_i := b_i 2^(exponents_i - shift); returns the shift, nonzero only if something would overflow or vanish.
 template <class Number>
 int scale_in(const std::vector<int>& exponents, Number* b) {
   constexpr int harmless = 300;
@@ -69,7 +69,7 @@ void SparseLu<Number>::analyze(std::shared_ptr<const SparsePattern> pattern, std
 
 template <class Number>
 void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
-  // The quotients of KLU, which are not those of std::complex.
+  // KLU's quotients differ from those of std::complex.
   if (std::is_same_v<Number, double> && !forced && pattern.size > 0 && is_diagonal(pattern)) {
     may_be_regular_ = true;
     DiagonalFactors<Number> diagonal;

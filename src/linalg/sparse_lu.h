@@ -1,8 +1,8 @@
 // Sparse systems of linear equations A x = b with real or complex entries, 100 to 50,000 unknowns.
 //
 // Rows and columns are scaled by powers of two first, as units differ (equilibration.h). Three methods: a band of
-// LAPACK after reordering (band_order.h), KLU of SuiteSparse where the library is built with it (klu_factors.h), and
-// a full matrix where a band would be no narrower. Diagonal matrices need none of them.
+// LAPACK after reordering (band_order.h), KLU of SuiteSparse in builds with it (klu_factors.h), and a full matrix if a
+// band would not be narrower. Diagonal matrices need none of them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -23,45 +23,44 @@
 
 namespace sfdae::core {
 
-// diagonal: for real matrices that are, and never forced.
+// diagonal: for real diagonal matrices, never forced.
 enum class SparseMethod { dense, band, klu, diagonal };
 
-// Instances for double and std::complex<double>. Copies go on with the same bits, apart from each other but for the
-// pattern, which nobody changes.
-// Where there is no memory std::bad_alloc is thrown, and analyze() or factor() has to be called again. With a band or
-// a full matrix factor() and solve() of as many right-hand sides allocate nothing after their first call.
+// Instances for double and std::complex<double>. Copies continue with the same bits and share only the pattern, which
+// never changes.
+// Without memory std::bad_alloc is thrown, and analyze() or factor() has to be called again. With a band or a full
+// matrix factor() and solve() with the same number of right-hand sides allocate nothing after their first call.
 template <class Number>
 class SparseLu {
  public:
-  // Once for a pattern, any: chooses the method by its estimated time, or takes `forced` (klu needs
-  // klu_is_available()).
+  // Once for any pattern: chooses the method by its estimated time, or takes `forced` (klu needs klu_is_available()).
   void analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced = {}) {
     analyze(std::make_shared<const SparsePattern>(pattern), forced);
   }
   void analyze(std::shared_ptr<const SparsePattern> pattern, std::optional<SparseMethod> forced = {});
-  // Values in the order of the pattern, zeros welcome. False: A is singular to working precision (a pivot vanishes),
-  // or a value is not finite; nothing may be solved then. Raises no floating-point exception.
+  // Values in the order of the pattern, zeros allowed. False: A is singular to working precision (a pivot vanishes), or
+  // a value is not finite; nothing may be solved then. Raises no floating-point exception.
   bool factor(const Number* values);
-  // Room for values, which factor() takes from there as well, and changes: large matrices need no other.
+  // Storage for values that factor() accepts and overwrites: large matrices need no other.
   Number* own_values();
-  // Pivots of the factorization before are taken again where they are good enough. Those of the last one are its own,
-  // so that it depends on nothing before it:
+  // Pivots of the previous factorization are reused if they are good enough. True: the last one has chosen its own, so
+  // that it does not depend on earlier ones.
   bool has_new_pivots() const;
-  // Those of the next one will be.
+  // The next factorization will choose its own.
   void forget_pivots();
-  // B := A^-1 B, column-major, size x count. An overflow of x itself is one of arithmetic, too.
+  // B := A^-1 B, column-major, size x count. An overflow of x itself raises the usual exception.
   void solve(Number* b, int count = 1) { solve(Op::plain, b, count); }
   // B := A^-T B, A not conjugated.
   void solve_transposed(Number* b, int count = 1) { solve(Op::transposed, b, count); }
   // Estimate of 1 / (|S| |S^-1|), 1-norm, S: the equilibrated matrix, seldom more than three times too large
   // (condition.h). Three to eleven solves. 0 if that overflows or nothing was factored; 1 for size 0.
   double reciprocal_condition();
-  // Of A, which factor() has factored.
+  // Determinant of A, which factor() has factored.
   Determinant<Number> determinant() const;
-  // Numbers that the factors hold.
+  // Number of entries of the factors.
   std::size_t fill() const;
-  // What a factorization with pivots known takes, in solutions: estimated by analyze() from counts of operations, so
-  // that it is the same in every run.
+  // Cost of a factorization with known pivots, in solutions: estimated by analyze() from counts of operations, so that
+  // it is the same in every run.
   double factorization_in_solutions() const { return times_.factorization / times_.solution; }
   SparseMethod method() const { return static_cast<SparseMethod>(factors_.index()); }
 
@@ -84,7 +83,7 @@ class SparseLu {
   std::vector<Number> scaled_;  // S, values in the order of the pattern
   double norm_ = 0.0;           // |S|
   std::vector<int> shifts_;     // of right-hand sides
-  // Of S; as in SparseMethod.
+  // Factors of S; ordered as in SparseMethod.
   std::variant<DenseFactors<Number>, BandFactors<Number>, KluFactors<Number>, DiagonalFactors<Number>> factors_;
 };
 

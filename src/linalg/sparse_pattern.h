@@ -1,4 +1,4 @@
-// Where a sparse matrix has entries.
+// Sparsity pattern of a matrix.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -36,7 +36,7 @@ SparsePattern pattern_of(const std::vector<std::vector<std::pair<int, Value>>>& 
   return pattern;
 }
 
-// Of the places (column, row) of values that are added up; positions: of each of them among the entries.
+// Pattern of values that are summed at the places (column, row); positions: index of each among the entries.
 inline SparsePattern pattern_of(int size, const std::vector<std::pair<int, int>>& places,
                                 std::vector<std::size_t>& positions) {
   std::vector<std::pair<int, int>> sorted = places;

@@ -14,9 +14,9 @@ namespace {
 
 using Exponents = std::vector<double>;
 
-// Squares of gradients below this are those of exponents that are right to a fraction of a bit.
+// Squares of smaller gradients belong to exponents that are right to a fraction of a bit.
 constexpr double converged = 1e-3;
-// By judgement.
+// By judgment.
 constexpr int reweightings = 25;
 
 // (r, c, s) in one vector.
@@ -43,7 +43,7 @@ class NormalEquations {
         beside_time_(of_.size()),
         ones_(index(std::max(sizes.m, sizes.n)), 1.0) {}
 
-  // Every entry counts once, or 1 / |what is left of it at x| times as far as that is above 1.
+  // Weight of each entry: 1, or 1 / max(1, |deviation at x|).
   enum class Weighting { even, by_size };
   void weigh(const UnitExponents& x, Weighting weighting);
   // Half the gradient at the x weighed last, downward.
@@ -57,8 +57,8 @@ class NormalEquations {
   Layout of_;
   const EntrySizes& sizes_;
   Matrix weights_, weights_of_E_;
-  // Rows and columns of the matrix: the weights are beside the diagonal of rows and unknowns, those of E are sums in
-  // the row of time.
+  // Rows and columns of the matrix: the weights are off the diagonal of rows and unknowns, those of E are summed in the
+  // row of time.
   Exponents diagonal_, beside_time_, descent_, ones_;
 };
 
@@ -160,7 +160,7 @@ void fit_absolute_values(const EntrySizes& sizes, UnitExponents& x) {
   NormalEquations equations(sizes);
   for (int pass = 0; pass < reweightings; ++pass) {
     equations.weigh(x, NormalEquations::Weighting::by_size);
-    if (!descend(equations, x)) break;  // all that follows would be the same
+    if (!descend(equations, x)) break;  // all further steps would be the same
   }
 }
 

@@ -1,5 +1,5 @@
 // Exponents of units that bring the entries of E x' = A x near one, by weighted least squares of their logarithms. A
-// single matrix stands in the place of A.
+// single matrix takes the place of A.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// What exponents have to make zero: bits + r_i + c_j - time s for each entry that counts. Dense: passes over whole
-// columns cost less than lists of entries, of problems with zeros as well.
+// Deviations to be minimized: bits + r_i + c_j - time s for each entry that counts. Dense: passes over whole columns
+// cost less than lists of entries, even with many zeros.
 struct EntrySizes {
   struct Block {
     double time;    // 1 for E, 0 for A
@@ -25,7 +25,7 @@ struct EntrySizes {
   std::size_t count() const;    // of entries that count
 };
 
-// Of all units: r, c and s.
+// Exponents of all units: r, c and s.
 struct UnitExponents {
   UnitExponents(int m, int n);
   std::vector<double> rows, unknowns;
@@ -36,9 +36,9 @@ struct UnitExponents {
   }
 };
 
-// Mean squares, from x on: directions that change nothing stay as they are.
+// Least squares, starting at x: directions without effect stay as they are.
 void fit_squares(const EntrySizes& sizes, UnitExponents& x);
-// Least absolute values, which pass by outliers, approached by reweighted mean squares.
+// Least absolute values, which are insensitive to outliers, approximated by reweighted least squares.
 void fit_absolute_values(const EntrySizes& sizes, UnitExponents& x);
 
 }  // namespace sfdae::core

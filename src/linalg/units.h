@@ -1,4 +1,4 @@
-// Units of the unknowns: x_j = unit_j times what the core computes with.
+// Units of the unknowns: x_j = unit_j times the value in the core.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,7 +26,7 @@ class Units {
   const std::vector<double>& values() const { return values_; }
   std::vector<double>& values() { return values_; }
 
-  // x of the user's in these units: x itself where all are 1, else written to `buffer`.
+  // The user's x in these units: x itself if all are 1, else written to `buffer`.
   const double* inward(const double* x, double* buffer) const {
     if (are_one()) return x;
     for (std::size_t j = 0; j < values_.size(); ++j) buffer[j] = x[j] / values_[j];
@@ -38,7 +38,7 @@ class Units {
     for (int j = 0; j < n; ++j) result = std::max(result, std::fabs(x[j]) / (*this)[j]);
     return result;
   }
-  // x in these units becomes the user's.
+  // Converts x in these units to the user's.
   void outward(double* x) const {
     for (std::size_t j = 0; j < values_.size(); ++j) x[j] *= values_[j];
   }

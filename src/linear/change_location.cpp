@@ -1,4 +1,4 @@
-// Where between two points the characteristic values of a linear problem change.
+// Location of changes of the characteristic values of a linear problem between two points.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/change_location.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 // A kept value that falls by this factor at a point inside a step has vanished there.
 constexpr double dip_within_step = 1e-3;
-// By this factor nothing is left of it, whatever other units of time make of what is.
+// A value that falls by this factor has vanished, whatever the unit of time.
 constexpr double vanished = 1e-6;
 
 // Narrows changes down with a system of its own, so that the integration's points stay.
@@ -33,18 +33,18 @@ class Probe {
   bool holds_at(double t) {
     PointStatus status = system_.move_to(t);
     if (status == PointStatus::changed && rows_ == RowScaling::common) {
-      // Rows may have become very different on the way: they need factors of their own.
+      // Rows may have changed size by very different factors on the way: they need factors of their own.
       system_.reduction().set_rows(RowScaling::each);
       status = system_.move_to(t);
       system_.reduction().set_rows(rows_);
     }
     if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
       system_.callback_error().raise();
-    // A point that cannot be evaluated says nothing: what is found with it does not count.
+    // A point that cannot be evaluated proves nothing: changes found with it do not count.
     if (status == PointStatus::callback_error) has_failed_ = true;
     return status != PointStatus::changed;
   }
-  // Values kept in E T2 are relative to E: where all of E vanishes, its size tells.
+  // Values kept in E T2 are relative to E: if all of E vanishes, its size shows it.
   double kept() const {
     const LinearPoint& point = system_.point();
     if (system_.differential() == 0) return point.kept_constraints;
@@ -65,7 +65,7 @@ class Probe {
     return {left, right, find_local_values(system_.problem(), right, system_.settings(), arena), 0.0};
   }
 
-  // Values at a point where kept() nearly vanishes: what vanishes there counts as zero.
+  // Values at a point where kept() nearly vanishes: vanishing values count as zero there.
   LocatedChange isolated(double before, double t) {
     AnalysisSettings settings = system_.settings();
     settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing_factor * kept_at(t), largest_rank_tolerance));
@@ -93,13 +93,13 @@ std::optional<LocatedChange> follow_orientation(Probe& probe, double left, doubl
     }
     probe.system().accept();
     left = middle;
-    // Bases that turned far within a step feign a change; over shorter distances it disappears.
+    // Bases that turned far within a step mimic a change; over shorter distances it disappears.
     if (!probe.holds_at(right)) return probe.bisect_failure(left, right);
     if (probe.system().orientation_kept()) return std::nullopt;
   }
   if (probe.kept_at(left) > dip_within_step * kept_left) return std::nullopt;
   LocatedChange change = probe.isolated(left, 0.5 * (left + right));
-  // What has changed its sign has vanished, whatever other units of time make of what is left of it.
+  // A value that changed its sign has vanished, however large the remainder is in other units of time.
   if (change.new_values == probe.system().analysis().values) change.new_values = {};
   return change;
 }

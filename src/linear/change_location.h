@@ -1,4 +1,4 @@
-// Where between two points the characteristic values of a linear problem change, and to what.
+// Location of changes of the characteristic values of a linear problem between two points, and the new values.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

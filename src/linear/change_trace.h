@@ -1,4 +1,4 @@
-// What a change of the characteristic values would show in, at the points that a step went through.
+// Quantities that reveal a change of the characteristic values, at the points that a step went through.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,7 +26,7 @@ struct ChangeTrace {
   }
 };
 
-// Those of the stages of a Runge-Kutta step but the last one, which is the current point; none after steps of other
+// Traces of all stages of a Runge-Kutta step except the last one, which is the current point; none after steps of other
 // methods.
 struct StageTraces {
   std::array<ChangeTrace, max_stages - 1> of_stage;

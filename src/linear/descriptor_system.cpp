@@ -48,7 +48,7 @@ TransferFunction::TransferFunction(const DescriptorSystem& system) : system_(sys
                                    std::max(0, system.equations() - system.unknowns())});
 }
 
-// One step of refinement makes errors those of relative errors of the entries, and measures them (Skeel 1980).
+// One step of refinement reduces errors to those of relative errors of the entries, and measures them (Skeel 1980).
 ShiftedPencil::Vector TransferFunction::solve(int input) {
   constexpr double no_digits = 0.1;
   const int n = pencil_.size();

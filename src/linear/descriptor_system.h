@@ -25,17 +25,16 @@ struct DescriptorSystem {
 
 // Finite eigenvalues of (E, A). Throws Failure, SFDAE_SINGULAR for a singular pencil.
 PencilSpectrum poles(const DescriptorSystem& system, double rank_tol);
-// Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], of its regular part where it is
-// singular
-// [VD81]. Throws Failure.
+// Invariant zeros: the finite eigenvalues of the system pencil [s E - A, -B; C, D], or of its regular part if it is
+// singular [VD81]. Throws Failure.
 PencilSpectrum invariant_zeros(const DescriptorSystem& system, double rank_tol);
 
 // H(s) = C (s E - A)^-1 B + D at one number after another.
 class TransferFunction {
  public:
-  // Throws Failure where s E - A is not square. The system outlives this.
+  // Throws Failure if s E - A is not square. The caller keeps the system alive as long as this object.
   explicit TransferFunction(const DescriptorSystem& system);
-  // H: p x q, column-major. Throws Failure SFDAE_SINGULAR where s is a pole but for rounding errors.
+  // H: p x q, column-major. Throws Failure SFDAE_SINGULAR if s is a pole to machine precision.
   void evaluate(std::complex<double> s, std::complex<double>* H);
 
  private:

@@ -1,4 +1,4 @@
-// Changes of the characteristic values of a linear problem along the way.
+// Changes of the characteristic values of a linear problem during an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/linear_change_watch.h"
 
@@ -25,15 +25,15 @@ bool runs_through_zero(Value older, Value last, Value next) {
   return std::fabs(flipped - slope) < std::fabs(kept - slope);
 }
 
-// Where the norms of rows begin in the values of a sample.
+// Position of the first row norm among the values of a sample.
 constexpr int first_row = 2;
 
-// Of the time scale (or of 1): near enough to be on the same smooth piece, and no simple fraction of a period.
+// Relative to the time scale (or to 1): near enough to be on the same smooth piece, and no simple fraction of a period.
 constexpr double distance_beside_start = 0.7e-3;
 
 }  // namespace
 
-// All memory at once: samples that count must not be without values.
+// All memory at once: samples in use must never lack values.
 LinearChangeWatch::LinearChangeWatch(LinearSystem& system) : system_(system) {
   const std::size_t rows = index(system.equations());
   for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(first_row + rows);
@@ -45,7 +45,7 @@ void LinearChangeWatch::start(double direction) {
   samples_ = 0;
   accept();
   if (system_.differential() > 0 || system_.is_constant()) return;
-  // With d = 0 steps go anywhere at once: the trend at the start comes from a point beside it.
+  // With d = 0 the first step may be of any size: a point near the start provides the initial trend.
   const double t = system_.t();
   const double distance = std::min(distance_beside_start * std::min(system_.point().data.time_scale, 1.0),
                                    system_.problem().room(t, direction));

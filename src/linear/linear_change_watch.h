@@ -1,8 +1,8 @@
-// Changes of the characteristic values of a linear problem along the way: noticed between steps, located.
+// Changes of the characteristic values of a linear problem during an integration: noticed between steps, located.
 //
-// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to
-// step), or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one
-// of them had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
+// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to step),
+// or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one of them
+// had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

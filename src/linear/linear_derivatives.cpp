@@ -17,9 +17,9 @@ namespace sfdae::core {
 namespace {
 
 // Points at which the derivative of the constraints is sampled, in units of the time scale or the interval: near the
-// optimum of a formula of order 4, where its error h^4 equals the rounding errors eps / h (eps^(1/5) = 6e-4).
+// optimum of a formula of order 4, whose error h^4 equals the roundoff eps / h there (eps^(1/5) = 6e-4).
 constexpr double difference_spacing = 2e-3;
-// Smaller steps, by 8 each, where the points cannot be reached: the last one is 1 / 32768 of the first.
+// If the points cannot be reached: smaller steps by 8 each; the last one is 1 / 32768 of the first.
 constexpr int difference_attempts = 6;
 constexpr double difference_reduction = 8.0;
 
@@ -35,8 +35,8 @@ void hold_free_directions(const NullSpaceForm& form, double* xdot, Arena& arena)
   multiply(-1.0, Op::plain, form.T2(), along, 1.0, xdot);
 }
 
-// y_1 from the rows S y_1 = r, of which `rank` are independent, in the variables that pivoting picks. False if they
-// are not independent by far.
+// y_1 from the rows S y_1 = r, of which `rank` are independent, in the variables chosen by pivoting. False if they are
+// not clearly independent.
 bool basic_solution(View S, View r, int rank, double* y_1, Arena& arena) {
   const int rows = S.rows, n = S.cols;
   int* pivots = arena.integers(n);
@@ -52,8 +52,8 @@ bool basic_solution(View S, View r, int rank, double* y_1, Arena& arena) {
 
 }  // namespace
 
-// The array of level mu + 1 determines y_1 = tau x' once x is known: stages mu+2, ..., 2 of the elimination leave
-// [E_0; Y] y_1 = [A_0; X] x + [f_0; g].
+// The derivative array of level mu + 1 determines y_1 = tau x' once x is known: stages mu+2, ..., 2 of the elimination
+// leave [E_0; Y] y_1 = [A_0; X] x + [f_0; g].
 bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, const double* x, double* xdot,
                            NextLevel next) {
   if (!problem.prescribed().empty()) return false;

@@ -1,4 +1,4 @@
-// The leading term W x of a linear problem at a point, W = P, E or I, and what it is in the differential equations.
+// The leading term W x of a linear problem at a point, W = P, E or I, and its part in the differential equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -19,8 +19,8 @@ namespace sfdae::core {
 
 namespace {
 
-// What is asked for of a problem may need other units, and differences of higher orders with other spacings: those in
-// use come back when this ends, as the system and an integration go on with them.
+// Requests to a problem may need other units and other spacings for finite differences of higher orders. The settings
+// in use are restored when this ends, as the system and an integration continue with them.
 class SameSettings {
  public:
   explicit SameSettings(LinearProblem& problem) : problem_(problem), settings_(problem.settings()) {}
@@ -63,7 +63,8 @@ void LinearModel::analyze(const PointOfInterest& point, const ModelOptions& opti
 }
 
 void LinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  // Of an analysis that failed: those of low orders are wrong first, and most often.
+  // Orders checked after a failed analysis: wrong derivatives of low orders are the most frequent and the first to
+  // matter.
   constexpr int orders_of_failure = 3;
   if (recorded_) return;
   const int wanted = system_ ? system_->analysis().values.mu + 1 : orders_of_failure;
@@ -162,9 +163,9 @@ Projectors LinearModel::projectors(double t) {
 
 // The derivatives y of least norm with M y = N x + g, in the units of the analysis and with rows of size 1.
 Jet LinearModel::jet_through(double t, const double* x, int level) {
-  // Singular values below, relative, are rounding errors of the array. Residuals of x, relative to what is added up,
-  // above the second are errors of the user; where constants cancel and x = 0, the last is some roundings of values of
-  // size 1. Chosen, not measured.
+  // Smaller singular values, relative, are rounding errors of the derivative array. Residuals of x above the second
+  // constant, relative to the terms of the sum, are errors of the user. If constants cancel and x = 0, the last allows
+  // some roundings of values of size 1. Chosen, not measured.
   constexpr double rounding = 1e-13, consistent_residual = 1e-9, cancelled = 1e-14;
   const int highest = std::max(level, system_->analysis().values.mu);
   DerivativeArray array = derivative_array(t, highest);
@@ -174,7 +175,7 @@ Jet LinearModel::jet_through(double t, const double* x, int level) {
   jet.n = n();
   jet.x.assign(x, x + n());
   jet.set_order(highest + 1);
-  move_to_jet(jet, array);  // what is left with y = 0
+  move_to_jet(jet, array);  // the remainder with y = 0
   std::vector<double> unit(index(size));
   for (int j = 0; j < size; ++j)
     unit[index(j)] = problem_.units()[j % n()] / std::pow(system_->analysis().time_scale, j / n() + 1);

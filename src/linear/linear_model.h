@@ -19,7 +19,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   // Recorded equations that are linear: E, A and f are read off the record.
   explicit LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients);
 
-  // Another one of the same recorded equations; null for functions.
+  // A second model of the same recorded equations; null for functions.
   std::unique_ptr<LinearModel> clone() const {
     return recorded_ ? std::make_unique<LinearModel>(recorded_->clone()) : nullptr;
   }
@@ -43,7 +43,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<LinearChangeWatch>(*system_); }
 
-  // Moves the system to t. Throws Failure where the characteristic values do not hold, or redundant equations
+  // Moves the system to t. Throws Failure if the characteristic values do not hold, or if redundant equations
   // contradict each other and that is not to be ignored; true if it is.
   bool set_point(double t, const ModelOptions& options) { return set_point(*system_, t, options); }
 

@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// What is known of all points from the analysis: their ranks, and the W that they are reduced for.
+// Form of all points, known from the analysis: their ranks, and the W that they are reduced for.
 struct KnownForm {
   const IndexAnalysis& analysis;
   LeadingTerm leading;
@@ -31,7 +31,7 @@ struct LinearPoint {
   // Smallest values kept in the decisions on A^ and E T2, and smallest pivot of the elimination; relative.
   double kept_constraints = 1.0, kept_differential = 1.0, pivot = 1.0;
   int det_sign = 1;  // once the point is accepted, for u = 0: its sign()
-  // That of NullSpaceForm::orientation(), or of det G in the bases of the point.
+  // Sign of NullSpaceForm::orientation(), or of det G in the bases of the point.
   int sign() const { return form.orientation() != 0 ? form.orientation() : form.sign_of_G(); }
 
   // kept_differential, which is relative to E, times the size of E: of its largest row, relative to that of [E A].
@@ -40,7 +40,7 @@ struct LinearPoint {
   void forget() { t = std::numeric_limits<double>::quiet_NaN(); }
 };
 
-// The current point and the one accepted last, which the current one is compared with.
+// The current point and the one accepted last, to which the current one is compared.
 class LinearPoints {
  public:
   LinearPoint& current() { return points_[current_]; }
@@ -49,7 +49,7 @@ class LinearPoints {
   LinearPoint& reference() { return points_[1 - current_]; }
   LinearPoint& last_accepted() { return is_accepted_ ? current() : reference(); }
 
-  // The current point is another one from now on; the one accepted last stays.
+  // The current point becomes another one; the one accepted last stays.
   void start_next() {
     if (is_accepted_) current_ = 1 - current_;
     is_accepted_ = false;
@@ -70,7 +70,7 @@ class LinearPoints {
   bool is_accepted_ = false;  // the current point is: the next one has to fill the other
 };
 
-// Contradiction of redundant equations, 0 also where rounding errors or errors of difference derivatives explain it.
+// Contradiction of redundant equations; 0 if rounding errors or errors of finite differences explain it.
 double inconsistency(const LinearPoint& point, int mu);
 
 // False if the sign of det[E1; A2] changed from one accepted point to another, bases aligned: a singular point lies

@@ -1,4 +1,4 @@
-// Reduction of a linear problem at a point, the ranks known.
+// Reduction of a linear problem at a point with known ranks.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/linear_reduction.h"
 
@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Errors of other signs are rarely larger than the largest of these by much. Chosen.
+// Errors with other signs rarely exceed the largest of these by much. Chosen.
 constexpr int error_samples = 4;
 
 // std::max would drop an error that is not a number.
@@ -25,7 +25,7 @@ double larger_error(double a, double b) {
   return std::isnan(b) ? std::numeric_limits<double>::infinity() : std::max(a, b);
 }
 
-// Values that are nothing but rounding errors.
+// Values that are purely rounding errors.
 bool has_vanished(const LinearPoint& point) {
   return std::min({point.pivot, point.kept_constraints, point.kept_differential}) < unit_roundoff;
 }
@@ -34,7 +34,7 @@ bool has_vanished(const LinearPoint& point) {
 
 void LinearReduction::start(const IndexAnalysis& analysis) {
   prescribed_values_.resize(problem_.prescribed().size() + 1);
-  // Where ranks are only compared with those known, the cheaper model comes first.
+  // When ranks are only compared with known ones, the cheaper model comes first.
   noise_ = analysis.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
   rows_ = analysis.rows;
 }
@@ -50,7 +50,7 @@ CallbackError LinearReduction::evaluate_prescribed(double t) {
 
 PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoint& point, CallbackError& error,
                                     long& count) {
-  // Ranks that took a certificate norms alone would not give.
+  // Ranks found by a certificate, which norms alone would not give.
   const RankSequence& certified = known.analysis.certified_ranks;
   PointStatus status =
       attempt({t, known.analysis.time_scale, rows_, noise_, certified.count > 0 ? &certified : nullptr}, known, point,
@@ -59,18 +59,18 @@ PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoin
   if (status == PointStatus::changed) status = attempt_others(t, known, point, error, count);
   if (status == PointStatus::changed) status = keep_known_ranks(t, known, point, error, count);
   if (status != PointStatus::ok || !problem_.is_constant()) return status;
-  // The same operations at every point: whether this is the first one does not show in any bit.
+  // The same operations at every point: results do not depend, in any bit, on whether this is the first one.
   has_constant_form_ = true;
   return replace_rhs(t, known.analysis.values.mu, point, error);
 }
 
-// Before the values are declared to have changed.
+// Last attempts before the values are declared to have changed.
 PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, LinearPoint& point,
                                             CallbackError& error, long& count) {
   const double time_scale = known.analysis.time_scale;
   // Rows that are small by cancellation must not be scaled up (docs/design/rank_decisions.md).
   PointStatus status = attempt({t, time_scale, RowScaling::common, noise_}, known, point, error, count);
-  // The other ways to take noise into account; without propagation it has to be measured.
+  // The other noise models; without propagation the noise has to be measured.
   for (NoiseModel model : {NoiseModel::carried, NoiseModel::pivots, NoiseModel::data}) {
     if (status != PointStatus::changed || model == noise_) continue;
     if (model != NoiseModel::data ||
@@ -88,11 +88,11 @@ PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, Li
   return status;
 }
 
-// Unless the whole analysis says clearly that they are others (docs/design/rank_decisions.md).
+// Known ranks are retained unless the full analysis clearly finds others (docs/design/rank_decisions.md).
 PointStatus LinearReduction::keep_known_ranks(double t, const KnownForm& known, LinearPoint& point,
                                               CallbackError& error, long& count) {
   if (settings_.by_svd || settings_.rank_tol > 0.0) return PointStatus::changed;
-  // After a checkpoint they are found anew.
+  // After a checkpoint they are recomputed.
   if (ranks_.count == 0 && known.analysis.t != t)
     attempt({known.analysis.t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
   if (ranks_.count == 0) return PointStatus::changed;
@@ -220,7 +220,7 @@ void LinearReduction::errors_of_x(const KnownForm& known, const LinearPoint& poi
   if (counted == 0) std::fill_n(errors, n, std::numeric_limits<double>::infinity());
 }
 
-// With the ranks of the point.
+// Uses the ranks of the point.
 bool LinearReduction::build_changed_form(const KnownForm& known, const LinearPoint& point, TaylorData& changed,
                                          NullSpaceForm& form) {
   const int mu = known.analysis.values.mu;

@@ -1,4 +1,4 @@
-// Reduction of a linear problem at a point, the ranks known: only a point where they differ is examined further.
+// Reduction of a linear problem at a point with known ranks: only a point where they differ is examined further.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,7 @@ namespace sfdae::core {
 
 class LinearReduction {
  public:
-  // All three have to outlive it.
+  // The caller keeps all three alive.
   LinearReduction(LinearProblem& problem, const AnalysisSettings& settings, Arena& arena)
       : problem_(problem), settings_(settings), arena_(arena) {}
   // The analysis holds from now on.
@@ -30,14 +30,14 @@ class LinearReduction {
   void forget_constant_form() { has_constant_form_ = false; }
   PointStatus replace_rhs(double t, int mu, LinearPoint& point, CallbackError& error);
 
-  // How x, consistent at the point reduced last, its differential part held, changes with the errors of derivatives:
+  // Change of x, consistent at the point reduced last with its differential part held, due to errors of derivatives:
   // the point is reduced again with data that have these errors, their signs at random.
   void errors_of_x(const KnownForm& known, const LinearPoint& point, const double* x, double* errors);
 
-  // How rows are scaled from now on; RowScaling::each unless set.
+  // Scaling of rows from now on; RowScaling::each unless set.
   RowScaling rows() const { return rows_; }
   void set_rows(RowScaling rows) { rows_ = rows; }
-  // Factors of the rows of the point are preferred from now on.
+  // The row factors of the point are preferred from now on.
   void prefer_rows_of(const LinearPoint& point);
   void archive_preferred_rows(Archive& archive, int m) { archive.reals(preferred_rows_, index(m)); }
   // The largest row over the smallest, at this point or by the factors preferred, whichever is less: it diverges
@@ -65,8 +65,8 @@ class LinearReduction {
   const AnalysisSettings& settings_;
   Arena& arena_;
   RowScaling rows_ = RowScaling::each;
-  // Factors of the rows at the point accepted last: superconvergence needs equations that depend smoothly on t, and
-  // jumps of kept values would look like changes.
+  // Row factors at the point accepted last: superconvergence needs equations that depend smoothly on t, and jumps of
+  // kept values would look like changes.
   std::vector<double> preferred_rows_;
   NoiseModel noise_ = NoiseModel::pivots;  // the first one tried
   std::vector<double> prescribed_values_;

@@ -127,7 +127,7 @@ void LinearStages::add_rows(const Rows& of, const StageEquations& equations, std
 }
 
 // r_i = b_i - tau/h sum_j D_ij (g0_j - Z1^T E w), and - tau/h sum_j D_ij U^T (xp_j - x) for free components;
-// offsets: what is differenced.
+// offsets: terms that are differenced.
 void LinearStages::fill_residuals(const StageEquations& equations, double factor, ConstView offsets, View r) const {
   const int d = traits_.differential, q = unknowns();
   for (int i = 0; i < s_; ++i) {
@@ -164,8 +164,8 @@ void LinearStages::solve_decoupled(const StageEquations& equations, const double
   fill_residuals(equations, factor, offsets, r);
   const View z{z_.data(), q, s, std::max(q, 1)}, correction = arena.matrix(std::max(q, 1), s);
   constant.matrix.solve_stages(method, r, z, arena);
-  // T is badly conditioned for many stages (1e2 for seven: transformed_stages_test.cpp): the residual makes up for
-  // that, and three stages do without.
+  // T is badly conditioned for many stages (1e2 for seven: transformed_stages_test.cpp): iterating with the residual
+  // compensates for that, and three stages do not need it.
   if (s <= 3) return;
   const View Gz = arena.matrix(std::max(q, 1), s);
   multiply(1.0, Op::plain, form.G(), Op::plain, z, 0.0, Gz.top(d));

@@ -5,8 +5,8 @@
 //     tau/h L_i sum_j D_ij (Y_j [z_j; 1] - w) = [B b]_i [z_i; 1]        L_i = Z1^T E (or Z1^T for W = E)
 //     sum_j D_ij V_i (X_j [z_j; 1] - x) = 0                             V_i = (T2 Uz)^T, free components
 //
-// s(d+u) linear equations. Where the matrices do not depend on t, transformation by T decouples them into one real
-// system and (s-1)/2 complex ones of order d + u [HW96, IV.8]; nothing has to be iterated, as the problem is linear.
+// s(d+u) linear equations. If the matrices do not depend on t, transformation by T decouples them into one real system
+// and (s-1)/2 complex ones of order d + u [HW96, IV.8]; nothing has to be iterated, as the problem is linear.
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -22,8 +22,8 @@
 
 namespace sfdae::core {
 
-// Workspace of a step: what the equations need of each stage, side by side, and their matrix. It grows in the first
-// step and is used again in the others.
+// Workspace of a step: stage data that the equations need, side by side, and their matrix. It grows in the first step
+// and is used again in the others.
 class LinearStages {
  public:
   // For s stages of a system with these traits.
@@ -35,7 +35,7 @@ class LinearStages {
   // count: of factorizations, raised.
   bool solve_coupled(const StageEquations& equations, const double* x, Arena& arena, long& count);
 
-  // The last stage of a constant problem, whose matrices are those of all stages, and what is factored of them.
+  // The last stage of a constant problem, whose matrices are those of all stages, and their factors.
   struct ConstantMatrices {
     const LinearPoint& point;
     LeadingTerm leading;

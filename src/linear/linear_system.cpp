@@ -1,4 +1,4 @@
-// The strangeness-free system of a linear problem, reduced anew at every point.
+// The strangeness-free system of a linear problem, recomputed at every point.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/linear_system.h"
 
@@ -35,7 +35,7 @@ bool leading_term_needs_E1(const LinearProblem& problem, const IndexAnalysis& an
          !(leading == LeadingTerm::projector && analysis.rank_E == problem.n());
 }
 
-// Whether an analysis that was read can be one of the problem.
+// True if an analysis that was read can be one of the problem.
 bool is_plausible(const IndexAnalysis& analysis, int m, int n) {
   return fits_dimensions(analysis, m, n) && analysis.rank_E >= 0 && analysis.rank_E <= std::min(m, n) &&
          analysis.noise >= NoiseModel::carried && analysis.noise <= NoiseModel::data;
@@ -103,7 +103,7 @@ void LinearSystem::archive(Archive& archive) {
     reduction_.set_rows(rows);
     resize();
   }
-  // The point accepted last, as the next one is compared with it. Constant matrices are reduced anew.
+  // The point accepted last, which the next one is compared with. Constant matrices are reduced again.
   if (problem_.is_constant()) {
     matrix_.archive_c(archive);
     return;
@@ -118,7 +118,7 @@ void LinearSystem::archive(Archive& archive) {
   point.forget();
 }
 
-// mu = 0 would not need derivatives of E but for the leading term. Throws Failure where E cannot be evaluated.
+// mu = 0 would need derivatives of E only for the leading term. Throws Failure where E cannot be evaluated.
 bool LinearSystem::has_derivative_of_E() {
   if (settings_.orders_up_to_mu_only) return false;
   TaylorData data;
@@ -197,7 +197,7 @@ bool LinearSystem::orientation_kept() {
 
 void LinearSystem::return_to_accepted(double t) {
   if (!reduction_.has_constant_form()) return points_.return_to_accepted();
-  // It was fine before: a failure that has passed is none.
+  // The point was evaluated before: a recoverable callback error is retried once.
   if (move_to(t) != PointStatus::ok && (!callback_error_.is_recoverable() || move_to(t) != PointStatus::ok))
     callback_error_.raise();
 }
@@ -207,7 +207,7 @@ void LinearSystem::leading(const double* x, double* w) {
   apply_leading(leading_, point(), problem_.units().inward(x, arena_.take(index(problem_.n()))), w, arena_);
 }
 
-// [c tau G - B; c tau Uz^T] = L U; kept for constant problems as long as c stays.
+// [c tau G - B; c tau Uz^T] = L U; reused for constant problems as long as c stays.
 bool LinearSystem::factor_step_matrix(double c) {
   if (problem_.is_constant() && matrix_.is_for(c)) c = matrix_.c();
   if (reduction_.has_constant_form() && matrix_.is_valid() && matrix_.c() == c) return true;

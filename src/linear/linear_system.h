@@ -1,4 +1,4 @@
-// The strangeness-free system of a linear problem, reduced anew at every point.
+// The strangeness-free system of a linear problem, recomputed at every point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,7 +22,7 @@ class LinearSystem final : public DaeSystem {
   // The analysis holds from here on. Chooses the leading term; throws Failure if the prescribed components do not fit
   // or E'(t) is needed and missing.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, LeadingTerm leading);
-  // As it was when it was archived, except that it has no current point until moved to one. Throws DamagedArchive.
+  // Restores the archived state, except that it has no current point until moved to one. Throws DamagedArchive.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
   PointStatus move_to(double t) override;
@@ -36,12 +36,12 @@ class LinearSystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
-  // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
+  // W = E (or I if E' is missing) from now on: rank E is not constant.
   void give_up_projector() override;
   LinearProblem& problem() { return problem_; }
   std::string inconsistency_message() const override;
-  // " It is equations 0 and 2 that cannot hold together.", at the current point; with components of x fixed (n flags,
-  // or none), as they are. Empty if that is not so, or not known.
+  // " It is equations 0 and 2 that cannot hold together.", at the current point, with the flagged components of x fixed
+  // (n flags, or none). Empty if there is no contradiction, or it is not known.
   std::string named_contradiction(const std::vector<char>& fixed, const double* x) const;
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }
@@ -52,16 +52,16 @@ class LinearSystem final : public DaeSystem {
   double t() const override { return point().t; }
   PointQuality quality() const override;
   CharacteristicValues values_at(double t) override;
-  // False if the sign of det[E1; A2] changed from the point accepted last to the current one; true where that means
-  // nothing (u > 0).
+  // False if the sign of det[E1; A2] changed from the point accepted last to the current one; true if it is not defined
+  // (u > 0).
   bool orientation_kept();
-  // Of the stages of the last step, if it had any.
+  // Traces of the stages of the last step, if it had any.
   const StageTraces& stage_traces() const { return traces_; }
-  // From where it has been moved to since: t, the point accepted last, is the current one again. Throws Failure.
+  // After moves elsewhere: t, the point accepted last, becomes the current one again. Throws Failure.
   void return_to_accepted(double t);
   void archive(Archive& archive) override;
 
-  // The derivative of the constraints is computed by differences where it is not available.
+  // Without an available derivative, the constraints are differentiated by finite differences.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double* x, const double* xdot, double* wdot) override;
@@ -78,7 +78,7 @@ class LinearSystem final : public DaeSystem {
  private:
   void resize();
   bool has_derivative_of_E();
-  // Nothing has changed where it throws.
+  // Strong exception guarantee.
   void choose_leading_term(LeadingTerm wanted);
   KnownForm known() const { return {analysis_, leading_, needs_E1_}; }
   bool factor_step_matrix(double c);
@@ -91,7 +91,7 @@ class LinearSystem final : public DaeSystem {
   bool needs_E1_ = false;  // W varies with E
   LinearPoints points_;
   LinearReduction reduction_;
-  StepMatrix matrix_;  // for constant problems it is kept as long as c stays
+  StepMatrix matrix_;  // for constant problems it is reused as long as c stays
   LinearStages stages_;
   StageTraces traces_;
   TaylorData next_level_;  // of level mu + 1, for x'

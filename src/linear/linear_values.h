@@ -15,7 +15,7 @@ ConstrainedPoint constraints_of(LinearSystem& system);
 // Makes x (n values) consistent at the point the system was moved to. Throws Failure SFDAE_INCONSISTENT_VALUES or
 // SFDAE_FIXED_VALUES and leaves x as it was then.
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, std::vector<double>& x);
-// The same with the constraints of the system at hand.
+// The same with the constraints of the current system.
 ConsistencyResult make_consistent(LinearSystem& system, const ConstrainedPoint& constraints,
                                   const ConsistencyRequest& request, std::vector<double>& x);
 

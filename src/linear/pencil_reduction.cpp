@@ -21,7 +21,7 @@ struct Pencil {
 struct ReducedPencil {
   CharacteristicValues values;
   double time_scale = 1.0;
-  // What rounding errors of the pencil grow by until they are in G and B, at most, about: see reduction/judge.h.
+  // Approximate bound for the growth of rounding errors of the pencil in G and B: see reduction/judge.h.
   double amplification = 1.0;
   Matrix G, B;
 };
@@ -81,8 +81,8 @@ ReducedPencil reduce_named(Pencil pencil, double rank_tol, const std::string& na
 }  // namespace
 
 PencilSpectrum spectrum_of_pencil(ConstView E, ConstView A, double rank_tol, const std::string& name) {
-  // Up to this size every eigenvalue is refined: n^3 operations each. Larger ones only where QZ leaves fewer digits
-  // than this. By judgement: 200 eigenvalues of 200 unknowns are a few seconds.
+  // Up to this size every eigenvalue is refined: n^3 operations each. Larger ones only if QZ leaves fewer digits than
+  // this. By judgment: 200 eigenvalues of 200 unknowns are a few seconds.
   constexpr int always_refined = 150;
   constexpr double few_digits = 1e-10;
   ReducedPencil reduced = reduce_named({to_matrix(E), to_matrix(A)}, rank_tol, name);

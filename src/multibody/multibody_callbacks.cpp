@@ -71,7 +71,7 @@ void CallbackMultibody::check_rates(double t, const double* q) {
   };
   // Two offsets, for the sake of periodic functions: their quotient is no simple fraction.
   for (const double part : {1.0, 0.31}) {
-    // The same numbers give the same values: whatever changes depends on t.
+    // The same numbers give the same values, so any change depends on t.
     if (!evaluate(t, here.data()) || !evaluate(t + part * offset, later.data())) continue;
     for (std::size_t i = 0; i < here.size(); ++i)
       if (here[i] != later[i])

@@ -21,7 +21,7 @@ class CallbackMultibody final : public MultibodyProblem {
   CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
                           MultibodyJacobian& jacobian) override;
   void check_rates(double t, const double* q) override;
-  // What checks of derivatives compare: g, S, g_q, C, r, and those parts of s that are given.
+  // The terms that checks of derivatives compare: g, S, g_q, C, r, and the given parts of s.
   CallbackError constraint_terms(double t, const double* q, const double* v, MultibodyTerms& terms);
 
   const sfdae_multibody_problem& functions() const { return functions_.given(); }

@@ -18,7 +18,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of a search for positions. (Chosen.)
+// Limit for a search for positions. (Chosen.)
 constexpr int most_iterations = 200;
 
 double size_of(const Vector& values) {
@@ -62,7 +62,7 @@ bool MultibodyConsistency::has_fixed(int first, int count) const {
                      [](char flag) { return flag != 0; });
 }
 
-// The smallest one; 0 if there is none.
+// The smallest tolerance; 0 if there is none.
 double MultibodyConsistency::position_tolerance() const {
   const auto& all = request_.tolerances;
   return all.empty() ? 0.0 : *std::min_element(all.begin(), all.begin() + sizes_.positions);
@@ -80,7 +80,7 @@ Vector MultibodyConsistency::positions(const double* given) {
   PositionSearch search = search_at(start);
   if (search.holds_to_rounding()) return start;
   const PositionMetric metric = position_metric(search.point().terms, request_);
-  // Far from the constraints components as they are get on best.
+  // Far from the constraints, directions along single components are the most efficient.
   bool is_found = search.approach(metric.open, most_iterations);
   if (!is_found) {
     PositionSearch other = search_at(start);
@@ -92,7 +92,7 @@ Vector MultibodyConsistency::positions(const double* given) {
   return search.q();
 }
 
-// Where no direction makes residuals smaller, constraints contradict each other, or fixed values contradict them.
+// If no direction reduces residuals, constraints contradict each other, or fixed values contradict them.
 void MultibodyConsistency::refuse_positions(const PositionSearch& search, const Matrix& open) {
   const Vector residuals = search.residuals();
   const auto worst = std::max_element(residuals.begin(), residuals.end(),
@@ -133,16 +133,17 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, double rank_tol, std
   return ranks;
 }
 
-// Constraints that depend on each other at the point alone, or gradients that vanish where their constraints hold,
-// make it a singular configuration.
+// Constraints that depend on each other at this point alone, or gradients that vanish where their constraints hold,
+// indicate a singular configuration.
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
-  // To the neighbour, relative to q; a gradient so much smaller than there counts as zero. No figures were recorded.
+  // Distance of the neighboring point, relative to q; relative size of a gradient that counts as zero. No figures were
+  // recorded.
   constexpr double distance = 1e-3, vanishing = 1e-6;
   const Vector units = point_.position_units;
   const double largest = max_abs(q.data(), sizes_.positions),
                size = largest > 0.0 ? std::max(largest, position_tolerance()) : 1.0;
   Vector beside(q);
-  // No direction in particular, and the same in every run.
+  // An arbitrary direction, the same in every run.
   for (std::size_t i = 0; i < q.size(); ++i)
     beside[i] += distance * size * std::sin(1.0 + 2.3 * static_cast<double>(i));
   MultibodyRanks found;
@@ -160,7 +161,7 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
     evaluate_at(search.q());
     found = ranks_of_constraints(point_, rank_tol_, nullptr, arena_);
   } catch (const Failure& failure) {
-    // A neighbour that cannot be reached says nothing.
+    // A neighbor that cannot be reached is ignored.
     const int status = failure.status();
     if (status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_STOPPED) throw;
     return;
@@ -195,10 +196,11 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
     for (int j = 0; j < nv && point_.velocity_units[index(i)] > 0.0; ++j)
       rows(i, j) /= point_.velocity_units[index(i)];
   const Svd C = svd(product(rows, P));
-  // Of known rank: a tenth of the smallest value that counts, and never less than rounding errors of C.
+  // Threshold for the known rank: a tenth of the smallest relevant singular value, and never less than rounding errors
+  // of C.
   const double least = rank > 0 && rank <= static_cast<int>(C.s.size()) ? 0.1 * C.s[index(rank - 1)] : 0.0,
                threshold = std::max(least, C.s.empty() ? 0.0 : 1e-13 * C.s.front());
-  // Twice, for rounding errors of the first time.
+  // The second pass removes rounding errors of the first.
   for (int pass = 0; pass < 2; ++pass) {
     const Vector y = least_norm_solution(C, scaled_velocity_residuals(), threshold);
     multiply(-1.0, Op::plain, P, y.data(), 1.0, point_.v.data());
@@ -213,7 +215,7 @@ void MultibodyConsistency::refuse_velocities(const Vector& residuals, const doub
   const int nv = sizes_.velocities;
   const auto worst = std::max_element(residuals.begin(), residuals.end(),
                                       [](double a, double b) { return std::fabs(a) < std::fabs(b); });
-  // Those given count, too: where nothing can move, v is rounding errors of them.
+  // The given velocities count, too: if nothing can move, v consists of their rounding errors.
   double size = std::max(size_of(point_.v), size_of(Vector(given, given + nv)));
   for (int i = 0; i < sizes_.constraints(); ++i)
     if (point_.velocity_units[index(i)] > 0.0)

@@ -1,7 +1,8 @@
 // Consistent positions and velocities of a mechanical system with constraints, and the ranks that hold there.
 //
-// What holds to rounding stays to the last bit. Else positions move to the nearest that fulfil the constraints
-// (multibody_nearest_positions.h), in the metric of multibody_metric.h, and then velocities by one linear step.
+// Positions and velocities that are consistent but for rounding errors stay bit by bit. Else positions move to the
+// nearest that fulfil the constraints (multibody_nearest_positions.h), in the metric of multibody_metric.h, and then
+// velocities by one linear step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,24 +19,24 @@ namespace sfdae::core {
 
 class MultibodyConsistency {
  public:
-  // request: fixed and weights for all unknowns; mu does not matter. tolerant: constraints that contradict each other
-  // are violated as little as they must.
+  // request: fixed and weights for all unknowns; mu is ignored. tolerant: the violation of constraints that contradict
+  // each other is minimized.
   MultibodyConsistency(MultibodyProblem& problem, double t, const ConsistencyRequest& request, bool tolerant);
 
-  // All throw Failure. Of q given:
+  // Consistent positions near q. All functions here throw Failure.
   std::vector<double> positions(const double* q);
-  // At consistent positions: ranks, and whether K is regular. rank_tol: as of partitions.
+  // Ranks at consistent positions, after a check that K is nonsingular. rank_tol: as of partitions.
   MultibodyRanks ranks(const std::vector<double>& q, double rank_tol, std::vector<RankDecision>& decisions);
   int rank_of_mass() const { return rank_of_mass_; }
   bool has_contradiction() const { return has_contradiction_; }
-  // Velocities that fit q, of v given.
+  // Velocities consistent with q, near v.
   std::vector<double> velocities(const std::vector<double>& q, const double* v, int rank);
 
  private:
   void evaluate_at(const std::vector<double>& q);
   PositionSearch search_at(const std::vector<double>& q);
   double position_tolerance() const;
-  // Returns if that is tolerated.
+  // Returns if the violation is tolerated.
   void refuse_positions(const PositionSearch& search, const Matrix& open);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
   // C v + r at the point, in units of the rows.

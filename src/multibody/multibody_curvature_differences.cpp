@@ -1,4 +1,4 @@
-// gamma and eta of a mechanical system where its functions do not give them.
+// gamma and eta of a mechanical system whose functions do not supply them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_curvature_differences.h"
 
@@ -16,18 +16,19 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int points = DifferenceFormula::points;
-// Points to begin with; nine of them at this distance are exact to rounding for a sine.
+// Initial spacing; nine points at this distance are exact to roundoff for a sine.
 constexpr double widest_spacing = 1.0 / 16.0;
 constexpr int spacings = 12;  // each a fourth of the one before: down to 1.5e-8
-// Of the formula with two points less: the one in use is better by the square of the spacing
+// Error of the formula with two points fewer: the one in use is better by the square of the spacing
 // (docs/design/finite_differences.md).
 constexpr double good_error = 1e-9;
-// Weights of the formula and roundings of what the functions add up; no figures were recorded.
+// Weights of the formula times rounding errors of sums in the functions; no figures were recorded.
 constexpr double formula_roundoff = 100.0 * unit_roundoff;
 
 }  // namespace
 
-// Components that are much smaller than others may be zero by chance: a hundredth of the largest is the least.
+// Components that are much smaller than others may be zero by chance, so the unit is at least a hundredth of the
+// largest.
 double unit_of_component(const double* values, int count, int j) {
   const double largest = max_abs(values, count);
   return largest == 0.0 ? 1.0 : std::max(std::fabs(values[j]), 1e-2 * largest);
@@ -66,7 +67,7 @@ CurvatureDifferences::CurvatureDifferences(const MultibodyFunctions& functions)
   for (auto* values : {&values_, &errors_, &along_, &in_time_}) values->resize(rows);
 }
 
-// Those rows of C v + r whose derivatives along the motion are not given; 0 in others.
+// The rows of C v + r whose derivatives along the motion are not given; 0 in others.
 bool CurvatureDifferences::residuals(const MultibodyArguments& at, double* values, CallbackError& error) {
   const MultibodySizes& sizes = functions_.sizes();
   double *const g_1 = values, *const h = values + sizes.holonomic;
@@ -90,7 +91,7 @@ bool CurvatureDifferences::residuals_beside(const MultibodyArguments& at, const 
   return residuals({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, values, error);
 }
 
-// False if a row is not accurate enough yet at this spacing. Rows are judged by themselves: their units may differ.
+// False if a row is not accurate enough yet at this spacing. Each row is tested separately, as units may differ.
 bool CurvatureDifferences::improve(int shift, double step, double* derivative) {
   bool done = true;
   for (std::size_t row = 0; row < errors_.size(); ++row) {
@@ -105,7 +106,7 @@ bool CurvatureDifferences::improve(int shift, double step, double* derivative) {
   return done;
 }
 
-// line.step becomes the spacing that was good.
+// line.step becomes the spacing that was accurate.
 bool CurvatureDifferences::differentiate(const MultibodyArguments& at, Line& line, double* derivative,
                                          CallbackError& callback_error) {
   double wanted = line.step;

@@ -1,8 +1,7 @@
-// gamma and eta of a mechanical system, the rows of s, where its functions do not give them.
+// gamma and eta of a mechanical system, the rows of s, if its functions do not supply them.
 //
-// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that
-// what limits t has no influence on systems that do not depend on it
-// (docs/design/finite_differences.md).
+// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, separately in t and in q, so
+// that limits of t do not affect systems that do not depend on it (docs/design/finite_differences.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,27 +13,27 @@
 
 namespace sfdae::core {
 
-// Size of component j, as far as the vector shows it.
+// Size of component j, estimated from the vector.
 double unit_of_component(const double* values, int count, int j);
-// In which no position moves by more than its size in this direction; angles bend within 1.
+// Time in which no position moves by more than its size in this direction; angles curve within 1.
 double time_of_motion(const double* q, const std::vector<double>& direction);
 
-// Of differences of lowest order along the motion, and in t before and after the point; 0: none.
+// Increments of lowest-order differences along the motion, and in t before and after the point; 0: none.
 struct MultibodyIncrements {
   double along, before, after;
 };
-// What limits of t and independence of t leave of those that are wanted.
+// Reduces the wanted increments for limits of t and for independence of t.
 MultibodyIncrements increments_at(double t, double along, double in_time, const MultibodyFunctions& functions);
 
 class CurvatureDifferences {
  public:
-  // functions: have to outlive this.
+  // functions: must outlive this object.
   explicit CurvatureDifferences(const MultibodyFunctions& functions);
 
   bool is_needed() const { return gamma_ || eta_; }
   // s += its rows that are not given. False if a callback fails.
   bool add(const MultibodyArguments& at, const Matrix& S, double* s, CallbackError& error);
-  // Increments of differences of lowest order, this part of the spacings that were good in the last add.
+  // Increments of lowest-order differences: this fraction of the accurate spacings of the last add.
   MultibodyIncrements rough_increments(double t, double part) const {
     return increments_at(t, part * good_step_, part * good_time_, functions_);
   }

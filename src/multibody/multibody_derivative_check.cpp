@@ -1,4 +1,4 @@
-// Compares derivatives that callbacks of a mechanical system supply with differences.
+// Comparison of derivatives that callbacks of a mechanical system supply with differences.
 //
 //     g_q, g_t            of g
 //     s = (gamma, eta)    of C v + r along (t + s, q + s S v), v held
@@ -33,7 +33,7 @@ class Checker {
   DerivativeMismatch worst() {
     check_gradient();
     check_rate();
-    // What lies above is judged by a g_q and a g_t that are right.
+    // Higher derivatives are compared only if g_q and g_t are right.
     if (!worst_.suspicious()) check_curvatures();
     return worst_;
   }

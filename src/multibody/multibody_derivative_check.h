@@ -1,4 +1,4 @@
-// Compares derivatives that callbacks of a mechanical system supply with differences.
+// Comparison of derivatives that callbacks of a mechanical system supply with differences.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// The Jacobian of what is iterated for a mechanical system, by differences of its functions.
+// Finite-difference Jacobian of the iterated residuals of a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_difference_jacobian.h"
 
@@ -13,12 +13,12 @@ namespace sfdae::core {
 
 namespace {
 
-// Increments relative to the size of a component: of values, where errors of rounding and of the formula are about
-// equal; of what is a difference itself, and has larger errors.
+// Increments relative to the size of a component: of values, with about equal errors of rounding and of the formula; of
+// differences, which have larger errors.
 const double increment = std::sqrt(unit_roundoff);
 constexpr double wide_increment = 1e-5;
-// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is
-// relative to the spacing of nine points that has proved good.
+// Spacings of low-order differences along the motion: of values; of differences to be divided by an increment again.
+// The latter is relative to the accurate spacing of nine points.
 constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
 
 // Column j of a Jacobian.
@@ -114,7 +114,7 @@ bool MultibodyDifferenceJacobian::position_column(const Point& point, int j, Mul
   return !curvature_.is_needed() || add_rough_column(point, j, offset, column(jacobian.acceleration_q), error);
 }
 
-// offset: that of moved_. The rows of s that are differences need a wider one.
+// offset: that of moved_. Rows of s that are differences need a larger one.
 bool MultibodyDifferenceJacobian::add_rough_column(const Point& point, int j, double offset, View column,
                                                    CallbackError& error) {
   const double* const q = point.at.q;
@@ -148,7 +148,7 @@ bool MultibodyDifferenceJacobian::evaluate(const MultibodyState& state, const Mu
   if (functions_.has_kinematics() && jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!residuals(at, a, mu, base_, error)) return false;
   direction_ = base_.kinematics;
-  // For the spacings that are good here; the values are overwritten.
+  // Finds the spacings that are accurate here; the values are overwritten.
   if (curvature_.is_needed() && !curvature_.add(at, terms.S, rough_base_.data(), error)) return false;
   const Point point{at, a, mu, curvature_.rough_increments(t, rough_spacing)};
   const View acceleration_v = jacobian.acceleration_v;

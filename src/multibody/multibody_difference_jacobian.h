@@ -1,7 +1,7 @@
-// The Jacobian of what is iterated for a mechanical system, by differences of its functions.
+// Finite-difference Jacobian of the iterated residuals of a mechanical system.
 //
-// It serves to find a solution, not to define it: differences of lowest order are enough. As s is the derivative of
-// C v + r along (1, S v) with v held, its derivative by v is dC/dt + (C v + r)_q S and takes none.
+// It affects convergence only, not the solution, so differences of lowest order suffice. As s is the derivative of C v
+// + r along (1, S v) with v held, its derivative by v is dC/dt + (C v + r)_q S and needs no differences.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 class MultibodyDifferenceJacobian {
  public:
-  // Both have to outlive this.
+  // Both arguments must outlive this object.
   MultibodyDifferenceJacobian(MultibodyFunctions& functions, CurvatureDifferences& curvature);
 
   // With v' = a and mu held; terms: those of the state. False if a callback fails.
@@ -22,7 +22,7 @@ class MultibodyDifferenceJacobian {
                 CallbackError& error);
 
  private:
-  // What an iteration solves.
+  // Residuals that the iteration solves for.
   struct Residuals {
     explicit Residuals(const MultibodySizes& sizes);
     std::vector<double> force;         // f - M a - C^T mu
@@ -30,7 +30,7 @@ class MultibodyDifferenceJacobian {
     std::vector<double> velocity;      // C v + r
     std::vector<double> kinematics;    // S v
   };
-  // Where a Jacobian is wanted, with what is held.
+  // Point of the Jacobian, with the values that are held.
   struct Point {
     MultibodyArguments at;
     const double* a;
@@ -42,7 +42,7 @@ class MultibodyDifferenceJacobian {
   bool residuals(const MultibodyArguments& at, const double* a, const double* mu, Residuals& result,
                  CallbackError& error);
   bool add_rate_of_C(const MultibodyArguments& at, const MultibodyIncrements& steps, View rate, CallbackError& error);
-  // Moves component j to where `evaluate` succeeds; returns by how much, or 0.
+  // Moves component j to a value at which `evaluate` succeeds; returns the offset, or 0.
   template <class Evaluate>
   double move(const double* values, int j, std::vector<double>& moved, CallbackError& error, Evaluate evaluate);
   bool position_column(const Point& point, int j, MultibodyJacobian& jacobian, CallbackError& error);

@@ -1,6 +1,6 @@
 // The equations of a mechanical system evaluated at points: terms, derivatives, accelerations.
 //
-// Errors of callbacks and numbers of factorizations are kept where the owner wants them.
+// The owner receives errors of callbacks and counts of factorizations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 class MultibodyEquations {
  public:
-  // error: that of the last callback. Both have to outlive this.
+  // error: of the last callback. Both arguments must outlive this object.
   MultibodyEquations(MultibodyProblem& problem, CallbackError& error, SystemCounts& counts)
       : problem_(problem), error_(error), counts_(counts) {}
   MultibodyEquations(const MultibodyEquations&) = delete;

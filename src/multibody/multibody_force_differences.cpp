@@ -1,4 +1,4 @@
-// mu' of a mechanical system by differences of mu at neighbouring points.
+// mu' of a mechanical system by differences of mu at neighboring points.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_force_differences.h"
 
@@ -11,7 +11,7 @@
 
 namespace sfdae::core {
 
-// At t + s, q + s q', v + s v'.
+// Evaluates at t + s, q + s q', v + s v'.
 PointStatus MultibodyForceDifferences::evaluate(const MultibodyPoint& point, double s) {
   std::vector<double>&q = neighbour_.q, &v = neighbour_.v;
   neighbour_.t = point.t + s;
@@ -24,8 +24,8 @@ PointStatus MultibodyForceDifferences::evaluate(const MultibodyPoint& point, dou
 }
 
 double MultibodyForceDifferences::increment(const MultibodyPoint& point, double time_scale) const {
-  // The error of differences of order 4 is about its fourth power, 1e-12, and rounding errors are a thousand times
-  // those of mu; t + s has to be known to six digits of s.
+  // The error of differences of order 4 is about the fourth power of this step, 1e-12, and rounding errors are a
+  // thousand times those of mu; t + s has to be known to six digits of s.
   constexpr double part_of_time_scale = 1e-3, rounding_of_time = 1e6 * unit_roundoff;
   const int nq = static_cast<int>(point.q.size()), nv = static_cast<int>(point.v.size());
   const Arena::Frame frame(arena_);

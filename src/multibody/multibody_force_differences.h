@@ -1,6 +1,6 @@
-// mu' of a mechanical system by differences of mu at neighbouring points along the solution.
+// mu' of a mechanical system by differences of mu at neighboring points along the solution.
 //
-// mu(t, q, v) is smooth beside the constraints, too, so that points on the tangent will do.
+// mu(t, q, v) is smooth off the constraints, too, so that points on the tangent suffice.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,9 +17,9 @@ class MultibodyForceDifferences {
                             Arena& arena)
       : equations_(equations), partition_(partition), neighbour_(neighbour), arena_(arena) {}
 
-  // mudot := mu' by differences of order 4, on the side that may be evaluated. time_scale: in which the solution
-  // changes, as far as steps know. False if mu is not to be had near by. Throws Failure where a callback asks to
-  // stop.
+  // mudot := mu' by differences of order 4, on the side where evaluation is allowed. time_scale: time in which the
+  // solution changes, estimated from steps. False if mu cannot be evaluated nearby. Throws Failure if a callback asks
+  // to stop.
   bool derivative(const MultibodyPoint& point, double time_scale, double* mudot);
 
  private:

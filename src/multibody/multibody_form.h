@@ -22,34 +22,34 @@ namespace sfdae::core {
 
 class MultibodyForm {
  public:
-  // Memory for these sizes, and the ranks of g_q and C.
+  // Allocates memory for these sizes, and the ranks of g_q and C.
   void resize(const MultibodySizes& sizes, int position_rank, int velocity_rank);
-  // By which ranks are decided; 0: by rounding errors.
+  // Tolerance of rank decisions; 0: by rounding errors.
   void set_rank_tol(double rank_tol) { positions_.rank_tol = velocities_.rank_tol = rank_tol; }
 
   int unknowns() const { return dq_ + dv_; }
   const Partition& positions() const { return positions_; }
   const Partition& velocities() const { return same_rows_ ? positions_ : velocities_; }
   const Tangents& tangents() const { return tangents_; }
-  // Q_v1^T a_q, Q_v1^T a_v and (C v + r)_q at the linearization, the last of which may vanish altogether.
+  // Q_v1^T a_q, Q_v1^T a_v and (C v + r)_q at the linearization; the last may be identically zero.
   ConstView A_q() const { return A_q_; }
   ConstView A_v() const { return A_v_; }
   ConstView velocity_q() const { return velocity_q_; }
   bool has_velocity_q() const { return has_velocity_q_; }
   void resize_tangents(Tangents& tangents) const;
 
-  // New partitions at the point; what is found of the ranks.
+  // New partitions at the point, and the ranks found.
   struct Ranks {
     RankDecision positions, velocities;
   };
   Ranks choose(const MultibodyPoint& point, Coordinates coordinates, Arena& arena);
-  // The row of C that depends most on the others at the point, and what is left of it, in units of its length.
+  // Finds the row of C that depends most on the others at the point, and its independent part, in units of its length.
   void judge(const MultibodyPoint& point, Arena& arena, int& row, double& rest) const;
   // T and N at a point; false if the partition does not fit it at all.
   bool build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const;
   // N alone at a point; false if the partition does not fit it at all.
   bool fit_tangents(const MultibodyPoint& point, Tangents& tangents, Tangent::Uses uses = Tangent::Uses::many) const;
-  // For the point of the linearization.
+  // Same for the point of the linearization.
   bool build_tangents(const MultibodyPoint& point, Arena& arena) { return build_tangents(point, tangents_, arena); }
   // B, after build_tangents; point: K factored there, a and mu known.
   void build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena);
@@ -62,7 +62,7 @@ class MultibodyForm {
       M(j, j) += c;
     }
   }
-  // Whether y' = z, as S is the identity: B = [0 I; K D] but for rounding errors.
+  // True if y' = z, as S is the identity: B = [0 I; K D] except for rounding errors.
   bool has_velocities_as_rates() const { return same_rows_; }
   ConstView stiffness() const { return B_.view().block(dq_, 0, dv_, dq_); }
   // M := c I - D - K / c
@@ -75,11 +75,11 @@ class MultibodyForm {
       M(j, j) += c;
     }
   }
-  // (y, z) of (q, v).
+  // Computes (y, z) of (q, v).
   void project(const double* qv, double* yz) const;
   // Changes of the independent mu that belong to changes of q and v, a column for each.
   void forces(ConstView changes, View mu) const;
-  // (y, z) of (q, v), a column for each point.
+  // Computes (y, z) of (q, v), a column for each point.
   void project(ConstView qv, View yz) const;
   // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
   struct Residuals {

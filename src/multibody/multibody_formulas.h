@@ -13,14 +13,14 @@ namespace sfdae::core {
 
 class TaylorEvaluator;
 
-// The unknowns of the recorder are (q, v); matrices column by column. All but f depend on t and q alone.
+// The unknowns of the recorder are (q, v); matrices column by column. All except f depend on t and q alone.
 struct MultibodyFormulas {
   MultibodySizes sizes;
   std::vector<int> M, f, g, S, H, h;
 };
 
 bool is_number(const Recorder& recorder, int node);
-// S is the identity.
+// Returns whether S is the identity.
 bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, int cols);
 // name[0], name[1], ...
 std::vector<std::string> numbered(const char* name, int count);
@@ -30,10 +30,11 @@ std::vector<int> column_of(const std::vector<int>& matrix, int rows, int column)
 // sum_j coefficients_j factors_j, zeros left out.
 int combination(Recorder& recorder, const std::vector<int>& coefficients, const std::vector<int>& factors);
 
-// The equations as they are, in x = (q, v, lambda, kappa): q' - S v, M v' - f + G^T lambda + H^T kappa, g, H v + h.
+// The equations in first-order form, in x = (q, v, lambda, kappa): q' - S v, M v' - f + G^T lambda + H^T kappa, g, H v
+// + h.
 std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const MultibodyFormulas& formulas);
 
-// Describes why formulas could not be evaluated at error.t; false.
+// Describes in `error` why formulas could not be evaluated at error.t; returns false.
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error);
 
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
 // The user's functions of a mechanical system: called and checked.
 //
-// All that call them return false if one fails; a function that is not given is zero, a mass that is not given the
-// identity.
+// All members that call them return false if one fails. A function that is not given is zero, a mass that is not given
+// the identity.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 MultibodySizes sizes_of(const sfdae_multibody_problem& problem);
 
-// v: null where functions of (t, q) alone are called.
+// v: null for functions of (t, q) alone.
 struct MultibodyArguments {
   double t;
   const double* q;
@@ -21,7 +21,7 @@ struct MultibodyArguments {
 
 class MultibodyFunctions {
  public:
-  // problem: is asked for sizes, stop requests and limits of t, and has to outlive this.
+  // problem: supplies sizes, stop requests and limits of t; must outlive this object.
   MultibodyFunctions(const sfdae_multibody_problem& given, const MultibodyProblem& problem);
 
   const sfdae_multibody_problem& given() const { return given_; }
@@ -44,7 +44,7 @@ class MultibodyFunctions {
   bool nonholonomic(const MultibodyArguments& at, Matrix& H, double* h, CallbackError& error) const;
   // S, g_q, C, r.
   bool velocity_constraints(const MultibodyArguments& at, MultibodyTerms& terms, CallbackError& error);
-  // Those parts of s that are given.
+  // The given parts of s.
   bool curvatures(const MultibodyArguments& at, double* s, CallbackError& error) const;
   // S v
   void velocity(const Matrix& S, const double* v, double* result) const;

@@ -15,7 +15,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// What C_i v + r_i has to change by.
+// Required changes of C_i v + r_i.
 Vector wanted_changes(const MultibodyPoint& point, const Vector& restitution) {
   Vector rates(index(point.terms.C.rows()) + 1);
   point.velocity_residuals(rates.data());
@@ -24,7 +24,7 @@ Vector wanted_changes(const MultibodyPoint& point, const Vector& restitution) {
   return rates;
 }
 
-// Those of redundant constraints, too.
+// Checks the changes of redundant constraints, too.
 void demand_changes(const MultibodyProblem& problem, const MultibodyPoint& point, const Vector& wanted,
                     const Vector& dv) {
   // Relative to velocities; rounding errors are smaller by orders of magnitude.

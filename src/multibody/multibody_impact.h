@@ -1,4 +1,4 @@
-// The jump of velocities by impulses of constraints, positions as they are:
+// The jump of velocities by impulses of constraints, at fixed positions:
 //
 //     M (v+ - v-) = -C^T p,   C_i v+ + r_i = -e_i (C_i v- + r_i)
 //
@@ -19,8 +19,8 @@ struct Impact {
   std::vector<double> p;  // of all constraints, of least norm where some are redundant
 };
 
-// Of constraints of this rank. restitution: empty, or one for each. Throws Failure: SFDAE_SINGULAR,
-// SFDAE_INCONSISTENT_EQUATIONS where redundant constraints ask for different velocities, errors of callbacks.
+// Impact on constraints of this rank. restitution: empty, or one for each. Throws Failure: SFDAE_SINGULAR,
+// SFDAE_INCONSISTENT_EQUATIONS if redundant constraints ask for different velocities, errors of callbacks.
 Impact impact(MultibodyProblem& problem, const MultibodyPhasePoint& before, int rank,
               const std::vector<double>& restitution);
 

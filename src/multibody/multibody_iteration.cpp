@@ -11,10 +11,10 @@
 namespace sfdae::core {
 
 PointStatus MultibodyIteration::run() {
-  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach
-  // more digits than the tolerance asks for: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
+  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach more
+  // digits than the tolerance requires: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
   constexpr double step_tolerance = 0.02, stage_tolerance = 0.003;
-  // Two changes measure a rate, which may be small by chance; no figures were recorded.
+  // The rate is measured from two changes, and may be small by chance; no figures were recorded.
   constexpr double least_rate = 0.03;
   if (!factor()) return PointStatus::singular;
   begin_lanes();
@@ -28,15 +28,14 @@ PointStatus MultibodyIteration::run() {
   return PointStatus::ok;
 }
 
-// The residuals in local coordinates. Those of the constraints are removed by the N of the stages themselves, which no
-// old matrix has a part in.
+// The residuals in local coordinates. Those of the constraints are removed by the N of the stages themselves, without
+// any old matrix.
 void MultibodyIteration::copy_rows(double* rows) {
   if (in_lanes_) parts_.lanes.copy_residuals(parts_.stages);
   std::copy_n(parts_.stages.r.column(0), num_rows(), rows);
 }
 
-// Rounding errors of changes are known where the equations were linearized; the matrix of the step says what residuals
-// these are.
+// Rounding errors of changes are known at the linearization; the matrix of the step converts them to residuals.
 void MultibodyIteration::add(RowSums kind, double* rows) {
   const MultibodyForm& form = parts_.linearization.form();
   const int d = form.unknowns(), size = parts_.stages.qv.rows;
@@ -69,7 +68,7 @@ void MultibodyIteration::project_sizes(const double* of_qv, double* local) const
   project(form.velocities().Q1(), of_qv + parts_.equations.sizes().positions, local + form.positions().Q1().cols);
 }
 
-// The matrix of the step, and those of its decoupled stages, unless they are known.
+// Factors the matrix of the step, and those of its decoupled stages, unless these factors exist.
 bool MultibodyIteration::factor() {
   auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const MultibodyForm& form = linearization.form();
@@ -90,8 +89,8 @@ void MultibodyIteration::begin_lanes() {
     lanes.begin(discretization_, linearization.form(), linearization.point().position_units.data(), stages);
 }
 
-// Residuals of all stages. Where one of them cannot be evaluated with the others, what it is like is seen when they are
-// evaluated one by one.
+// Residuals of all stages. If one of them cannot be evaluated with the others, they are evaluated one by one, which
+// shows the reason.
 PointStatus MultibodyIteration::evaluate(double* rows) {
   if (in_lanes_ && !parts_.lanes.evaluate(parts_.equations, parts_.linearization.form())) {
     parts_.lanes.leave(parts_.stages);
@@ -123,7 +122,7 @@ PointStatus MultibodyIteration::evaluate_stage(int i) {
   point.set(stages.times[index(i)], qv, qv + equations.sizes().positions);
   PointStatus status = equations.at_velocity(point);
   if (status != PointStatus::ok) return status;
-  // Rows are about as long as at the linearization.
+  // Lengths of rows are taken from the linearization.
   point.position_units = linearization.point().position_units;
   point.velocity_units = linearization.point().velocity_units;
   Tangents& tangents = stages.tangents[index(i)];
@@ -139,7 +138,7 @@ PointStatus MultibodyIteration::evaluate_stage(int i) {
   return PointStatus::ok;
 }
 
-// Of the guess of stage i; there are no changes yet, and their place is free.
+// Moves of the initial guess of stage i; there are no changes yet, so their memory is free.
 void MultibodyIteration::start_moves(int i) {
   const auto& [s, method, h, c, w] = discretization_;
   MultibodyStages& stages = parts_.stages;
@@ -209,7 +208,7 @@ void MultibodyIteration::finish() {
     stages.orientations[i] = stages.tangents[i].orientation();
 }
 
-// In units of the tolerance; rounding errors will not become less.
+// Norm in units of the tolerance; parts within rounding errors are ignored, as they do not decrease.
 double MultibodyIteration::norm_of(const double* change) const {
   const std::vector<double>& noise = parts_.noise.of_steps();
   double norm = 0.0;

@@ -19,7 +19,7 @@ namespace sfdae::core {
 
 class MultibodyIteration {
  public:
-  // What it works with.
+  // Objects that the iteration uses.
   struct Parts {
     MultibodyEquations& equations;
     MultibodyLinearization& linearization;
@@ -32,7 +32,7 @@ class MultibodyIteration {
   MultibodyIteration(const MultibodyDiscretization& discretization, const double* inverse_weights, const Parts& parts)
       : discretization_(discretization), inverse_weights_(inverse_weights), parts_(parts) {}
 
-  // From the values of the stages, which become the solution.
+  // Starts from the values of the stages, which become the solution.
   PointStatus run();
 
   // For the chord iteration.

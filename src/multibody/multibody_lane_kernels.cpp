@@ -1,4 +1,4 @@
-// What is computed for the stages of a step of a mechanical system side by side.
+// Kernels for the stages of a step of a mechanical system, side by side.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_lane_kernels.h"
 
@@ -62,7 +62,7 @@ bool fit(const MultibodyLaneWork& work, Lanes& smallest_pivot) {
 
 enum class Solved { yes, not_this_way, not_at_all_points };
 
-// a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses.
+// a and mu for diagonal masses, as in MultibodyPoint::solve_by_masses.
 Solved solve_by_masses(const MultibodyLaneWork& work, const Lanes& smallest_pivot) {
   if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return Solved::not_this_way;
   const Lanes* const M = entries(work.terms.M);
@@ -127,11 +127,11 @@ void complete_tangent(const MultibodyLaneWork& work) {
     }
 }
 
-// As MultibodyPoint::solve_along. False: not at all points, as solve_whole().
+// As MultibodyPoint::solve_along. False: not possible at all points; same for solve_whole().
 bool solve_along(const MultibodyLaneWork& work) {
   const int n = work.n, r = work.r, d = work.d;
   complete_tangent(work);
-  // What subtract and factors need lies before.
+  // The scratch before this is used by subtract and the factors.
   Lanes *const b = work.matrices.scratch + r, *const y = b + std::max(r, d), *const force = y + d;
   take_rows(work, work.terms.acceleration_rest, b);
   clear(work.at.a, n);
@@ -247,7 +247,7 @@ void evaluate_all(Evaluation& evaluation) {
   }
 }
 
-// A complex number in the lanes A, B times those of x, as MultibodyStepMatrix has them; y += the product.
+// y += product of x and a complex number in the lanes A, B, stored as in MultibodyStepMatrix.
 void add_complex_product(const LaneBlock& A, const LaneBlock& B, const Lanes& x, Lanes& y) {
 #if defined(__clang__) || __GNUC__ >= 12
   const Lanes exchanged = __builtin_shufflevector(x, x, 0, 2, 1, 4, 3, 6, 5, 7);

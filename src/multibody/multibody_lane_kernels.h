@@ -1,4 +1,4 @@
-// What is computed for the stages of a step of a mechanical system side by side (multibody_lanes.h).
+// Kernels for the stages of a step of a mechanical system, side by side (multibody_lanes.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,19 +22,19 @@ struct MultibodyLaneRows {
   Lanes* entries = nullptr;   // of C in these units
 };
 
-// Values at the stages, from the guesses to the changes.
+// Values at the stages, from the initial guesses to the changes.
 struct MultibodyLaneValues {
   Lanes *t, *qv, *moves, *particular, *changes, *a, *mu, *residuals, *z;
   Lanes* sign;  // of det C Q2
 };
 
-// Matrices of the stages: factors of C Q2 and of C M^-1 C^T, T^T M T or K; T and M T; memory for what is in between.
+// Matrices of the stages: factors of C Q2 and of C M^-1 C^T, T^T M T or K; T and M T; scratch memory.
 struct MultibodyLaneMatrices {
   lane_algebra::Factors C2, reduced;
   Lanes *T, *MT, *scratch;
 };
 
-// How the stages depend on each other: h, and D, column j in block j, row i in lane i.
+// Coupling of the stages: h, and D, column j in block j, row i in lane i.
 struct MultibodyLaneMethod {
   int s;
   double h;
@@ -47,7 +47,7 @@ struct MultibodyLaneNorms {
   const double* inverse_weights;
 };
 
-// What the kernels work on; n positions, n velocities, r independent constraints, d = n - r.
+// Data of the kernels; n positions, n velocities, r independent constraints, d = n - r.
 struct MultibodyLaneWork {
   int n, r, d;
   bool along_tangents, has_room_for_whole;
@@ -72,9 +72,9 @@ struct MultibodyLaneWork {
   }
 };
 
-// From the terms: a, mu, particular changes, residuals and signs. False: not all points can be evaluated here.
+// Computes a, mu, particular changes, residuals and signs from the terms. False: not all points can be evaluated here.
 bool evaluate_stages(const MultibodyLaneWork& work);
-// From the residuals, or from z where `inverses` is null: the changes and their norm, NaN if one is not finite.
+// Computes the changes and their norm from the residuals, or from z if `inverses` is null; NaN if one is not finite.
 double change_stages(const MultibodyLaneWork& work, const MultibodyStepMatrix::LaneInverses* inverses,
                      const MultibodyLaneNorms& norms);
 

@@ -1,5 +1,5 @@
-// What the formulas of a mechanical system are at several points, side by side; S is the identity, and there are no
-// nonholonomic constraints. Matrices by the entries that can differ from zero.
+// Values of the formulas of a mechanical system at several points, side by side; S is the identity, and there are no
+// nonholonomic constraints. Matrices consist of the entries that can differ from zero.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

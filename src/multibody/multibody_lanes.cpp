@@ -17,8 +17,8 @@ constexpr int largest_whole = 48;
 }  // namespace
 
 bool MultibodyLanes::prepare(int s, MultibodyEquations& equations, const MultibodyForm& form) {
-  // Up to so many independent constraints; beyond, BLAS is faster with one point after the other. Some eight points for
-  // one or two would be too many. (Chosen.)
+  // Largest number of independent constraints; for more, BLAS is faster point by point. Eight lanes for one or two
+  // points would be a waste. (Chosen.)
   constexpr int most_constraints = 64, fewest_stages = 3;
   const MultibodySizes& sizes = equations.sizes();
   const int n = sizes.positions, r = form.positions().rank, whole = n + r;
@@ -116,7 +116,7 @@ void MultibodyLanes::begin(const MultibodyDiscretization& discretization, const 
     rows_.position[index(row)] = k;
     rows_.units[index(k)] = units[row] > 0.0 ? 1.0 / units[row] : 1.0;
   }
-  // Of the guesses; there are no changes yet, and their place is free.
+  // Moves of the initial guesses; there are no changes yet, so their memory is free.
   for (int k = 0; k < 2 * n; ++k) at_.changes[k] = at_.qv[k] - discretization.w[k];
   clear(at_.moves, 2 * d);
   lane_algebra::add_product(1.0, lane_algebra::transposed(form.positions().Q1()), at_.changes, at_.moves);

@@ -1,6 +1,6 @@
-// The stages of a step of a mechanical system side by side: what multibody_iteration.h does with one after the other,
-// for systems whose formulas can be evaluated at several points at once. S is the identity, and there are no
-// nonholonomic constraints, so that constraints of both levels have the same rows.
+// The stages of a step of a mechanical system side by side: the iteration of multibody_iteration.h, which takes them
+// one by one, for systems whose formulas can be evaluated at several points at once. S is the identity, and there are
+// no nonholonomic constraints, so that constraints of both levels have the same rows.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,25 +18,26 @@ namespace sfdae::core {
 
 class MultibodyLanes {
  public:
-  // Whether this is the faster way for so many stages; memory then, and the places of entries.
+  // Returns whether this is faster for so many stages; if so, allocates memory and finds the places of entries.
   bool prepare(int s, MultibodyEquations& equations, const MultibodyForm& form);
 
-  // From the guesses in the columns of qv. units: of the rows of constraints. The discretization has to stay.
+  // Starts from the initial guesses in the columns of qv. units: of the rows of constraints. The discretization must
+  // stay unchanged.
   void begin(const MultibodyDiscretization& discretization, const MultibodyForm& form, const double* units,
              MultibodyStages& stages);
-  // The residuals of the stages. False where one of them has to be looked at alone.
+  // The residuals of the stages. False if one of them has to be evaluated alone.
   bool evaluate(MultibodyEquations& equations, const MultibodyForm& form);
-  // To their columns.
+  // Writes residuals to the stages' columns.
   void copy_residuals(MultibodyStages& stages) const;
-  // (q, v) and the last changes, to their columns.
+  // Writes (q, v) and the last changes to their columns.
   void copy_values(MultibodyStages& stages) const;
-  // Back to the columns, as they were before that.
+  // Restores the columns to their former state.
   void leave(MultibodyStages& stages) const;
   // Changes all stages by the solution for these residuals; the norm of the change.
   using Norms = MultibodyLaneNorms;
   double change(const MultibodyForm& form, MultibodyStepMatrix& matrix, const Norms& norms, MultibodyStages& stages,
                 Arena& arena);
-  // Puts into the columns what is asked for after the last change.
+  // Writes to the columns all results that are needed after the last change.
   void finish(const MultibodyForm& form, MultibodyStages& stages) const;
 
  private:
@@ -49,7 +50,7 @@ class MultibodyLanes {
   bool is_usable_ = false, along_tangents_ = false;
   MultibodyLaneTerms terms_;
   MultibodyLaneRows rows_;
-  // Into memory_ and orders_.
+  // Pointers into memory_ and orders_.
   MultibodyLaneValues at_{};
   MultibodyLaneMatrices matrices_{};
   Lanes* D_ = nullptr;

@@ -55,13 +55,13 @@ PointStatus MultibodyLinearization::build(MultibodyEquations& equations, Arena& 
 }
 
 void MultibodyLinearization::count_iterations(int s, int iterations) {
-  // Of a linearization in evaluations of one stage, measured: the linear algebra of its own grows faster than theirs.
+  // Measured cost of a linearization in evaluations of one stage: its linear algebra grows faster than theirs.
   const double cost = 2.0 + form_.unknowns() / 8.0;
   if (renewal_.pays(s, iterations, cost)) chord_.set_slow(true);
 }
 
-// With (I - B / c)^-1 yz in place of yz: what is stiff over the step has hardly any error, but mu depends on it very
-// much.
+// Uses (I - B / c)^-1 yz in place of yz: components that are stiff over the step have hardly any error, but mu depends
+// on them strongly.
 void MultibodyLinearization::error_of_forces(View yz, View dmu, Arena& arena) const {
   const int d = form_.unknowns(), count = yz.cols;
   if (d == 0) return fill(dmu, 0.0);
@@ -86,7 +86,7 @@ void MultibodyLinearization::change_of_forces(ConstView dqv, View dmu, Arena& ar
   form_.forces(dqv, independent);
   for (int j = 0; j < count; ++j)
     for (int k = 0; k < r; ++k) dmu(partition.rows[index(k)], j) = independent(k, j);
-  // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
+  // Least norm as for mu itself: with other units of the constraints the undetermined part may be by far the largest.
   for (int j = 0; j < count; ++j) point_.take_least_norm(partition, dmu.column(j), arena);
 }
 

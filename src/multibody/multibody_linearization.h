@@ -1,7 +1,7 @@
 // The linearization of a mechanical system that steps are solved with: its point, its Jacobian, its form in local
-// coordinates, the matrix of a step, and how well its chord iteration does.
+// coordinates, the matrix of a step, and the convergence of its chord iteration.
 //
-// It is kept from step to step as long as it serves well enough.
+// It is reused from step to step while convergence is good enough.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,16 +17,17 @@ namespace sfdae::core {
 
 class MultibodyLinearization {
  public:
-  // Memory for these sizes.
+  // Allocates memory for these sizes.
   void resize(const MultibodySizes& sizes, const MultibodySettings& settings);
 
-  // Another point, with its terms or with those that a partition needs; what was linearized holds no longer.
+  // Moves to another point, with all its terms or those that a partition needs; the former linearization becomes
+  // invalid.
   PointStatus move_to(double t, const double* q, const double* v, MultibodyEquations& equations);
   PointStatus move_to_position(double t, const double* q, const double* v, MultibodyEquations& equations);
   void move_to(const MultibodyPoint& point) { point_ = point; }
   // T and N at the point. False if the partition does not fit it at all.
   bool build_tangents(Arena& arena) { return form_.build_tangents(point_, arena); }
-  // New partitions at the point; what is found of the ranks.
+  // New partitions at the point, and the ranks found.
   MultibodyRanks choose_partition(Coordinates coordinates, Arena& arena);
   // Linearizes there, after build_tangents.
   PointStatus build(MultibodyEquations& equations, Arena& arena);

@@ -1,4 +1,4 @@
-// How changes of positions and velocities of a mechanical system are measured.
+// Metric of changes of positions and velocities of a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_metric.h"
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// But for rounding errors of its formulas; 1e-12 leaves room for thousands of them. (Chosen.)
+// Symmetric except for rounding errors of its formulas; 1e-12 leaves room for thousands of them. (Chosen.)
 bool is_symmetric(const Matrix& A) {
   const double small = 1e-12 * max_abs(A);
   for (int j = 0; j < A.cols(); ++j)
@@ -21,7 +21,7 @@ bool is_symmetric(const Matrix& A) {
   return true;
 }
 
-// R with A = R^T R; false if A is not positive definite by a margin, in which rounding errors have room.
+// R with A = R^T R; false unless A is positive definite by a margin for rounding errors.
 bool factor_cholesky(Matrix& A) {
   constexpr double margin = 1e-12;
   const int n = A.rows();
@@ -38,7 +38,7 @@ bool factor_cholesky(Matrix& A) {
   return true;
 }
 
-// W of positions where q' = S v; empty if S has not full column rank.
+// W of positions with q' = S v; empty if S has not full column rank.
 Matrix metric_along(const Matrix& S, const Matrix& M) {
   // Relative to the largest singular value; between rounding errors and any kinematics in use. (Chosen.)
   constexpr double least = 1e-8;

@@ -1,9 +1,9 @@
-// How changes of positions and velocities of a mechanical system are measured.
+// Metric of changes of positions and velocities of a mechanical system.
 //
-// Velocities by the kinetic energy, |dv|^2 = dv^T M dv, where M is symmetric and positive definite: what constraints
-// change is then what an impulse of theirs would, M dv = -C^T p, in whatever coordinates. Positions by W = M where
-// q' = v; else a change has a part S w and one that no velocity leads to, as the length of a quaternion, which is
-// measured with the masses of the single components:
+// Velocities by the kinetic energy, |dv|^2 = dv^T M dv, if M is symmetric and positive definite: constraints then
+// change them as their impulse would, M dv = -C^T p, in any coordinates. Positions by W = M if q' = v; else a change
+// has a part S w and one that no velocity leads to, as the length of a quaternion, which is measured with the masses of
+// the single components:
 //
 //     W = B^T M B + R^T D R,   B = S^+,   R = I - S B,   D the diagonal of B^T M B
 //
@@ -23,7 +23,7 @@ struct Metric {
   Matrix P, R;
 };
 
-// And columns of the identity, the directions in which a change of each component counts as it is.
+// Adds columns of the identity, the directions for changes of single components.
 struct PositionMetric : Metric {
   Matrix open;
 };

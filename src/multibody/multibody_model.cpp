@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-// The largest change of positions and velocities; rounding errors of the largest of them are none, whatever the
+// The largest change of positions and velocities; rounding errors of the largest of them are ignored, whatever the
 // tolerances.
 ValueChange change_of_motion(const MultibodySizes& sizes, const std::vector<double>& tolerances,
                              const std::vector<double>& given, const std::vector<double>& x) {
@@ -83,8 +83,8 @@ void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& o
 }
 
 void MultibodyModel::demand_derivatives(const PointOfInterest& point, const ModelOptions&) {
-  // Where no consistent values were found, g_q may be that of a formula that holds on the constraints only: it counts
-  // if it is wrong by more than that. By judgement.
+  // If no consistent values were found, g_q may come from a formula that is valid on the constraints only: it counts as
+  // wrong if its error is larger than this. By judgement.
   constexpr double off_constraints = 0.3;
   if (callbacks_ == nullptr) return;
   const double* q = point.x;
@@ -173,8 +173,8 @@ Jump MultibodyModel::impact(const PointOfInterest& point, const ModelOptions& op
   return jump;
 }
 
-// Components that are fixed stay to the last bit. Forces of constraints follow from positions and velocities: those
-// given have to fit.
+// Fixed components stay bit by bit. Forces of constraints follow from positions and velocities: given ones have to
+// agree.
 void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given,
                                 std::vector<double>& x) const {
   // Relative to the largest force. Accelerations lose digits by their condition; no figures were recorded.
@@ -195,7 +195,7 @@ void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOf
   }
 }
 
-// Their ranks are those of the constraints, with a condition in the report.
+// The ranks are those of the constraints, with a condition in the report.
 double MultibodyModel::certify() {
   throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                 "the ranks of multibody systems are those of the constraints: see sfdae_get_multibody_report.");

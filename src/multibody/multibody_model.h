@@ -12,17 +12,17 @@
 
 namespace sfdae::core {
 
-// What positions, velocities and forces of constraints were to be made consistent.
+// The initial positions, velocities and forces of constraints to be made consistent.
 struct GivenMotion {
   const ConsistencyRequest& request;
   double t;
   const std::vector<double>& x;
 };
-// The changes of what was given are reported; those beyond tolerances are refused for InitialValues::accept, which
-// else keeps what was given. found: consistent. Throws Failure.
+// Reports the changes of given values. Changes beyond tolerances are refused for InitialValues::accept, which otherwise
+// keeps the given values. found: consistent. Throws Failure.
 void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& given, ConsistentPoint& found);
 
-// What is known at the point reached.
+// Properties of the constraints at the point reached.
 struct ConstraintsReport {
   double t = 0.0;
   int holonomic = 0, nonholonomic = 0, redundant = 0;
@@ -39,7 +39,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   MultibodyModel(std::unique_ptr<CallbackMultibody> problem, Coordinates coordinates)
       : callbacks_(problem.get()), problem_(std::move(problem)), coordinates_(coordinates) {}
 
-  // Another one of the same recorded formulas; null for functions.
+  // A copy of recorded formulas; null for functions.
   std::unique_ptr<MultibodyModel> clone() const {
     if (recorded_ == nullptr) return nullptr;
     return std::make_unique<MultibodyModel>(std::make_unique<RecordedMultibody>(*recorded_), coordinates_);
@@ -64,19 +64,19 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
   Jump jump(const PointOfInterest& point, const ModelOptions& options) override { return impact(point, options, {}); }
-  // With coefficients of restitution, empty or one for each constraint: where one is not 0, forces of constraints are 0
+  // With coefficients of restitution, empty or one for each constraint: if one is not 0, forces of constraints are 0
   // afterwards, as it is not known which constraints hold. Throws Failure.
   Jump impact(const PointOfInterest& point, const ModelOptions& options, const std::vector<double>& restitution);
   bool is_recorded() const { return recorded_ != nullptr; }
-  // The user's, of recorded formulas.
+  // Parameters of the user's, for recorded formulas.
   int num_parameters() const { return recorded_->num_parameters(); }
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
-  // Of the point accepted last, after an analysis.
+  // Certifies the point accepted last, after an analysis.
   double certify() override;
   ConstraintsReport constraints() const;
 
-  // Of the first-order equations of multibody_theory.h. Arrays and jets of level 1 and above, Z2 and Z3 are those of
+  // Objects of the first-order equations of multibody_theory.h. Arrays and jets of level 1 and above, Z2 and Z3 require
   // recorded formulas.
   Jet jet_through(double t, const double* x, int level) override;
   DerivativeArray derivative_array(const Jet& jet, int level) override;

@@ -1,4 +1,4 @@
-// The theory's objects of a mechanical system.
+// Objects of the theory for a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
@@ -28,7 +28,7 @@ Jet MultibodyModel::jet_through(double t, const double* x, int level) {
   jet.x.insert(jet.x.end(), xdot.begin(), xdot.end());
   jet.order = 1;
   if (level == 0 && recorded_ == nullptr) return jet;
-  // From level 0 up: what has been computed is no more than a start.
+  // Starts at level 0: the values computed so far are only an initial guess.
   jet = core::jet_through(first_order_problem(), {}, jet, std::max(level, system_->analysis().values.mu));
   jet.set_order(level + 1);
   return jet;
@@ -39,7 +39,7 @@ DerivativeArray MultibodyModel::derivative_array(const Jet& jet, int level) {
   return core::derivative_array(first_order_problem(), jet, level);
 }
 
-// The array knows nothing of the least norm of multipliers: that many columns of Z2 are zero.
+// The derivative array does not contain the least norm of multipliers: that many columns of Z2 are zero.
 Projectors MultibodyModel::projectors(const Jet& jet, bool of_array) {
   const MultibodyTheory theory = theory_at(jet.t, jet.column(0));
   Projectors result;

@@ -1,4 +1,4 @@
-// Of the positions that fulfil the constraints those nearest to given ones.
+// Positions on the constraints nearest to given ones.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_nearest_positions.h"
 
@@ -14,8 +14,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Constraints count as dependent here, where directions, not ranks, are wanted, far above rounding errors of gradients
-// at a point that is not exact.
+// Threshold for dependent constraints, far above rounding errors of gradients at an inexact point, as directions, not
+// ranks, are wanted here.
 constexpr double dependent = 1e-7;
 
 double dot(const Vector& a, const Vector& b) {
@@ -44,7 +44,7 @@ NearestPositions::NearestPositions(MultibodyProblem& problem, const Vector& give
       y_(index(metric.P.cols())),
       beside_(problem.sizes()) {}
 
-// y of the positions reached.
+// y of the present positions.
 Vector NearestPositions::change() const {
   Vector y(y_.size());
   if (!y.empty()) multiply(1.0, Op::plain, metric_.R, sum(-1.0, given_, search_.q()).data(), 0.0, y.data());
@@ -59,7 +59,7 @@ void NearestPositions::linearize() {
   rank_ = B_.s.empty() || B_.s.front() == 0.0 ? 0 : rank_of(B_, dependent);
 }
 
-// What is left of w without its components in the range of B^T.
+// Remainder of w without its components in the range of B^T.
 Vector NearestPositions::open_part(const Vector& w) const {
   Vector open(w);
   for (int k = 0; k < rank_; ++k) {
@@ -70,7 +70,7 @@ Vector NearestPositions::open_part(const Vector& w) const {
   return open;
 }
 
-// f with y = -P^T g_q^T f, but for what is open.
+// f with y = -P^T g_q^T f, except for the open part.
 Vector NearestPositions::forces() const {
   Vector f(units_.size(), 0.0);
   for (int k = 0; k < rank_; ++k) {
@@ -101,10 +101,10 @@ Vector NearestPositions::bend(const Vector& forces, const Vector& w) {
   return result;
 }
 
-// In the open directions, with H the Hessian of |y|^2 / 2 + f^T g, H step = -open but for what the radius does not
-// allow; where the curvature is negative the step ends there [NW06, algorithm 7.2].
+// Solves H step = -open in the open directions, with H the Hessian of |y|^2 / 2 + f^T g, up to the radius; at negative
+// curvature the step ends at the radius [NW06, algorithm 7.2].
 NearestPositions::Step NearestPositions::step_within(double radius, const Vector& open) {
-  // Iterations, each of which evaluates g_q; the relative residual that is enough.
+  // Limit on iterations, each of which evaluates g_q; the relative residual that is enough.
   constexpr int most = 40;
   constexpr double coarsest = 0.1;
   const Vector f = forces(), none(y_.size(), 0.0);
@@ -130,11 +130,11 @@ NearestPositions::Step NearestPositions::step_within(double radius, const Vector
   return step;
 }
 
-// Takes the step and goes back to the constraints: the decrease of |y|^2 / 2 in units of that expected. 0, and the
-// search where it was, if that fails.
+// Takes the step and returns to the constraints: the decrease of |y|^2 / 2 in units of the expected one. If that fails,
+// returns 0 and restores the search.
 double NearestPositions::gain_of(const Step& step) {
-  // Iterations back, as steps are short; of the decrease expected, what has to be found; a change of |y|^2, relative,
-  // that is rounding errors.
+  // Limit on iterations back, as steps are short; required part of the expected decrease; a relative change of |y|^2
+  // that is a rounding error.
   constexpr int most = 15;
   constexpr double least = 1e-4, equal = 1e-14;
   const Vector start(search_.q());
@@ -162,7 +162,7 @@ double NearestPositions::gain_of(const Step& step) {
 }
 
 void NearestPositions::approach() {
-  // Iterations; of the change, what is left in open directions at their end, and the smallest radius of steps.
+  // Limit on iterations; part of the change that may remain in open directions at the end; smallest radius of steps.
   constexpr int most = 1000;
   constexpr double accuracy = 1e-9, smallest = 1e-12;
   // Gains below which the radius is too large, and above which it may be larger [NW06, algorithm 4.1].

@@ -1,8 +1,8 @@
-// Of the positions that fulfil the constraints those nearest to given ones.
+// Positions on the constraints nearest to given ones.
 //
-// Measured by y in q = given + P y, |y|^2 / 2 + f^T g is stationary there, with forces f of the constraints: a trust
-// region method along the constraints, each step of which ends with a way back to them. Steps are computed by conjugate
-// gradients; second derivatives of g are differences of g_q (docs/design/multibody.md).
+// Measured by y in q = given + P y; |y|^2 / 2 + f^T g is stationary there, with forces f of the constraints. A trust
+// region method along the constraints finds them, each step of which ends with a return to the constraints. Steps are
+// computed by conjugate gradients; second derivatives of g are differences of g_q (docs/design/multibody.md).
 //
 // [NW06] J. Nocedal, S. J. Wright: Numerical Optimization. Springer, 2006, algorithms 4.1 and 7.2.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -17,11 +17,11 @@ namespace sfdae::core {
 
 class NearestPositions {
  public:
-  // search: at positions that fulfil the constraints, with which it goes on.
+  // search: at positions that fulfil the constraints; this object moves it.
   NearestPositions(MultibodyProblem& problem, const std::vector<double>& given, const PositionMetric& metric,
                    PositionSearch& search);
 
-  // Moves the search to the nearest positions, or as near as it gets. Throws Failure as the search does.
+  // Moves the search to the nearest positions, or as near as possible. Throws Failure as the search does.
   void approach();
 
  private:

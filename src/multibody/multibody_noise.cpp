@@ -1,4 +1,4 @@
-// What rounding errors of the equations of a mechanical system do to q and v.
+// Effect of rounding errors of the equations of a mechanical system on q and v.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_noise.h"
 
@@ -12,13 +12,13 @@ namespace sfdae::core {
 
 namespace {
 
-// Signs of a sample of errors: errors that cancel each other in one of them add up in another one.
+// Signs of a sample of errors: errors that cancel in one sample add up in another.
 constexpr int num_samples = 4;
-// The largest error of a step may well be larger than a few samples: Andrews' squeezer (BDF, 1e-11) does not start
-// with 5, and starts with 5.5. This leaves room for a factor of three.
+// The largest error of a step may well be larger than a few samples: Andrews' squeezer (BDF, 1e-11) does not start with
+// 5, and starts with 5.5. This leaves a margin of a factor of three.
 constexpr double safety = 16.0;
 
-// Of either sign, after Walsh's functions.
+// Unit roundoff with a sign by Walsh's functions.
 double signed_roundoff(int i, int sample) {
   const int bits = i & sample;
   return ((bits ^ (bits >> 1)) & 1) == 0 ? unit_roundoff : -unit_roundoff;
@@ -32,7 +32,7 @@ void MultibodyNoise::resize(const MultibodySizes& sizes, int differential) {
   of_rates_.assign(index(num_samples) * index(differential) + 1, 0.0);
 }
 
-// What is added up in each equation: in g, in C v + r, and in K (a; mu) = (f; -s).
+// Sizes of the sums in each equation: in g, in C v + r, and in K (a; mu) = (f; -s).
 void MultibodyNoise::add_sizes(const MultibodyPoint& point, const Partition& partition, double* g, double* velocity,
                                double* forces) const {
   const MultibodyTerms& terms = point.terms;
@@ -51,7 +51,7 @@ void MultibodyNoise::add_sizes(const MultibodyPoint& point, const Partition& par
   for (int k = 0; k < r; ++k) forces[nv + k] += std::fabs(terms.acceleration_rest[index(partition.rows[index(k)])]);
 }
 
-// Rounding errors go the way of residuals. Samples show their size to some factor.
+// Rounding errors propagate as residuals do. Samples show their size to some factor.
 void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena) {
   const int nq = static_cast<int>(point.q.size()), nv = static_cast<int>(point.v.size()), size = nq + nv,
             nl = point.terms.g_q.rows(), nc = point.terms.C.rows(), r = form.velocities().rank, d = form.unknowns();
@@ -74,7 +74,7 @@ void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& f
   fill(in_rates.top(nq), 0.0);
   copy(in_forces.top(nv), in_rates.block(nq, 0, nv, num_samples));
   form.project(in_rates, of_rates);
-  // What local coordinates are rounded to.
+  // Rounding errors of local coordinates.
   const View yz = arena.matrix(d, num_samples), qv = arena.matrix(size, num_samples);
   for (int sample = 0; sample < num_samples; ++sample) {
     double* const rates = in_rates.column(sample);

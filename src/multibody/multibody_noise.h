@@ -1,4 +1,4 @@
-// What rounding errors of the equations of a mechanical system do to q and v: changes of an iteration become no
+// Effect of rounding errors of the equations of a mechanical system on q and v: changes of an iteration do not become
 // smaller than that.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -13,13 +13,13 @@ namespace sfdae::core {
 
 class MultibodyNoise {
  public:
-  // No noise, to begin with.
+  // Initially there is no noise.
   void resize(const MultibodySizes& sizes, int differential);
-  // At the point of a linearization: K factored there, a and mu known.
+  // point: of a linearization, K factored there, a and mu known.
   void measure(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena);
-  // Of steps with this matrix, after measure.
+  // Noise of steps with this matrix, after measure.
   void measure_steps(const MultibodyForm& form, const MultibodyStepMatrix& matrix, Arena& arena);
-  // Of the components of (q, v) in steps.
+  // Noise of the components of (q, v) in steps.
   const std::vector<double>& of_steps() const { return of_steps_; }
   // The sum of terms in changes of component k whose rounding errors are those of steps.
   double sums_of_steps(int k) const;

@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// What rounding errors may leave in rows of unit length that depend on each other; gradients are sums of products.
+// Rounding errors in rows of unit length that depend on each other; gradients are sums of products.
 constexpr double row_noise = 8.0 * unit_roundoff;
 
 // Columns of the identity: dependent components by the pivots of the independent rows.

@@ -1,7 +1,7 @@
 // Independent and dependent directions under constraints C w = b, chosen at one point.
 //
-// [Q1 Q2] is orthonormal and constant. The columns of Q2 span the range of C^T at that point; for coordinates as they
-// are, Q1 and Q2 are columns of the identity.
+// [Q1 Q2] is orthonormal and constant. The columns of Q2 span the range of C^T at that point; for partitions by
+// components, Q1 and Q2 are columns of the identity.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -31,7 +31,7 @@ struct Partition {
   double rank_tol = 0.0;  // > 0: what counts as zero, rows being of unit length; 0: rounding errors
 };
 
-// Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.
+// Chooses directions, and known_rank independent rows; -1: as many as are found. Returns the rank decision.
 RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coordinates, int known_rank,
                               Partition& partition, Arena& arena);
 

@@ -1,4 +1,4 @@
-// Watches the partition of a mechanical system.
+// Monitor of the partition of a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_partition_monitor.h"
 
@@ -16,7 +16,7 @@ void PartitionMonitor::resize(const MultibodySizes& sizes, const MultibodySettin
   origin_.v.resize(index(sizes.velocities));
 }
 
-// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
+// A partition is replaced once the constraints have turned from it by more than 45 degrees; partitions by components
 // differ by a factor from the beginning (docs/design/multibody.md).
 double PartitionMonitor::largest_rotation() const {
   return settings_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
@@ -49,7 +49,7 @@ bool PartitionMonitor::has_known_ranks() {
 
 PointStatus PartitionMonitor::check(const MultibodyPoint& point, const MultibodyPoint& accepted,
                                     const Tangents& tangents, MultibodyLinearization& linearization, Arena& arena) {
-  // Steps that are shorter, relative to t, cannot be shortened much more: where constraints seem to vanish, they do.
+  // Steps that are shorter, relative to t, cannot be shortened much more: constraints that seem to vanish do so.
   constexpr double shortest = 1e-6;
   const MultibodyForm& form = linearization.form();
   const bool has_rotated = tangents.rotation() > largest_rotation();
@@ -78,11 +78,11 @@ PointStatus PartitionMonitor::check_within(const MultibodyOrientation& orientati
   return PointStatus::not_converged;
 }
 
-// Which constraint vanishes, in the units of its gradient.
+// Finds the constraint that vanishes, in the units of its gradient.
 void PartitionMonitor::name_constraint(const MultibodyPoint& point, int turning_row, const MultibodyForm& form,
                                        Arena& arena) {
-  // Beyond that nothing is small at the point, though it vanishes nearby: the constraint that turned most is the one to
-  // name.
+  // Above this value nothing is small at the point, though it vanishes nearby: the message then names the constraint
+  // that turned most.
   constexpr double independent = 0.1;
   MultibodyRankChange found = change_;
   form.judge(point, arena, found.vanishing_row, found.vanishing_value);

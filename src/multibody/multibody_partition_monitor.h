@@ -1,9 +1,9 @@
-// Watches the partition of a mechanical system: where it was chosen, whether constraints have turned too far from it,
-// and whether their ranks have changed within a step.
+// Monitor of the partition of a mechanical system: its point, whether constraints have turned too far from it, and
+// whether their ranks have changed within a step.
 //
 // A configuration between the ends of a step is singular where det C Q2 changes its sign, unless the constraints have
-// turned too far from the partition for that to mean anything; where two mechanisms are singular at once the sign
-// stays, and the zero crossings of all combinations of constraints are counted
+// turned too far from the partition for this test. If two mechanisms are singular at once, the sign does not change, so
+// the zero crossings of all combinations of constraints are counted
 // (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace sfdae::core {
 
-// A change of ranks: those beyond it, and which constraint vanishes relative to others, or altogether.
+// A change of ranks: the ranks beyond it, and the constraint that vanishes relative to others, or altogether.
 struct MultibodyRankChange {
   MultibodyRanks ranks;
   int vanishing_row = -1;
@@ -36,35 +36,35 @@ class PartitionMonitor {
   // A new partition there. The tangents of the projection become those of the point accepted last.
   PointStatus choose(MultibodyLinearization& linearization, const MultibodyPoint& accepted,
                      MultibodyProjection& projection, Arena& arena);
-  // Whether the ranks of the partition are those known; if not, they are the change met.
+  // Returns whether the partition has the known ranks; if not, its ranks are the change.
   bool has_known_ranks();
   long count() const { return count_; }
 
   // The first point, projected, is the one accepted last.
   void start(const Tangents& tangents) { end_orientation_ = orientation_ = tangents.orientation(); }
-  // After a step from the accepted point to a projected one: whether ranks have changed. Reports not_converged where
-  // only a shorter step can show that.
+  // After a step from the accepted point to a projected one: checks whether ranks have changed. Reports not_converged
+  // if only a shorter step can show that.
   PointStatus check(const MultibodyPoint& point, const MultibodyPoint& accepted, const Tangents& tangents,
                     MultibodyLinearization& linearization, Arena& arena);
-  // At a stage within the step: reports not_converged where constraints have turned over, and only shorter steps can
-  // show what they do up to its end.
+  // At a stage within the step: reports not_converged if constraints have turned over, and only shorter steps can show
+  // their behavior up to its end.
   PointStatus check_within(const MultibodyOrientation& orientation, MultibodyLinearization& linearization) const;
   // Notes a singular configuration near a point, which steps do not reach.
   void note_singularity(const MultibodyPoint& point, const NearbySingularity& singularity, const MultibodyForm& form,
                         Arena& arena);
   void accept();
 
-  // Since the point accepted last.
+  // Returns whether ranks have changed since the point accepted last.
   bool has_changed() const { return has_changed_; }
-  // That met last.
+  // The last change.
   const MultibodyRankChange& change() const { return change_; }
-  // What there is to say about it; empty: nothing.
+  // Message about the change; empty: none.
   std::string message(const MultibodyProblem& problem) const;
 
   const MultibodyOrientation& orientation() const { return orientation_; }
-  // A partition that was chosen before.
+  // Restores a partition that was chosen before.
   void restore(const MultibodyOrientation& orientation, long count);
-  // Where the partition was chosen.
+  // Point at which the partition was chosen.
   MultibodyPhasePoint& origin() { return origin_; }
 
  private:
@@ -81,7 +81,7 @@ class PartitionMonitor {
   MultibodyPhasePoint origin_;
   long count_ = 0;
   MultibodyRanks found_;  // when the partition was chosen
-  // Of the point accepted last, and of the one checked last.
+  // Orientations at the point accepted last, and at the one checked last.
   MultibodyOrientation orientation_, end_orientation_;
   MultibodyRankChange change_;
   bool has_changed_ = false;

@@ -13,13 +13,13 @@ namespace sfdae::core {
 
 namespace {
 
-// Rows of which the inverse of their size would overflow vanish.
+// Rows so small that the inverse of their size would overflow count as zero.
 double unit_of(double size) {
   constexpr double smallest = 1e-300;
   return size < smallest ? 0.0 : size;
 }
 
-// Squares that would overflow or vanish are taken of entries relative to the largest one.
+// Squares are taken relative to the largest entry, so that they neither overflow nor underflow.
 double row_length(ConstView a, int i) {
   constexpr double smallest = 1e-140, largest = 1e140;
   double scale = 0.0;
@@ -48,7 +48,7 @@ bool is_diagonal(ConstView a) {
   return true;
 }
 
-// Diagonal masses are the rule where coordinates are those of points.
+// Diagonal masses are typical for coordinates of points.
 void multiply_mass(ConstView M, ConstView T, View MT) {
   if (!is_diagonal(M)) return multiply(1.0, Op::plain, M, Op::plain, T, 0.0, MT);
   for (int j = 0; j < T.cols; ++j)
@@ -99,7 +99,7 @@ void MultibodyPoint::rates(double* rates) const {
 
 bool MultibodyPoint::factor(const std::vector<int>& rows, int rank) {
   const int nv = terms.M.rows(), order = nv + rank;
-  // Not before it is needed, as it is the largest of all.
+  // Allocated when needed, as it is the largest of all.
   const int largest_order = nv + terms.C.rows();
   if (K_.rows() != largest_order) K_ = Matrix(largest_order, largest_order);
   order_ = order;
@@ -233,7 +233,7 @@ double condition_of_constraints(const MultibodyPoint& point) {
 
 namespace {
 
-// Rows that vanish count as they are.
+// Residuals of rows that vanish are not scaled.
 double largest_residual(const std::vector<double>& residuals, const std::vector<double>& units, int count) {
   double worst = 0.0;
   for (std::size_t i = 0; i < index(count); ++i)
@@ -256,7 +256,7 @@ double velocity_residual(const MultibodyPoint& point) {
 
 namespace {
 
-// Of the sum of |terms| that is rounded: some roundings of the numbers themselves, of products, and of their sum.
+// Rounding errors relative to the sum of |terms|: of the numbers themselves, of products, and of their sum.
 constexpr double roundings = 8.0 * unit_roundoff;
 
 }  // namespace
@@ -278,7 +278,7 @@ bool velocities_hold_to_rounding(const MultibodyPoint& point) {
   const int rows = point.terms.C.rows();
   std::vector<double> residuals(index(rows) + 1), rates(point.q.size(), 0.0);
   point.velocity_residuals(residuals.data());
-  // C = g_q S may vanish but for rounding errors, as for the length of a quaternion.
+  // C = g_q S may consist of rounding errors, as for the length of a quaternion.
   const Matrix& S = point.terms.S;
   for (int j = 0; j < S.cols(); ++j)
     for (int k = 0; k < S.rows(); ++k) rates[index(k)] += std::fabs(S(k, j) * point.v[index(j)]);

@@ -16,15 +16,15 @@
 
 namespace sfdae::core {
 
-// (t, q, v), where nothing is evaluated.
+// (t, q, v) without evaluated terms.
 struct MultibodyPhasePoint {
   double t = 0.0;
   std::vector<double> q, v;
 };
 
-// Where accelerations are solved for by C M^-1 C^T: elsewhere that would be conditioned worse than K by too much. Its
-// condition contains the ratio of the masses, and the square of that of C: the square of this loses four of sixteen
-// digits.
+// Limits within which accelerations are computed by C M^-1 C^T; beyond them its condition would be much worse than that
+// of K. Its condition contains the ratio of the masses, and the square of that of C: the square of this pivot loses
+// four of sixteen digits.
 inline constexpr double smallest_mass_ratio = 1e-4;
 inline constexpr double smallest_pivot_with_masses = 1e-2;
 
@@ -36,7 +36,7 @@ class MultibodyPoint {
   std::vector<double> q, v;
   MultibodyTerms terms;
   std::vector<double> a, mu;
-  // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
+  // Units of the rows of g and of C v + r: the lengths of their gradients, where S counts as at least its size.
   std::vector<double> position_units, velocity_units;
 
   MultibodyPhasePoint phase_point() const { return {t, q, v}; }
@@ -54,11 +54,11 @@ class MultibodyPoint {
   bool factor(const std::vector<int>& rows, int rank);
   // a and mu from terms.
   void solve_accelerations(const std::vector<int>& rows, int rank);
-  // a and mu for a diagonal mass of positive entries that do not differ too much: (C M^-1 C^T) mu = C M^-1 f + s.
-  // False if it is none, or that matrix is singular.
+  // a and mu for a diagonal mass of positive entries of similar size: (C M^-1 C^T) mu = C M^-1 f + s. False if the mass
+  // is none, or that matrix is singular.
   bool solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena);
-  // a and mu without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
-  // free. False if T^T M T is singular.
+  // a and mu without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper for few free directions. False
+  // if T^T M T is singular.
   bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
   // (y; z) := K^-1 (y; z)
   void solve(double* yz) const;
@@ -78,15 +78,16 @@ class MultibodyPoint {
 
 // |C| |(C Q2)^-1| at a point, rows in units of their lengths; infinite if singular.
 double condition_of_constraints(const MultibodyPoint& point, const Partition& partition);
-// The same for directions chosen at that very point, all rows being independent.
+// Same for directions chosen at that very point, all rows being independent.
 double condition_of_constraints(const MultibodyPoint& point);
 // The largest residuals there of g = 0 and of C v + r = 0, in the same units.
 double position_residual(const MultibodyPoint& point);
 double velocity_residual(const MultibodyPoint& point);
-// Whether the constraints on positions, and those on velocities, hold there but for rounding errors of t, q and v.
+// Return whether the constraints on positions, and those on velocities, hold there except for rounding errors of t, q
+// and v.
 bool positions_hold_to_rounding(const MultibodyPoint& point);
 bool velocities_hold_to_rounding(const MultibodyPoint& point);
-// With C v + r and |S| |v| known; the latter is not looked at where S is the identity.
+// Needs C v + r and |S| |v|; the latter is not read if S is the identity.
 bool velocities_hold_to_rounding(const MultibodyPoint& point, const double* residuals, const double* rates);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Positions near those given that fulfil the constraints.
+// Positions near given ones that fulfil the constraints.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_position_search.h"
 
@@ -19,10 +19,10 @@ double length(const Vector& a) {
   return std::sqrt(sum);
 }
 
-// Of singular values, relative to the largest one, that are rounding errors.
+// Rounding errors of singular values, relative to the largest one.
 constexpr double singular_value_roundoff = 1e-14;
 
-// A step for residuals c, damped by lambda, and by how much it reduces |c|^2 to first order if a part of it is taken.
+// A step for residuals c, damped by lambda, and the reduction of |c|^2 to first order if a fraction of it is taken.
 struct DampedStep {
   DampedStep(const Svd& A, int rank, const Vector& c, double lambda, double part) : step(index(A.V.rows()), 0.0) {
     for (int k = 0; k < rank; ++k) {
@@ -78,14 +78,14 @@ PositionSearch::Linear PositionSearch::linear_along(const Matrix& P) const {
   linear.units = scale_rows(linear.B);
   for (std::size_t i = 0; i < linear.units.size(); ++i) {
     double& unit = linear.units[i];
-    // Where nothing that the constraint depends on may move it keeps the units of its gradient.
+    // If nothing that the constraint depends on may move, the unit of its gradient stays.
     if (unit == 0.0) unit = point_.position_units[i] > 0.0 ? point_.position_units[i] : 1.0;
     linear.c[i] /= unit;
   }
   return linear;
 }
 
-// |c| there; where callbacks cannot evaluate it is too large.
+// |c| at q; it counts as too large if callbacks cannot evaluate it.
 double PositionSearch::residual_at(const Vector& q, const Vector& units) {
   constexpr double too_large = 1e300;
   Vector c(units.size());
@@ -97,10 +97,10 @@ double PositionSearch::residual_at(const Vector& q, const Vector& units) {
   return norm < too_large ? norm : too_large;
 }
 
-// One step that makes |c| smaller. False if none does.
+// One step that reduces |c|. False if there is none.
 bool PositionSearch::improve(const Matrix& P) {
-  // Of the decrease expected, what has to be found; parts of a Gauss-Newton step that are tried; of the smallest
-  // singular value squared, the first damping parameter, and their ratio; of the largest one, the last.
+  // Required part of the expected decrease; fractions of a Gauss-Newton step to try; first damping parameter relative
+  // to the smallest singular value squared, and ratio of successive ones; the last one relative to the largest.
   constexpr double least_gain = 0.1, first = 1e-2, ratio = 10.0, last = 100.0;
   constexpr double parts[] = {1.0, 0.25, 0.0625};
   const auto [B, units, c] = linear_along(P);
@@ -126,8 +126,8 @@ bool PositionSearch::improve(const Matrix& P) {
 }
 
 bool PositionSearch::approach(const Matrix& P, int most) {
-  // Where nothing makes residuals smaller: those, relative to q, that rounding errors may leave, as those of g know
-  // lengths other than q, and those that do not matter in terms of the tolerance.
+  // Thresholds if nothing reduces residuals: relative to q, those that rounding errors may leave, as those of g depend
+  // on other lengths than q; and those that are negligible compared with the tolerance.
   constexpr double small = 1e-12, far_below_tolerance = 1e-6;
   for (int iteration = 0; iteration < most; ++iteration) {
     if (holds_to_rounding()) return true;
@@ -147,7 +147,7 @@ Vector PositionSearch::residuals() const {
 }
 
 bool PositionSearch::is_stationary(const Matrix& P) const {
-  // Of the residual, what directions at hand can remove to first order, and constraints that count as dependent.
+  // Part of the residual that the directions can remove to first order, and threshold for dependent constraints.
   constexpr double removable = 1e-2, nearly_dependent = 1e-4;
   const auto [B, units, c] = linear_along(P);
   const Svd A = svd(B);

@@ -1,9 +1,9 @@
-// Positions near those given that fulfil the constraints.
+// Positions near given ones that fulfil the constraints.
 //
-// q moves by dq = P y. Each constraint is measured in units of its gradient there, c_i = g_i / |row i of g_q P|, which
-// is, to first order, how far it is from holding: Gauss-Newton steps of least |y|, and where these do not help, as near
-// singular configurations, steps that are damped (Levenberg-Marquardt), which does constraints no harm that depend on
-// each other only where they hold.
+// q moves by dq = P y. Each constraint is measured in units of its gradient there, c_i = g_i / |row i of g_q P|, its
+// distance to first order. Steps are Gauss-Newton steps of least |y|, or, if these fail, as near singular
+// configurations, damped ones (Levenberg-Marquardt), which also suit constraints that depend on each other only where
+// they hold.
 //
 // [NW06] J. Nocedal, S. J. Wright: Numerical Optimization. Springer, 2006, section 10.3.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -19,21 +19,22 @@ namespace sfdae::core {
 
 class PositionSearch {
  public:
-  // tolerance: of positions; what is far below it is as good as nothing.
+  // tolerance: of positions; values far below it are negligible.
   PositionSearch(MultibodyProblem& problem, double t, double tolerance);
 
-  // All throw Failure for errors of callbacks that a smaller change cannot avoid.
+  // All functions throw Failure for errors of callbacks that a smaller change cannot avoid.
   void move_to(const std::vector<double>& q);
-  // Along columns of P. False if no positions near these are found that fulfil the constraints, in so many iterations.
+  // Moves along columns of P. False if at most `most` iterations do not find positions nearby that fulfil the
+  // constraints.
   bool approach(const Matrix& P, int most);
 
-  // With terms and rows at the positions reached.
+  // The present point, with terms and rows.
   const MultibodyPoint& point() const { return point_; }
   const std::vector<double>& q() const { return point_.q; }
   bool holds_to_rounding() const { return positions_hold_to_rounding(point_); }
   // In units of the gradients.
   std::vector<double> residuals() const;
-  // Whether no change, however small, makes residuals smaller.
+  // Returns whether no change, however small, reduces residuals.
   bool is_stationary(const Matrix& P) const;
 
  private:
@@ -51,9 +52,9 @@ class PositionSearch {
   MultibodyPoint point_;
 };
 
-// Gives rows length 1, where they do not vanish, and returns their lengths before.
+// Scales nonzero rows to length 1, and returns their former lengths.
 std::vector<double> scale_rows(Matrix& A);
-// Of singular values sorted by size: how many are larger than a part of the first.
+// Number of singular values, sorted by size, that are larger than a fraction of the first.
 int rank_of(const Svd& A, double part);
 
 }  // namespace sfdae::core

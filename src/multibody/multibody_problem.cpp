@@ -1,4 +1,4 @@
-// What problems with mechanical systems deliver.
+// Base of problems with mechanical systems.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_problem.h"
 

@@ -1,6 +1,6 @@
-// A mechanical system with constraints: what delivers its matrices and their derivatives.
+// A mechanical system with constraints: source of its matrices and their derivatives.
 //
-// Folder multibody: everything of mechanical systems, from problem to model.
+// Folder multibody: all parts of mechanical systems, from problem to model.
 //
 //     q' = S v,   M v' = f - C^T mu,   0 = g(t, q),   0 = C v + r,   0 = C v' + s
 //
@@ -29,7 +29,7 @@ struct MultibodySizes {
   int unknowns() const { return positions + velocities + constraints(); }
 };
 
-// At (t, q): all but f and s; at (t, q, v): these, too.
+// Terms at (t, q): all except f and s; at (t, q, v): these, too.
 struct MultibodyTerms {
   explicit MultibodyTerms(const MultibodySizes& sizes = {});
   Matrix M;    // nv x nv
@@ -42,7 +42,7 @@ struct MultibodyTerms {
   const void* whose_numbers = nullptr;    // entries that are numbers are known already: those of this object
 };
 
-// A point with accelerations and forces of constraints: those of the motion through it, or what is held for them.
+// A point with accelerations and forces of constraints: those of the motion through it, or held values.
 struct MultibodyState {
   double t;
   const double* q;
@@ -51,7 +51,7 @@ struct MultibodyState {
   const double* mu;
 };
 
-// Derivatives with respect to q and v of what an iteration solves, with v' = a and mu held.
+// Derivatives by q and v of the iterated residuals, with v' = a and mu held.
 struct MultibodyJacobian {
   explicit MultibodyJacobian(const MultibodySizes& sizes = {});
   Matrix force_q, force_v;                // of f - M a - C^T mu: nv x nq, nv x nv
@@ -74,7 +74,7 @@ class MultibodyProblem : public Problem {
   virtual ~MultibodyProblem() = default;
 
   const MultibodySizes& sizes() const { return sizes_; }
-  // As messages call it: "holonomic constraint 1 (length of the rod)". Names of equations are those of constraints.
+  // Name in messages: "holonomic constraint 1 (length of the rod)". Names of equations are those of constraints.
   std::string name_of_constraint(int row) const {
     const bool is_holonomic = row < sizes_.holonomic;
     return equation_names().appended_to(format("%s constraint %d", is_holonomic ? "holonomic" : "nonholonomic",
@@ -85,15 +85,15 @@ class MultibodyProblem : public Problem {
 
   // g alone.
   virtual CallbackError constraints(double t, const double* q, double* g) = 0;
-  // g and C v + r together, with g_q unless that is null; false: not here, as S is not the identity, there are
-  // nonholonomic constraints, or the problem has no way of its own.
+  // g and C v + r together, with g_q unless that is null; false: not available, as S is not the identity, there are
+  // nonholonomic constraints, or the problem does not implement it.
   virtual bool constraints_on_both_levels(const MultibodyLevels& /*at*/, CallbackError& /*error*/) { return false; }
-  // All but f and s.
+  // All terms except f and s.
   virtual CallbackError at_position(double t, const double* q, MultibodyTerms& terms) = 0;
-  // All.
+  // All terms.
   virtual CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
-  // Whether several points can be evaluated at once; then the sizes of terms, and their values at the points of the
-  // first `count` lanes. False where that fails: the points one by one tell why.
+  // has_lanes: several points can be evaluated at once. The others give the sizes of terms, and their values at the
+  // points of the first `count` lanes. False if that fails: evaluation point by point gives the reason.
   virtual bool has_lanes() const { return false; }
   virtual void prepare_lanes(MultibodyLaneTerms&) {}
   virtual bool at_velocities(int, const LaneBlock*, const LaneBlock*, MultibodyLaneTerms&) { return false; }
@@ -107,7 +107,7 @@ class MultibodyProblem : public Problem {
   // Throws Failure if g turns out to depend on t though its derivative by t was not given.
   virtual void check_rates(double, const double*) {}
 
-  // Of recorded formulas: where their parameters are; parameters_changed() is due after a change there.
+  // Evaluator with the parameters of recorded formulas; call parameters_changed() after a change there.
   virtual TaylorEvaluator* evaluator() { return nullptr; }
   virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() const { return {}; }
   virtual void parameters_changed() {}

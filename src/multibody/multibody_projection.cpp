@@ -1,4 +1,4 @@
-// Points near by where the constraints of a mechanical system hold on both levels.
+// Nearby points at which the constraints of a mechanical system hold on both levels.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_projection.h"
 
@@ -13,14 +13,14 @@ namespace sfdae::core {
 
 namespace {
 
-// What residuals are compared with.
+// Scale for residuals.
 double nonzero_size_of(const std::vector<double>& values) {
   const double size = max_abs(values);
   return size > 0.0 ? size : 1.0;
 }
 
-// Of a change of positions: relative to each component, but to no less than a hundredth of the largest one, and in
-// units of the tolerance.
+// Norms of a change of positions: relative to each component, at least to a hundredth of the largest one, and in units
+// of the tolerance.
 struct ChangeNorms {
   double relative = 0.0, in_tolerances = 0.0;
 };
@@ -48,12 +48,12 @@ void MultibodyProjection::set_weights(const double* inverse_weights) {
   std::copy_n(inverse_weights, inverse_weights_.size() - 1, inverse_weights_.data());
 }
 
-// The tangent of the linearization serves while it is good enough.
+// The tangent of the linearization is used while it is good enough.
 PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, MultibodyEquations& equations,
                                                    const MultibodyForm& form, Arena& arena) {
-  // Iterations; relative changes that are roundings, and those that are rounding errors once they do not decrease;
-  // the rate from which on N is computed anew; changes, in units of the tolerance, that are as good as none. No
-  // figures were recorded.
+  // Limit on iterations; relative changes within rounding errors, and those that are rounding errors once they do not
+  // decrease; the rate from which on N is recomputed; negligible changes, in units of the tolerance. No figures were
+  // recorded.
   constexpr int most = 12;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
   const Partition& partition = form.positions();
@@ -73,7 +73,7 @@ PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, Multib
     const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0;
     if (norm <= negligible || rate * norm <= negligible) return PointStatus::ok;
     if (rate > 0.5 && iteration > 0 && norm <= small) return PointStatus::ok;
-    // Rounding errors of g know lengths other than q, which may be zero.
+    // Rounding errors of g depend on other lengths than q, which may be zero.
     if (rate > 0.5 && at_point > 1 && in_tolerances <= far_below_tolerance) return PointStatus::ok;
     before = norm;
     if (rate < slow || iteration == 0) continue;
@@ -87,18 +87,18 @@ PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, Multib
   return PointStatus::not_converged;
 }
 
-// Constraints are linear in v: one change is enough, after which what depends on v is evaluated again unless the
-// change is a rounding error.
+// Constraints are linear in v: one change is enough. Then terms that depend on v are evaluated again unless the change
+// is a rounding error.
 PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, MultibodyEquations& equations,
                                                     const MultibodyForm& form, Arena& arena, bool has_approached) {
-  // Relative to v: some hundred roundings. No figures were recorded.
+  // Relative to v: some hundred rounding errors. No figures were recorded.
   constexpr double negligible = 1e-13;
   const int nv = static_cast<int>(point.v.size());
   const Arena::Frame frame(arena);
   double* residuals = arena.take(point.velocity_units.size());
   double* change = arena.take(point.v.size());
   point.velocity_residuals(residuals);
-  // Where directions depend on each other changes by rounding errors are not so small.
+  // If directions depend on each other, changes by rounding errors are not so small.
   if (has_approached && velocities_hold_to_rounding(point, residuals, nullptr)) return PointStatus::ok;
   tangents_.of_velocities().correction(form.velocities(), residuals, change, arena);
   for (int k = 0; k < nv; ++k) point.v[index(k)] += change[k];
@@ -131,20 +131,20 @@ PointStatus MultibodyProjection::project_output(MultibodyPoint& point, Multibody
       return project(point, equations, form, arena);
     }
   }
-  // Rows are as long as at the point given, but for next to nothing.
+  // Rows have practically the same lengths as at the given point.
   const PointStatus status = equations.at_velocity(point);
   if (status != PointStatus::ok) return status;
   return form.fit_tangents(point, tangents_, Tangent::Uses::few) ? finish(point, equations, form, arena, Moves::rest)
                                                                  : PointStatus::singular;
 }
 
-// Newton's method with N of the point given: positions to rounding, velocities so near that what one more change does
-// to forces is a rounding error as a rule. False: not here, or not so fast.
+// Newton's method with N of the given point: positions to machine precision, velocities so near that one more change
+// alters forces by a rounding error as a rule. False: not possible here, or too slow.
 bool MultibodyProjection::approach(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
                                    Arena& arena) {
-  // Iterations; relative changes as in project_positions; of velocities, those that project_velocities need not look
-  // at again; the rate that Newton's method does not have unless it sees rounding errors. (Chosen: iterations by
-  // those that are needed.)
+  // Limit on iterations; relative changes as in project_positions; changes of velocities that project_velocities need
+  // not check again; a rate that Newton's method has only because of rounding errors. (Chosen: iterations by the number
+  // needed.)
   constexpr int most = 5;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, negligible_in_v = 2e-14, slow = 1e-2;
   if (!form.has_velocities_as_rates() || form.positions().rank == 0) return false;
@@ -170,7 +170,7 @@ bool MultibodyProjection::approach(MultibodyPoint& point, MultibodyEquations& eq
     const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0,
                  rate_in_v = iteration > 0 ? norm_in_v / std::max(before_in_v, negligible_in_v) : 1.0;
     has_positions = norm <= negligible || rate * norm <= negligible || (iteration > 0 && rate > 0.5 && norm <= small);
-    // Rounding errors know lengths other than v, which may be zero: once more at most.
+    // Rounding errors depend on other lengths than v, which may be zero: at most one more iteration.
     if (has_positions && (iteration > 1 || rate_in_v * norm_in_v <= negligible_in_v)) return true;
     if (!has_positions && iteration > 0 && rate > slow && norm > small) return false;
     before = norm;
@@ -201,8 +201,8 @@ void MultibodyProjection::measure_inconsistency(const MultibodyPoint& point, con
     return index(partition.rank) < partition.rows.size();
   };
   if (!has_dependent_rows(form.positions()) && !has_dependent_rows(form.velocities())) return;
-  // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default:
-  // where values are near zero it may be nothing but rounding errors.
+  // A thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default: near zero
+  // values it may be a rounding error.
   constexpr double tolerances = 1e5;
   const auto size = [&](const std::vector<double>& values, const double* inverse_weights) {
     double floor = 0.0;
@@ -220,7 +220,7 @@ void MultibodyProjection::measure_inconsistency(const MultibodyPoint& point, con
 // Residuals of the dependent constraints, in units of their gradients, with the size of the unknowns.
 void MultibodyProjection::compare(const Partition& partition, const double* residuals, const double* units,
                                   double size) {
-  // What rounding errors make of residuals at most; no figures were recorded.
+  // Largest residuals by rounding errors; no figures were recorded.
   constexpr double rounding = 1e-11;
   for (std::size_t k = index(partition.rank); k < partition.rows.size(); ++k) {
     const std::size_t i = index(partition.rows[k]);

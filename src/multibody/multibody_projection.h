@@ -1,9 +1,9 @@
-// Points near by where the constraints of a mechanical system hold on both levels.
+// Nearby points at which the constraints of a mechanical system hold on both levels.
 //
-// Only the dependent directions of the partition move: Q_q2 until g = 0 to rounding, then Q_v2 until C v + r = 0.
-// Accelerations and forces are those of the point found.
+// Only the dependent directions of the partition move: Q_q2 until g = 0 to machine precision, then Q_v2 until C v + r =
+// 0. Accelerations and forces are those of the resulting point.
 //
-// Outputs are many: Newton's method on both levels at once brings them so near that terms need be evaluated once
+// Outputs are frequent: Newton's method on both levels at once comes so close that terms are evaluated only once
 // (docs/design/iteration_matrices.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -20,26 +20,26 @@ namespace sfdae::core {
 class MultibodyProjection {
  public:
   void resize(const MultibodySizes& sizes, const MultibodyForm& form);
-  // Of (q, v): an error of one unit is as large as the tolerance. 0, before there are any, for no tolerance.
+  // Weights of (q, v): an error of one unit is as large as the tolerance. 0, before weights are set, for no tolerance.
   void set_weights(const double* inverse_weights);
 
-  // What is to move; positions that stay are those of a point with terms and rows. rest: velocities, which approach()
+  // Parts that move; positions that stay are those of a point with terms and rows. rest: velocities, which approach()
   // has moved.
   enum class Moves { all, velocities, rest, nothing };
   // The form: of a linearization near the point.
   PointStatus project(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena,
                       Moves moves = Moves::all);
-  // All moves, for a point that is no end of a step; what later ones depend on is left as it is.
+  // Moves all, for a point that is no end of a step; the data of later projections are unchanged.
   PointStatus project_output(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
                              Arena& arena);
-  // T and N of the point projected last, T where it was needed if that is an output.
+  // T and N of the last projected point; of an output T only if it was needed.
   const Tangents& tangents() const { return tangents_; }
-  // At a point whose rows are measured; false if the partition does not fit it.
+  // For a point whose rows are measured; false if the partition does not fit it.
   bool build_tangents(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena) {
     return form.build_tangents(point, tangents_, arena);
   }
 
-  // Of the point projected last: the smallest pivot of C Q2, and by how much dependent constraints are violated.
+  // Smallest pivot of C Q2 at the last projected point, and the violation of dependent constraints there.
   double smallest_pivot() const { return smallest_pivot_; }
   double inconsistency() const { return inconsistency_; }
   std::string inconsistency_message(const MultibodyProblem& problem, double t) const;

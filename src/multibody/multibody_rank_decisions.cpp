@@ -1,4 +1,4 @@
-// Decisions on ranks of a mechanical system at one point.
+// Rank decisions of a mechanical system at one point.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_rank_decisions.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Rows of length 1; or orthonormal ones that span the same.
+// Rows of length 1; or orthonormal rows with the same span.
 Matrix unit_rows(ConstView rows) {
   Matrix result = to_matrix(rows);
   for (int i = 0; i < rows.rows; ++i) {
@@ -60,7 +60,7 @@ Matrix acceleration_matrix(const Matrix& M, const Matrix& C) {
   return K;
 }
 
-// Whether something else than a small mass, of which only the unit would be known by itself, has the same velocity.
+// Returns whether something else than a small mass, which alone would determine only the unit, has the same velocity.
 bool are_tied(const Matrix& M, const Matrix& C, double small) {
   const int nv = M.rows();
   for (int j = 0; j < nv; ++j) {
@@ -73,8 +73,8 @@ bool are_tied(const Matrix& M, const Matrix& C, double small) {
   return true;
 }
 
-// The rank of M, if units of velocities and constraints make [M C^T; C 0] even and regular; -1: they do not. Masses
-// and moments of inertia of microsystems have sizes that only the joints between them explain.
+// The rank of M, if units of velocities and constraints balance [M C^T; C 0] and make it nonsingular; -1: they do not.
+// The sizes of masses and moments of inertia of microsystems are comparable only through the joints between them.
 int rank_of_mass_in_balanced_units(const Matrix& M, const Matrix& C, double small, RankDecision& decision,
                                    Arena& arena) {
   if (!are_tied(M, C, small)) return -1;
@@ -146,8 +146,7 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   if (const int found = rank_of_mass_in_balanced_units(M, C, least_mass * mass, decisions.back(), arena);
       found >= 0 && has_mass)
     return found;
-  // The condition of K is the square of that of C (docs/design/multibody.md): without it, M
-  // is left as the reason.
+  // The condition of K is the square of that of C (docs/design/multibody.md): apart from that, M is the cause.
   const int missing = nv + rank - judge_with(orthonormal_rows(scaled_C, arena)).rank;
   if (missing == 0 && has_mass)
     throw Failure(

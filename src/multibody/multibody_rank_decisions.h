@@ -1,4 +1,4 @@
-// Decisions on ranks of a mechanical system at one point: of its constraints, and of [M C^T; C 0].
+// Rank decisions of a mechanical system at one point: of its constraints, and of [M C^T; C 0].
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace sfdae::core {
 
-// Rows measured. rank_tol: as of partitions. decisions (null: not wanted): get one for each level; where they are
-// wanted, throws Failure if one is unclear.
+// point: rows measured. rank_tol: as of partitions. decisions (null: not wanted): gets one for each level; if given,
+// throws Failure if one is unclear.
 MultibodyRanks ranks_of_constraints(const MultibodyPoint& point, double rank_tol,
                                     std::vector<RankDecision>* decisions, Arena& arena);
 

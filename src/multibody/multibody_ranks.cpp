@@ -1,4 +1,4 @@
-// What characterizes a mechanical system at a point.
+// Characteristic ranks of a mechanical system at a point.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_ranks.h"
 

@@ -1,4 +1,4 @@
-// What characterizes a mechanical system at a point: the ranks of its constraints.
+// Characteristic ranks of a mechanical system at a point: the ranks of its constraints.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +15,7 @@ struct MultibodyRanks {
 };
 CharacteristicValues characteristic_values(const MultibodySizes& sizes, const MultibodyRanks& ranks);
 
-// What is decided before an integration.
+// Settings that are decided before an integration.
 struct MultibodySettings {
   MultibodyRanks ranks;
   Coordinates coordinates = Coordinates::orthogonal;

@@ -1,5 +1,5 @@
-// A mechanical system given by recorded formulas: what else is recorded, values, and the Jacobian of what is
-// iterated.
+// A mechanical system given by recorded formulas: auxiliary records, values, and the Jacobian of the iterated
+// residuals.
 //
 // With K = (S v)_q and y = H v + h:
 //     (C v + r)_q        g_q,1 + g_q K;                              y_q

@@ -24,7 +24,7 @@ namespace sfdae::core {
 
 class RecordedMultibody final : public MultibodyProblem {
  public:
-  // The recorder is of no use afterwards.
+  // The recorder cannot be used afterwards.
   RecordedMultibody(Recorder& recorder, MultibodyFormulas formulas);
   // A copy shares the recording.
   RecordedMultibody(const RecordedMultibody&) = default;
@@ -43,7 +43,7 @@ class RecordedMultibody final : public MultibodyProblem {
   std::vector<const TaylorEvaluator*> evaluators_of_inputs() const override;
   void parameters_changed() override;
   int num_parameters() const { return num_parameters_; }
-  // first_order_equations() of multibody_formulas.h, with the values that parameters have now.
+  // first_order_equations() of multibody_formulas.h, with the present values of parameters.
   std::unique_ptr<RecordedProblem> first_order_problem();
   std::shared_ptr<const Record> first_order_record() const;
 
@@ -53,9 +53,9 @@ class RecordedMultibody final : public MultibodyProblem {
     return {terms_, constraints_ ? &*constraints_ : nullptr, sizes().positions, rheonomic_};
   }
 
-  // Errors know the time.
+  // An error with the time t set.
   CallbackError begin(double t) const;
-  // The jets, with v_1 (null: 0); q_2 = (dS/dt v + S v_1) / 2 is left to be computed where S is not the identity.
+  // Sets the jets, with v_1 (null: 0); q_2 = (dS/dt v + S v_1) / 2 remains to be computed if S is not the identity.
   void set_jet(const double* q, const double* v, const double* v_1, const MultibodyTerms& terms);
   // g, g_q, G and g_t along q_jet_, order 2; or with q_1 = 0, lower orders.
   bool evaluate_constraints(int order, MultibodyTerms& terms, CallbackError& error);

@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Parameters that no user can name.
+// Parameters with names that no user can choose.
 std::vector<int> held_vector(Recorder& recorder, char name, int count) {
   std::vector<int> nodes;
   for (int i = 0; i < count; ++i)
@@ -27,7 +27,7 @@ std::vector<int> parameters_of(const Recorder& recorder, const std::vector<int>&
 
 }  // namespace
 
-// f - M a - S^T p - H^T kappa, p = g_q^T lambda, with a, p and kappa held. Its values mean nothing: numbers among the
+// f - M a - S^T p - H^T kappa, p = g_q^T lambda, with a, p and kappa held. Its values are meaningless: constant
 // coefficients are left out, as they have no derivatives.
 RecordedBalance::RecordedBalance(Recorder& recorder, const MultibodyFormulas& formulas, bool has_kinematics,
                                  bool is_rheonomic)
@@ -90,8 +90,7 @@ bool RecordedBalance::differentiate(const double* jet, const MultibodyState& sta
   return true;
 }
 
-// Column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less those that come from
-// t + s.
+// Column by column: the first coefficients of gradients of lambda^T g along q + s e_j, minus those from t + s.
 bool RecordedBalance::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q,
                                          CallbackError& error) {
   const int nq = sizes_.positions;

@@ -1,6 +1,6 @@
 // The balance of forces of a mechanical system, f - M a - C^T mu with a and mu held, and its derivatives.
 //
-// a and mu are parameters, so that the sweep backward meets only what depends on q and v.
+// a and mu are parameters, so that the backward sweep meets only nodes that depend on q and v.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -32,7 +32,7 @@ void RecordedLanes::prepare(const Formulas& formulas, MultibodyLaneTerms& terms)
     }
   terms.M.resize();
   terms.f.assign(index(nv) + 1, {});
-  // Where there is no memory, what another system uses stays.
+  // If memory runs out, the data of another system stay unchanged.
   std::vector<Target> masses, forces;
   LaneArray zeros(index(formulas.positions) + 1);
   for (std::size_t e = 0; e < terms.M.places.size(); ++e) {

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 class RecordedLanes {
  public:
-  // What is evaluated: the formulas M and f; g, null if there is none.
+  // The formulas to evaluate: M and f; g, null if there is none.
   struct Formulas {
     const RecordedTerms& terms;
     const TaylorEvaluator* constraints;
@@ -20,13 +20,13 @@ class RecordedLanes {
     bool is_rheonomic;
   };
 
-  // Sizes, places, and entries that are numbers.
+  // Sets sizes, places, and constant entries.
   void prepare(const Formulas& formulas, MultibodyLaneTerms& terms);
-  // At (t, q, v); false where anything is not finite.
+  // Evaluates at (t, q, v); false if anything is not finite.
   bool evaluate(const Formulas& formulas, const LaneBlock* t, const LaneBlock* qv, MultibodyLaneTerms& terms);
 
  private:
-  // A value of the formulas, and which entry it is.
+  // A value of the formulas, and the entry that it belongs to.
   struct Target {
     int value;
     std::size_t entry;

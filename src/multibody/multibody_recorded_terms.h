@@ -1,5 +1,4 @@
-// Values of the formulas of a mechanical system: M, S, H, h and f, put where they belong in its terms. What is a
-// number is copied.
+// Values of the formulas of a mechanical system, written to its terms: M, S, H, h and f. Constants are copied.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -18,7 +17,7 @@ namespace sfdae::core {
 class RecordedTerms {
  public:
   enum class Part { M, S, C, rest, f };
-  // An entry that is not a number, and which of the values goes there.
+  // An entry that is not a number, and the value that belongs there.
   struct Place {
     Part part;
     std::size_t entry, value;
@@ -29,10 +28,10 @@ class RecordedTerms {
   // M, S, H, h at (error.t, q), with f at (error.t, q, v); x: (q, v). False if they cannot be evaluated.
   bool evaluate(const double* x, bool with_forces, MultibodyTerms& terms, CallbackError& error);
 
-  // Of all formulas: where parameters are changed; copy_parameters is due after a change of the first ones.
+  // Evaluator of all formulas, in which parameters are changed; call copy_parameters after a change of the first ones.
   TaylorEvaluator& evaluator() { return *all_; }
   const TaylorEvaluator& evaluator() const { return *all_; }
-  // Entries that are numbers, and where the values of the evaluator belong.
+  // Constant entries, and the places of the evaluator's values.
   const MultibodyTerms& numbers() const { return numbers_; }
   const std::vector<Place>& places() const { return all_places_; }
   void copy_parameters(int count) {
@@ -40,7 +39,7 @@ class RecordedTerms {
   }
 
  private:
-  // Of formulas within MultibodyTerms.
+  // Block of formulas within MultibodyTerms.
   struct Block {
     Part part;
     const char* name;

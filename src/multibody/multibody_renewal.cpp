@@ -1,11 +1,11 @@
-// Whether a new linearization pays for the next step of a mechanical system.
+// Decision whether a new linearization pays for the next step of a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_renewal.h"
 
 namespace sfdae::core {
 
 bool MultibodyRenewal::pays(int s, int iterations, double cost) {
-  // A linearization is kept after so many new ones in a row: a tenth of the steps finds out whether that would do.
+  // After so many new linearizations in a row one is reused: a tenth of the steps tests whether that suffices.
   constexpr int most_in_a_row = 10;
   if (is_fresh_) {
     fresh_iterations_ = iterations;

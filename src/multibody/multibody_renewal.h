@@ -1,7 +1,7 @@
-// Whether a new linearization pays for the next step of a mechanical system.
+// Decision whether a new linearization pays for the next step of a mechanical system.
 //
-// How many iterations a new one needs, and how many more the one of the step before, is known from the steps taken
-// last; every so often a linearization is kept to see.
+// The last steps tell how many iterations a new one needs, and how many more the one of the step before; now and then a
+// linearization is reused as a test.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 class MultibodyRenewal {
  public:
   void begin() { is_fresh_ = true; }
-  // After a step of s stages has converged; cost of a linearization in evaluations of one stage.
+  // Call after a step of s stages has converged. cost: of a linearization in evaluations of one stage.
   bool pays(int s, int iterations, double cost);
 
   // No step has been solved with the linearization.
@@ -22,7 +22,7 @@ class MultibodyRenewal {
 
  private:
   bool is_fresh_ = false;
-  // Of the last steps: with new linearizations, and with those of steps before.
+  // Iterations of the last steps: with new linearizations, and with older ones.
   int fresh_iterations_ = 0, kept_iterations_ = 0;
   int fresh_in_a_row_ = 0;
 };

@@ -1,4 +1,4 @@
-// The singular configuration of a mechanical system that is nearest in time, as far as one point tells.
+// The singular configuration of a mechanical system nearest in time, estimated from one point.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_singularity.h"
 
@@ -41,9 +41,9 @@ void differentiate(const Matrix& here, double step, Matrix& there) {
 
 NearbySingularity nearby_singularity(const MultibodyPoint& point, const MultibodyRanks& ranks,
                                      MultibodyEquations& equations, Arena& arena) {
-  // Of the largest position, or of t where nothing moves, as differences of the first order need.
+  // Relative to the largest position, or to t if nothing moves, as differences of the first order need.
   constexpr double relative_step = 1e-7;
-  // Both levels are singular together where their times agree to that factor.
+  // Both levels are singular together if their times agree to that factor.
   constexpr double together = 2.0;
   MultibodyPoint beside(point);
   std::vector<double> rates(point.q.size());

@@ -1,9 +1,9 @@
-// The singular configuration of a mechanical system that is nearest in time, as far as one point tells.
+// The singular configuration of a mechanical system nearest in time, estimated from one point.
 //
 // Along the motion the constraints are C + tau C' to first order, C' by a difference along (1, S v), and singular for
 // tau = -1 / mu with the real eigenvalues mu of C' Q2 (C Q2)^-1, Q2 the range of C^T. Units of rows do not matter: a
-// row that vanishes counts as one that depends on others. Where C behaves as (t* - t)^p, as with p = 1/2 where a
-// chain is stretched, tau = (t* - t) / p (docs/design/singular_points.md).
+// row that vanishes counts as one that depends on others. If C behaves as (t* - t)^p, as with p = 1/2 when a chain is
+// stretched, tau = (t* - t) / p (docs/design/singular_points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,7 +16,7 @@ namespace sfdae::core {
 struct NearbySingularity {
   double t = 0.0;  // before or after the point; infinite: none
   int row = -1;    // the constraint that turns or shrinks fastest
-  // Whether g_q, or C, is singular there.
+  // is_of_positions: g_q is singular there; is_of_velocities: C is.
   bool is_of_positions = false, is_of_velocities = false;
 };
 

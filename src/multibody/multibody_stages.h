@@ -1,7 +1,7 @@
-// The stages of a step of a mechanical system, a column of numbers for each: values, changes of an iteration, and
-// what these are computed from. A step at one point has one.
+// The stages of a step of a mechanical system, a column of numbers for each: values, changes of an iteration, and their
+// input. A step at one point has one column.
 //
-// Memory grows with the number of stages and is kept.
+// Memory grows with the number of stages and is never freed.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -27,7 +27,7 @@ struct MultibodyDiscretization {
   const double* w = nullptr;
   // The c of the step matrix.
   double coefficient() const { return method != nullptr ? method->gamma / h : c; }
-  // By how much the moves of MultibodyStages change with w_i.
+  // Rate of change of the moves of MultibodyStages with w_i.
   double rate_of_moves() const { return method != nullptr ? 1.0 : c; }
 };
 

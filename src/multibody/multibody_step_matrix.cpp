@@ -10,8 +10,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Explicit inverses, which cost a third of the factors more, are for small matrices, where calls cost more than what is
-// computed. (Chosen.)
+// Explicit inverses cost a third of the factors more. They are used for small matrices, where calls cost more than
+// arithmetic. (Chosen.)
 constexpr int largest_inverse = 6;
 
 // a + i b in the lanes of a pair, 0 being that of the real stage.
@@ -28,7 +28,7 @@ void complete(int count, Scalar c, const Scalar* z, Scalar* y) {
   for (int i = 0; i < count; ++i) y[i] = (z[i] + y[i]) * inverse;
 }
 
-// As a form of fewer unknowns.
+// The reduced form with half of the unknowns.
 struct ReducedForm {
   const MultibodyForm& form;
   int order;

@@ -1,8 +1,8 @@
 // The matrix c I - B of a step of a mechanical system, factored, for one point or, decoupled, for the stages of a
-// Runge-Kutta step. It is kept as long as the linearization holds and c stays.
+// Runge-Kutta step. The factors are reused while the linearization is valid and c does not change.
 //
-// Where y' = z, as S is the identity, B = [0 I; K D], and half of the unknowns are eliminated beforehand, as RADAU5
-// does for such problems [HW96, IV.8]:
+// If y' = z, as S is the identity, B = [0 I; K D], and half of the unknowns are eliminated beforehand, as RADAU5 does
+// for such problems [HW96, IV.8]:
 //
 //     (c I - D - K / c) z = r_z + K r_y / c,   y = (z + r_y) / c
 //
@@ -26,19 +26,19 @@ namespace sfdae::core {
 
 class MultibodyStepMatrix {
  public:
-  // Room for so many local coordinates.
+  // Allocates memory for so many local coordinates.
   void resize(int unknowns);
-  // Another linearization holds from now on.
+  // Call when the linearization changes.
   void forget();
 
-  // As those of a StepMatrix.
+  // Same as for a StepMatrix.
   bool is_for(double c) const { return reduced_.is_for(c); }
   bool is_valid() const { return reduced_.is_valid(); }
   double c() const { return reduced_.c(); }
   bool factor(const MultibodyForm& form, double c, long& count);
   bool factor_stages(const MultibodyForm& form, const StageMethod& method, long& count);
 
-  // Inverses for all stages at once, there for few unknowns once they are factored: stages transformed by T are in
+  // Inverses for all stages at once, available for few unknowns after the factorization: stages transformed by T are in
   // lanes, the real one in the first, pairs first and second in the next ones. A number a + i b times omega = first - i
   // second is first a + second b, second a - first b: A has the lanes a, B those of b and -b.
   struct LaneInverses {

@@ -42,7 +42,7 @@ class Lines {
     const std::vector<double> given_v(v_);
     const auto wrong = of_velocities();
     if (!wrong || !has_positions) return wrong;
-    // Curvatures are judged by gradients that are right: these again, one by one.
+    // Curvatures are compared only if gradients are right: here one by one.
     v_ = given_v;
     if (!evaluate(t_, q_, v_, here_)) return wrong;
     const auto cause = of_positions();
@@ -64,7 +64,7 @@ class Lines {
     bool time_passes;
   };
 
-  // g and g_q d + g_t along a direction; the parameter is a part of it, and of the time.
+  // g and g_q d + g_t along a direction; the parameter scales d, and the time if it passes.
   SuppliedLine position_line(const Direction& along) {
     const int nl = sizes().holonomic;
     const auto write = [this, nl, &along](const MultibodyTerms& terms, double* values) {
@@ -74,7 +74,7 @@ class Lines {
     };
     SuppliedLine line{nl, nl, 0.0, 1.0, {}, std::vector<double>(index(2 * nl))};
     write(here_, line.base.data());
-    // What is near zero on the constraints is the difference of terms of this size.
+    // Values near zero on the constraints are differences of terms of this size.
     line.terms.resize(index(nl), 0.0);
     for (int j = 0; j < sizes().positions; ++j)
       for (int i = 0; i < nl; ++i) line.terms[index(i)] += std::fabs(here_.g_q(i, j) * q_[index(j)]);
@@ -88,8 +88,8 @@ class Lines {
     return line;
   }
 
-  // Positions are lengths and angles of sizes unknown: each moves by what it is, and those near zero by a part of the
-  // largest one (by judgement).
+  // Positions are lengths and angles of unknown sizes: each moves by its value, and those near zero by a fraction of
+  // the largest one (by judgement).
   double unit_of(std::size_t j) const {
     constexpr double part = 1e-3;
     const double largest = max_abs(q_.data(), sizes().positions);
@@ -98,7 +98,7 @@ class Lines {
 
   bool has_rate() const { return problem_.functions().constraint_rate != nullptr; }
 
-  // In one direction at random.
+  // Tests one random direction.
   bool is_confirmed() {
     std::minstd_rand generator(1);
     Direction direction{q_, has_rate()};
@@ -117,13 +117,13 @@ class Lines {
     return worst_on(position_line(in_time), {'T', 0, reach_});
   }
 
-  // Half a unit to a unit, of either sign.
+  // A random number of 0.5 to 1, of either sign.
   static double away_from_zero(std::minstd_rand& generator) {
     const double r = symmetric_random(generator);
     return (r < 0.0 ? -0.5 : 0.5) * (1.0 + std::fabs(r));
   }
 
-  // What a line is about; unit: derivatives along the line are those by the unknown times it.
+  // Row and column that a line tests; unit: derivatives along the line are those by the unknown times it.
   struct Subject {
     char function;
     int column;
@@ -144,9 +144,9 @@ class Lines {
                               .difference = worst->difference / subject.unit};
   }
 
-  // Velocities that fulfil the constraints as far as those given do, and are not zero.
+  // Nonzero velocities that fulfil the constraints as well as the given ones do.
   std::vector<double> general_velocity() const {
-    // Relative, of directions that the constraints leave free; rows are those of the user, not scaled.
+    // Relative threshold for directions that the constraints leave free; rows are the user's, without scaling.
     constexpr double rounding = 1e-10;
     std::minstd_rand generator(1);
     double size =
@@ -177,7 +177,7 @@ class Lines {
       std::copy_n(terms.velocity_rest.begin(), count, values);
       multiply(1.0, Op::plain, terms.C, v_.data(), 1.0, values);
       std::copy_n(terms.acceleration_rest.begin(), count, values + count);
-      // Those that are not given are not compared.
+      // Functions that are not given are not compared.
       if (!has_gamma) std::fill_n(values, nl, 0.0);
       if (!has_eta) std::fill_n(values + nl, count - nl, 0.0);
     };

@@ -6,14 +6,14 @@
 
 namespace sfdae::core {
 
-// Where and how.
+// Point and limits of the check.
 struct MultibodyCheckPoint {
   double t, toward;
   const double *q, *v;
   double least_gap;  // relative difference that counts
 };
 
-// Throws SFDAE_WRONG_DERIVATIVES where a derivative contradicts the function beyond doubt.
+// Throws SFDAE_WRONG_DERIVATIVES if a derivative contradicts the function beyond doubt.
 void demand_derivatives(CallbackMultibody& problem, const MultibodyCheckPoint& point);
 
 }  // namespace sfdae::core

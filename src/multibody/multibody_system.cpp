@@ -50,7 +50,7 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const MultibodySetti
   archive(saved);
 }
 
-// By the characteristic values and the ranks.
+// Allocates memory by the characteristic values and the ranks.
 void MultibodySystem::resize() {
   traits_ = {.unknowns = sizes_.unknowns(),
              .differential = analysis_.values.d,
@@ -69,7 +69,7 @@ CharacteristicValues MultibodySystem::values_at(double) {
 }
 
 std::optional<double> MultibodySystem::change_nearby() {
-  // Of the longest step, which tells how fast the system moves where nothing is singular
+  // Relative to the longest step, which shows how fast the system moves away from singularities
   // (docs/design/singular_points.md).
   constexpr double near = 0.5;
   const NearbySingularity found = nearby_singularity(accepted_, settings_.ranks, equations_, arena_);
@@ -93,14 +93,14 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   accepted_.measure_rows();
   monitor_.forget();
   longest_step_ = 0.0;
-  // Of an integration before, which must not be seen in the next one.
+  // State of an earlier integration, which must not affect the next one.
   linearization_.chord() = ChordIteration();
   linearization_.renewal() = MultibodyRenewal();
   status = linearize(t, q, v);
   if (status != PointStatus::ok) return status;
   if (!monitor_.has_known_ranks()) return PointStatus::changed;
   end_ = accepted_;
-  // What holds stays to the last bit.
+  // Values that are consistent stay bit by bit.
   using Moves = MultibodyProjection::Moves;
   const Moves moves = !positions_hold_to_rounding(end_)    ? Moves::all
                       : !velocities_hold_to_rounding(end_) ? Moves::velocities
@@ -135,7 +135,7 @@ PointStatus MultibodySystem::linearize(double t, const double* q, const double* 
   return status;
 }
 
-// From the predicted x of each point. The middle one is where one linearization serves all of them best.
+// Starts from the predicted x of each point. The linearization at the middle one suits all of them best.
 PointStatus MultibodySystem::iterate_from(const MultibodyDiscretization& discretization, const Guess& guess,
                                           bool linearizes) {
   const int s = discretization.s, middle = s / 2;
@@ -172,7 +172,7 @@ PointStatus MultibodySystem::solve_points(const MultibodyDiscretization& discret
     is_end_new_ = status == PointStatus::ok;
     return status;
   }
-  // Shorter steps toward a singular configuration that has been seen already.
+  // Steps toward a known singular configuration become shorter.
   const bool is_near_change =
       monitor_.has_changed() && (status == PointStatus::singular || status == PointStatus::not_converged);
   return is_near_change ? PointStatus::changed : status;
@@ -186,10 +186,10 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
   return status;
 }
 
-// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
-// factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+// Cost in floating-point operations: evaluations, work once a step expressed as additional ones, and the factors of the
+// decoupled systems, a real one and (s - 1) / 2 complex ones.
 double MultibodySystem::stage_cost(int s) const {
-  // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
+  // Measured on the pendulum, where overhead dominates, and on all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
   const double n = leading_size(), r = settings_.ranks.velocities, d = differential();
   const double evaluation = overhead + 4.0 * n * r * r + 8.0 * n * n, systems = 2.0 * s - 1.0;
@@ -205,7 +205,7 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
     stages_.times[index(i)] = i == s - 1 ? equations.t_end : equations.t + equations.method.c[index(i)] * h;
   const PointStatus status = solve_points({s, &equations.method, h, 0.0, equations.w}, equations.guess);
   if (status != PointStatus::ok) return status;
-  // mu of the stages within is that before the last change: slopes of mu depend on it.
+  // mu of the inner stages is that before the last change: its slopes depend on it.
   const Arena::Frame frame(arena_);
   const View dmu = arena_.matrix(nc, s), mu = stages_.mu.view(s), to_x{x, n, s, n}, to_w{w, size, s, size};
   linearization_.change_of_forces(stages_.changes.view(s), dmu, arena_);
@@ -227,7 +227,7 @@ double MultibodySystem::change_of_differentiated(const double* dx, const double*
   return largest;
 }
 
-// What later steps depend on stays as it is: points that are asked for must not change those that follow.
+// Data of later steps stay unchanged: output points must not affect later ones.
 void MultibodySystem::restore(const double*, const double* x_free, const Guess&, double* x) {
   if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
@@ -240,7 +240,7 @@ void MultibodySystem::restore(const double*, const double* x_free, const Guess&,
   copy_unknowns(end_, x);
 }
 
-// With a and mu known. Throws Failure.
+// The point at x, with a and mu. Throws Failure.
 const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   for (const MultibodyPoint* point : {&accepted_, &end_})
     if (is_at(*point, t_, x)) return *point;
@@ -335,7 +335,7 @@ void MultibodySystem::archive(Archive& archive) {
     monitor_.restore(orientation, partitions);
     resize();
   } else if (!is_valid) {
-    // Where there is no linearization, that at the last point will do.
+    // If there is no linearization, the last point is used.
     linearization_.move_to(accepted_);
   }
   const auto archive_point = [&](auto& point) {
@@ -353,8 +353,8 @@ void MultibodySystem::archive(Archive& archive) {
   if (archive.is_reading()) rebuild(linearized, has_matrix ? matrix.c() : 0.0);
 }
 
-// The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this
-// very matrix.
+// Restores the partition and the linearization. c != 0: steps whose coefficient differs from it by rounding errors use
+// this matrix unchanged.
 void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
   ChordIteration& chord = linearization_.chord();
   const bool was_slow = chord.is_slow(), was_valid = linearization_.is_valid(),

@@ -3,9 +3,9 @@
 //     Q_q1^T (q' - S v) = 0,  Q_v1^T (v' - a(t, q, v)) = 0,  g(t, q) = 0,  C v + r = 0
 //
 // with accelerations a and forces of constraints mu of multibody_point.h. Q_q1 and Q_v1 are constant until the
-// constraints have turned too far from them; as the integrators discretize q' and v' as they are, W = I, a new choice
-// does not touch what they know. Stages are solved by a chord iteration in local coordinates (multibody_iteration.h),
-// after which constraints hold to rounding at the points that are handed out (multibody_projection.h).
+// constraints have turned too far from them; as the integrators discretize q' and v' directly, W = I, a new choice does
+// not affect their history. Stages are solved by a chord iteration in local coordinates (multibody_iteration.h), after
+// which output points fulfil the constraints to machine precision (multibody_projection.h).
 //
 // [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, sec.
 // 6.4.
@@ -28,10 +28,10 @@ namespace sfdae::core {
 
 class MultibodySystem final : public DaeSystem {
  public:
-  // At consistent q and v. Throws Failure.
+  // q and v are consistent. Throws Failure.
   MultibodySystem(MultibodyProblem& problem, const MultibodySettings& settings, IndexAnalysis analysis,
                   const double* q, const double* v);
-  // As it was when it was archived, ranks included. Throws DamagedArchive.
+  // Restores an archived system, ranks included. Throws DamagedArchive.
   MultibodySystem(MultibodyProblem& problem, const MultibodySettings& settings, Archive& archive);
 
   double t() const override { return t_; }
@@ -55,7 +55,7 @@ class MultibodySystem final : public DaeSystem {
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
-  // Throws Failure where no consistent x is found near x_free.
+  // Throws Failure if no consistent x is found near x_free.
   using StrangenessFreeSystem::restore;
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
@@ -64,8 +64,8 @@ class MultibodySystem final : public DaeSystem {
     const double kept = projection_.smallest_pivot();
     return {projection_.inconsistency(), kept, 1.0, kept};
   }
-  // q and v are known at points of the integration only, so that a change is located by its steps becoming short:
-  // the values where it was met last, whatever t is.
+  // q and v are known at points of the integration only, so that a change is located by steps that become short:
+  // returns the values of the last change, whatever t is.
   CharacteristicValues values_at(double t) override;
   // Constraints that become singular within the longest step so far.
   std::optional<double> change_nearby() override;
@@ -73,14 +73,14 @@ class MultibodySystem final : public DaeSystem {
     return projection_.inconsistency_message(equations_.problem(), t_);
   }
   std::string about_change() const override;
-  // False where mu' is a difference of mu along the solution.
+  // False if mu' is a difference of mu along the solution.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
-  // mu' along the solution by differences of high order, too: nearly as accurate as if it came from more derivatives.
+  // Includes mu' along the solution by high-order differences, nearly as accurate as from additional derivatives.
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
     std::copy_n(xdot, leading_size(), wdot);
   }
-  // Of positions and velocities.
+  // Flags positions and velocities.
   bool find_differentiated(char* flags) override {
     std::fill_n(flags, leading_size(), char{1});
     return true;

@@ -1,4 +1,4 @@
-// How dependent directions follow independent ones under constraints.
+// Dependent directions as functions of independent ones under constraints.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_tangent.h"
 
@@ -12,11 +12,11 @@ namespace sfdae::core {
 
 namespace {
 
-// Up to so many independent rows N is formed, as products are much faster than solutions of small systems; where that
-// ends depends on the machine, and no figures were recorded.
+// N is formed for at most so many independent rows, as products are much faster than solutions of small systems; the
+// limit depends on the machine, and no figures were recorded.
 constexpr int most_explicit = 16;
 
-// By elimination with X + X^T.
+// Elimination with X + X^T.
 bool has_positive_symmetric_part(ConstView X, Arena& arena) {
   const int n = X.cols;
   const Arena::Frame frame(arena);

@@ -1,11 +1,11 @@
-// How dependent directions follow independent ones under constraints C w = b at some point.
+// Dependent directions as functions of independent ones under constraints C w = b at some point.
 //
-// With a partition [Q1 Q2], as long as C Q2 is regular,
+// With a partition [Q1 Q2] for which C Q2 is nonsingular,
 //
 //     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
 //
-// so that w = T y + N b. At the point where an orthogonal partition was chosen, E = 0. Where there are few uses of T
-// it is not formed: T y = Q1 y - N C Q1 y.
+// so that w = T y + N b. At the point where an orthogonal partition was chosen, E = 0. For few uses, T is not formed: T
+// y = Q1 y - N C Q1 y.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,7 +21,7 @@ namespace sfdae::core {
 class Tangent {
  public:
   void resize(int directions, int constraints);
-  // Without T. False if C Q2 is singular. few: N is not formed, as products with its factors cost less.
+  // Fits N without T. False if C Q2 is singular. few: N is not formed, as products with its factors cost less.
   enum class Uses { many, few };
   bool fit(const Partition& partition, const ConstraintRows& constraints, Uses uses = Uses::many);
   // T and E, after fit; false if they are not finite.
@@ -30,7 +30,7 @@ class Tangent {
     return fit(partition, constraints) && complete(partition, arena);
   }
   bool is_complete() const { return is_complete_; }
-  // Once complete.
+  // Valid after complete().
   ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
   // The independent rows in their units, row k times units()[k].
   ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
@@ -41,13 +41,13 @@ class Tangent {
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
   // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
   void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
-  // max |E|, once complete: the tangent of the angle, about, by which C has turned since the choice.
+  // max |E|, after complete(): about the tangent of the angle by which C has turned since the choice.
   double rotation() const { return rotation_; }
   double smallest_pivot() const { return pivot_; }
-  // Of det C Q2.
+  // Sign of det C Q2.
   int sign() const { return sign_; }
-  // Of the constraints on the straight line from rows B at another point to C: how many combinations of them vanish,
-  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
+  // Number of combinations of the constraints that vanish on the straight line from rows B at another point to C, where
+  // sB + (1 - s) C is singular on Q2 (each counts once), and the row that turns most.
   struct ZeroCrossings {
     int count = 0;
     int row = -1;
@@ -83,7 +83,7 @@ struct MultibodyOrientation {
   bool operator==(const MultibodyOrientation&) const = default;
 };
 
-// Of the constraints on both levels; one for both where their rows are the same.
+// Tangents of the constraints on both levels; one for both if their rows are the same.
 struct Tangents {
   Tangent positions, velocities;
   bool same_rows = false;

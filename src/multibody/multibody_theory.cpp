@@ -22,7 +22,7 @@ void demand(PointStatus status, const CallbackError& error, double t) {
                   format("[M C^T; C 0] is singular for the ranks known at t = %.15g.", t));
 }
 
-// to := factor from, the rows listed.
+// to := factor from, for the listed rows.
 void copy_rows(double factor, ConstView from, const std::vector<int>& rows, View to) {
   for (int j = 0; j < to.cols; ++j)
     for (int k = 0; k < to.rows; ++k) to(k, j) = factor * from(rows[index(k)], j);
@@ -273,7 +273,7 @@ void MultibodyTheory::write_accelerations(const Partition& velocities, ExtendedS
   copy_rows(-1.0, product(C, velocities.Q2()), velocities.rows, A.block(row, A.cols - rv, rv, rv));
 }
 
-// N^T mu = 0, N^T C = 0, from what is known of mu; none without redundant constraints.
+// N^T mu = 0, N^T C = 0, from the given mu; none without redundant constraints.
 void MultibodyTheory::write_least_norm(const double* mu, ExtendedSystem& to, int row) const {
   const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), count = to.E.rows() - row;
   if (count == 0) return;

@@ -1,4 +1,4 @@
-// A mechanical system linearized at one point: the objects of the theory that its minimal extension gives.
+// A mechanical system linearized at one point: the objects of the theory by its minimal extension.
 //
 //     F(t, x, x') = (q' - S v,  M v' - f + C^T mu,  g,  H v + h),   x = (q, v, mu)
 //
@@ -32,17 +32,17 @@ struct ExtendedSystem {
 
 class MultibodyTheory {
  public:
-  // At (t, x); mu of x is taken where it is held, not for mu(t, q, v). Throws Failure.
+  // At (t, x); mu of x is used as the held value, not for mu(t, q, v). Throws Failure.
   MultibodyTheory(MultibodyProblem& problem, const MultibodySettings& settings, double t, const double* x);
 
   // (S v, a, mu'), with mu' by differences, or 0.
   std::vector<double> derivative(MultibodyProblem& problem);
-  // A2 = -d/dx of the consequences, f2 what is left of them: all rows of both.
+  // A2 = -d/dx of the consequences, f2 their residuals: all rows of both.
   Matrix A2() const;
   Matrix f2(const double* mu) const;
   // max of |g| and |C v + r| over the other rows, which depend on those.
   double redundant_residual() const;
-  // Orthonormal: of ker A2, and of the range of F_x' there.
+  // Orthonormal bases of ker A2, and of the range of F_x' there.
   Matrix T2() const;
   Matrix Z1() const;
   // positions, velocities: partitions, in use or chosen here.

@@ -11,7 +11,7 @@
 
 namespace sfdae::core {
 
-// As the user gives them: `count` functions g(t, x, x'), and where branches are written to.
+// The user's declaration: `count` functions g(t, x, x'), and the address that branches are written to.
 struct DeclaredConditions {
   int count = 0;
   sfdae_conditions_function function = nullptr;
@@ -25,9 +25,9 @@ class ConditionSource final : public EquationSource {
   ConditionSource(const DeclaredConditions& declared, int num_unknowns);
 
   CallbackError call(double t, const double* x, const double* xdot, double* g);
-  // Of orders 0 and 1.
+  // order: 0 or 1.
   bool values(double t, const double* jet, int order, double* g) override;
-  // Of order 0.
+  // order: 0.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values) override;
   void set_targets(const Tape& tape);
 
@@ -46,14 +46,14 @@ class CallbackConditions {
  public:
   CallbackConditions(const DeclaredConditions& declared, int num_unknowns);
 
-  // Has the functions g as equations and as conditions (held_conditions.h), whose parameters say which branches are
+  // Has the functions g as equations and as conditions (held_conditions.h), whose parameters tell which branches are
   // held.
   TaylorEvaluator& evaluator() { return evaluator_; }
-  // Writes the branches for a call of the user's functions at this point (x, then x'): those that are held, or those
-  // that g leads to.
+  // Writes the branches for a call of the user's functions at this point (x, then x'): those that are held, or those of
+  // g.
   CallbackError choose(double t, const double* point);
 
-  // While it lives branches stay what they are, whatever the points.
+  // While it lives, branches stay unchanged at all points.
   class Kept {
    public:
     explicit Kept(CallbackConditions* conditions) : conditions_(conditions) {

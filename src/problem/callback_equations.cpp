@@ -33,7 +33,7 @@ std::vector<double> moved_along(const double* jet, std::size_t n, double s) {
   return moved;
 }
 
-// In which x changes by about its size; 1 where nothing is known of it.
+// Time in which x changes by about its size; 1 if this is unknown.
 double time_of_change(const double* jet, int n) {
   double x = 0.0, slope = 0.0;
   for (int j = 0; j < n; ++j) {
@@ -76,7 +76,7 @@ bool PatternedEquations::values(double t, const double* jet, int order, double* 
   return true;
 }
 
-// With five points, from one side near limits of t.
+// Difference by five points, one-sided near limits of t.
 CallbackError PatternedEquations::difference_in_time(double t, const double* jet, double* F_1) {
   constexpr int points = 5;
   constexpr double part = 1e-3;  // near eps^(1/5): of the error of truncation and that of rounding the sum is least

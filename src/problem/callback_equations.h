@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-// What both kinds have in common. Where the first total derivative is not available, and differences are allowed, it
-// is one along the jet: x' at outputs needs it, where nothing else does.
+// Base of both kinds. If the first total derivative is not available, and differences are allowed, it is a difference
+// along the jet: only x' at outputs needs it.
 class PatternedEquations : public SuppliedEquations {
  public:
   void set_targets(const Tape& tape, const JacobianPatterns& patterns);
@@ -38,7 +38,7 @@ class PatternedEquations : public SuppliedEquations {
   const Problem& base_;
   int m_, n_;
   bool differences_in_time_ = false;
-  // Of each target of the tape: the entry, of F_x' if `derivative`.
+  // The entry of each target of the tape; of F_x' if `derivative`.
   struct Place {
     int entry, equation;
     bool derivative;
@@ -49,7 +49,7 @@ class PatternedEquations : public SuppliedEquations {
 
 class NonlinearEquations final : public PatternedEquations {
  public:
-  // problem: with patterns; it lives longer.
+  // problem: with patterns; must outlive this object.
   explicit NonlinearEquations(CallbackProblem& problem);
   bool has_differences() const override { return problem_.form() == JacobianForm::differences; }
   double noise() const override;
@@ -68,7 +68,7 @@ class NonlinearEquations final : public PatternedEquations {
 // F = E x' - A x - f
 class LinearEquations final : public PatternedEquations {
  public:
-  // problem: with patterns; it lives longer.
+  // problem: with patterns; must outlive this object.
   explicit LinearEquations(LinearProblem& problem);
   void forget() override { E_ = A_ = f_ = {}; }
 
@@ -89,7 +89,7 @@ class LinearEquations final : public PatternedEquations {
   Series E_, A_, f_;
 };
 
-// As equations that the extension can be made of. source: of these patterns.
+// These equations in the form that the minimal extension needs. source: of these patterns.
 std::unique_ptr<RecordedProblem> opaque_problem(std::shared_ptr<PatternedEquations> source, int num_equations,
                                                 const JacobianPatterns& patterns, const EquationNames& names);
 

@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Gradients from one look at a group of unknowns to the next: a few percent of the evaluations.
+// Number of gradients from one check of a group of unknowns to the next: costs a few percent of the evaluations.
 constexpr int gradients_between_probes = 10;
 
 void add_sizes(const ColumnPattern& pattern, const double* entries, const double* x, std::vector<double>& terms) {
@@ -23,7 +23,7 @@ void add_sizes(const ColumnPattern& pattern, const double* entries, const double
       terms[index(pattern.row[index(e)])] += std::fabs(entries[e] * x[j]);
 }
 
-// values -= factor entries, of a pattern within another one.
+// values -= factor entries, for a pattern within another one.
 void subtract_entries(const ColumnPattern& pattern, const double* entries, double factor, const ColumnPattern& from,
                       std::vector<double>& values, int rows) {
   std::vector<int> place(index(rows), -1);
@@ -34,7 +34,7 @@ void subtract_entries(const ColumnPattern& pattern, const double* entries, doubl
   }
 }
 
-// Of a pattern within another one.
+// Selects the entries of a pattern from those of one that contains it.
 void select_entries(const ColumnPattern& pattern, const ColumnPattern& from, const std::vector<double>& values,
                     int rows, double* entries) {
   std::vector<int> place(index(rows), -1);
@@ -89,7 +89,7 @@ CallbackError CallbackProblem::check_finite(const char* name, const double* valu
   return error;
 }
 
-// Of the order, with all that the form has room for.
+// Calls the callback for this order and all outputs that the form has room for.
 CallbackError CallbackProblem::invoke(double t, int order, const double* derivatives, const Outputs& to) {
   const auto [F, F_x, F_xdot] = to;
   const bool is_dense = form_ != JacobianForm::compressed;
@@ -176,7 +176,7 @@ CallbackError CallbackProblem::call_entries(double t, int order, const double* d
                                             : differentiate(t, order, derivatives, to);
   if (error.status != SFDAE_OK || order > 0 || is_checking_ || !probe_ || until_probe_-- > 0) return error;
   error = probe(t, derivatives, to);
-  // Who has not heard of a missing entry, as other points may do, asks again.
+  // If the caller does not report the missing entry, as for a trial point, the next gradient checks again.
   until_probe_ = error.status == SFDAE_OK ? gradients_between_probes - 1 : 0;
   return error;
 }

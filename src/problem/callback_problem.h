@@ -13,7 +13,7 @@
 
 namespace sfdae::core {
 
-// What the user's function writes as Jacobians: all entries, those of patterns, nothing.
+// Jacobians that the user's function writes: all entries, those of patterns, or none.
 enum class JacobianForm { dense, compressed, differences };
 
 class CallbackProblem final : public NonlinearProblem {
@@ -21,18 +21,18 @@ class CallbackProblem final : public NonlinearProblem {
   CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
 
-  // What the function is called with lives as long as this.
+  // Keeps the user pointer of the function alive as long as this object.
   void own_user(std::shared_ptr<void> owned) { owned_user_ = std::move(owned); }
   // The user's function depends on conditions.
   void set_conditions(const DeclaredConditions& declared);
   CallbackConditions* conditions() { return conditions_.get(); }
-  // Jacobians are differences, without any patterns.
+  // Jacobians are finite differences, without patterns.
   void take_differences();
-  // Dense Jacobians are compared with the patterns wherever they are evaluated, others now and then by moving unknowns.
+  // Dense Jacobians are compared with the patterns at each evaluation, others occasionally by moving unknowns.
   void set_patterns(std::shared_ptr<const JacobianPatterns> patterns, JacobianForm form);
   const std::shared_ptr<const JacobianPatterns>& patterns() const { return patterns_; }
   JacobianForm form() const { return form_; }
-  // These equations as those of an opaque record, which lives as long as this; its structure is the one followed.
+  // opaque: these equations as an opaque record, which must outlive this object; its structure is followed.
   void follow(RecordedProblem* opaque) { opaque_ = opaque; }
   const Structure* structure() override { return opaque_ != nullptr ? opaque_->structure() : nullptr; }
   TaylorEvaluator* structure_evaluator() override { return opaque_ != nullptr ? &opaque_->evaluator() : nullptr; }
@@ -43,7 +43,7 @@ class CallbackProblem final : public NonlinearProblem {
   };
   // One order straight from the callback, plain derivatives. derivatives: those of x.
   CallbackError call(double t, int order, const double* derivatives, const Outputs& to);
-  // The same with the entries of the patterns in place of matrices.
+  // Same with the entries of the patterns in place of matrices.
   CallbackError call_entries(double t, int order, const double* derivatives, const Outputs& to);
 
  protected:

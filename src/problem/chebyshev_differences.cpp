@@ -16,9 +16,9 @@ namespace {
 
 constexpr int chebyshev_points = ChebyshevDifferences::points;
 constexpr int degree = chebyshev_points - 1;
-// The polynomials that interpolation takes for others first, T_(degree + 1) and T_(degree + 2).
+// The polynomials of lowest degree that interpolation confuses with others, T_(degree + 1) and T_(degree + 2).
 constexpr int highest_degree = degree + 2;
-// Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
+// Rounding errors of samples, as a multiple of those of functions that are accurate to the last bit.
 constexpr double sample_roundings = 4.0;
 
 // T_j(node(i)).
@@ -108,9 +108,9 @@ void ChebyshevDifferences::apply(int k, double half_width, const double* samples
     derivative[entry] = errors[entry] = 0.0;
     if (are_equal(s, length)) continue;
     derivative[entry] = sum_of(formula.weights, s, length) * scale;
-    // What is missed is smaller than what the last two coefficients give. Errors of the samples that are independent
-    // of each other show there, too, while those of a smooth function are small (as differences of high order in
-    // [MW11]): the larger one of two estimates of their deviation is rarely small by chance.
+    // The truncation error is smaller than the contribution of the last two coefficients. Independent errors of the
+    // samples show there, too, while those of a smooth function are small (as differences of high order in [MW11]): the
+    // larger one of two estimates of their deviation is rarely small by chance.
     double truncation = 0.0, deviation = 0.0;
     for (int last = 0; last < 2; ++last) {
       const double c = std::fabs(sum_of(coefficients().coefficient[index(degree - last)], s, length));

@@ -16,21 +16,21 @@ namespace sfdae::core {
 class ChebyshevDifferences {
  public:
   static constexpr int points = 13;
-  // Of point i, odd about the middle.
+  // Position of point i, odd about the middle.
   static double node(int i);
-  // Between the points, where both errors that interpolation has first are large.
+  // A position between the points at which the first two interpolation errors are large.
   static double probe();
 
   // at: in [-1, 1]; derivatives of orders 0 to highest.
   ChebyshevDifferences(double at, int highest);
 
-  // Samples of `length` entries each, point by point. Derivative k and its error of every entry, judged by its own
-  // samples alone: samples that are all equal have derivatives that are exactly zero, those that are not smooth have
-  // the error of what makes them rough. half_width: of the interval.
+  // samples: of `length` entries each, point by point. Computes derivative k of every entry and its error, estimated
+  // from the entry's own samples alone: samples that are all equal have derivatives that are exactly zero; roughness of
+  // samples increases the error. half_width: of the interval.
   void apply(int k, double half_width, const double* samples, int length, double* derivative, double* errors) const;
-  // What an error of 1 at the probe, of the interpolated values, says of that of derivative k, half_width = 1.
+  // Error of derivative k for an error of 1 of the interpolated values at the probe, for half_width = 1.
   double error_per_probe(int k) const;
-  // Errors of interpolated values by rounding those of the samples; k = 0.
+  // Interpolated value (k = 0); rounding: its error for rounding errors of the samples.
   double value(const double* samples, int stride, double& rounding) const;
 
  private:

@@ -1,4 +1,4 @@
-// What delivers Taylor coefficients to the reduction: a linear problem, or a nonlinear one along a jet.
+// Source of Taylor coefficients for the reduction: a linear problem, or a nonlinear one along a jet.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,12 +13,12 @@ class CoefficientSource {
  public:
   virtual int m() const = 0;
   virtual int n() const = 0;
-  // How often each equation is differentiated at most; empty: no limit.
+  // Largest number of differentiations of each equation; empty: no limit.
   virtual std::vector<int> differentiations() const { return {}; }
-  // The same coefficients at every t.
+  // Coefficients are the same at every t.
   virtual bool is_constant() const = 0;
-  // The hypothesis has to hold at level mu + 1 as well: for nonlinear problems, where it does not follow from
-  // constant ranks.
+  // Returns whether the hypothesis has to be checked at level mu + 1 as well: for nonlinear problems, where it does not
+  // follow from constant ranks.
   virtual bool checks_next_level() const { return false; }
   // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows:
   // as for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.

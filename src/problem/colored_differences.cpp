@@ -1,4 +1,4 @@
-// Entries of a Jacobian by differences.
+// Jacobian entries by finite differences.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/colored_differences.h"
 
@@ -13,18 +13,19 @@ namespace sfdae::core {
 namespace {
 
 // An increment is too small if rounding errors of the terms of a row exceed this part of the difference in all rows. It
-// becomes larger by this factor at least, so often at most, until it is that of an unknown of this size. Nothing else
-// is known of x', and F may overflow sooner for x. (Chosen: central differences have errors of 1e-10 as a rule.)
+// is enlarged by this factor at least, at most so many times, up to that of an unknown of this size. This size is for
+// x', of which nothing else is known; F may overflow sooner for x. (Chosen: central differences have errors of 1e-10 as
+// a rule.)
 constexpr double rounding_part = 1e-7, larger = 1e3, longest_of_xdot = 1e12, longest_of_zeros = 1e3,
                  longest_of_x = 1.0;
 constexpr int most_larger = 8;
-// An increment is too large if F bends by this part of the difference, or if nothing is known of the size of the
-// unknown and the difference is another one with a smaller increment. A smaller one is tried, by that factor, so often,
-// until both differences agree to that accuracy, or differ by more than those before, and by less than this part, as
-// rounding errors do. (The error of a central difference is about the square of the part.)
+// An increment is too large if F bends by this part of the difference, or if the size of the unknown is unknown and a
+// smaller increment gives another difference. Smaller ones are tried, by that factor, at most so many times, until both
+// differences agree to that accuracy, or differ by more than those before, and by less than this part, as rounding
+// errors do. (The error of a central difference is about the square of the part.)
 constexpr double bent = 3e-5, smaller = 1.0 / 16.0, agreement = noise_of_differences, resolved = 0.1;
 constexpr int most_smaller = 8, most_smaller_of_zeros = 24;
-// Roundings in a value of F.
+// Rounding errors in a value of F.
 constexpr double roundings_of_F = 64.0;
 
 }  // namespace
@@ -159,7 +160,7 @@ double ColoredDifferences::disagreement(const GroupedPattern& grouped, const std
         roundings_of_F * unit_roundoff * terms[index(grouped.pattern.row[e])] / std::fabs(b.increments[c]);
     const double size = std::max(std::fabs(a.values[k]), std::fabs(b.values[k]));
     const double beyond = std::fabs(a.values[k] - b.values[k]) - rounding;
-    // Differences that overflow do not agree.
+    // Differences that overflow count as a disagreement.
     if (!(beyond <= 0.0)) result = std::max(result, std::isfinite(beyond) ? beyond / size : HUGE_VAL);
   });
   return result;
@@ -194,7 +195,7 @@ CallbackError ColoredDifferences::increase(const GroupedPattern& grouped, const 
   return {};
 }
 
-// Differences over increments as large as x' itself have rounding errors only, if F is linear in x'.
+// For F linear in x', differences over increments as large as x' itself have rounding errors only.
 CallbackError ColoredDifferences::lengthen(const GroupedPattern& grouped, const std::vector<double>& terms,
                                            Group& group, bool& is_linear) {
   double by = 1.0 / std::cbrt(unit_roundoff);
@@ -229,13 +230,13 @@ CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const s
     if (error.status != SFDAE_OK) return error.is_recoverable() ? CallbackError() : error;
     const double apart = disagreement(grouped, terms, group, other);
     if (apart <= agreement) break;
-    // Terms that cancel within F have larger rounding errors than those that are seen.
+    // Terms that cancel within F have larger rounding errors than those that are visible.
     if (apart >= before && before < resolved) {
       group = std::move(larger_one);
       break;
     }
     before = apart;
-    // F bends as much between smaller increments, as where it jumps.
+    // F bends as much for smaller increments, as at a jump.
     if (bends(grouped, terms, group) && other.largest_bend() > 0.5 * group.largest_bend()) {
       group.values = group.sided;
       break;
@@ -245,7 +246,7 @@ CallbackError ColoredDifferences::improve(const GroupedPattern& grouped, const s
   return {};
 }
 
-// Columns that F did not depend on before are looked at with the largest increments at once.
+// Columns that F did not depend on before start with the largest increments.
 CallbackError ColoredDifferences::first_difference(const GroupedPattern& grouped, Group& group) {
   const std::vector<int>& columns = *group.columns;
   if (std::all_of(columns.begin(), columns.end(), [this](int j) { return sizes_.is_absent(j); })) {

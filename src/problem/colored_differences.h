@@ -1,4 +1,4 @@
-// Entries of a Jacobian by differences, a group of columns at a time.
+// Jacobian entries by finite differences, a group of columns at a time.
 //
 // [CR74] A. R. Curtis, J. K. Reid: The choice of step lengths when using differences to approximate Jacobian matrices.
 //        IMA J. Appl. Math. 13 (1974), 121-126.
@@ -19,21 +19,21 @@ inline constexpr double noise_of_differences = 1e-9;
 // F, one value for each row, at x, x', ..., one after the other.
 using FunctionOfJet = std::function<CallbackError(const double* derivatives, double* F)>;
 
-// Unknowns change from those of this jet, `level` of it: 0 for x, 1 for x'.
+// Unknowns are changed in level `level` of this jet: 0 for x, 1 for x'.
 struct ChangingJet {
   std::vector<double>& derivatives;  // as before, afterwards
   int n, level;
   double& unknown(int j) const { return derivatives[index(j + level * n)]; }
 };
 
-// Sizes of unknowns, which increments are parts of: the largest value that was seen of each.
+// Sizes of unknowns, for relative increments: the largest value so far of each.
 class ChangeSizes {
  public:
   // values: n of them.
   void note(const double* values, int n);
   double size(int j) const { return is_zero(j) ? size_of_zeros_ : seen_[index(j)]; }
   bool is_zero(int j) const { return seen_[index(j)] == 0.0; }
-  // F did not depend on this unknown, however large its increment was.
+  // Notes whether F did not depend on this unknown, even for large increments.
   void note_absence(int j, bool is_absent) { is_absent_[index(j)] = is_absent; }
   bool is_absent(int j) const { return is_absent_[index(j)] != 0; }
 
@@ -50,16 +50,16 @@ struct GroupedPattern {
 // Every entry, each column a group of its own.
 GroupedPattern full_pattern(int rows, int columns);
 
-// Central differences; from one side where F cannot be evaluated at the other. Increments become larger where rounding
-// errors of F exceed the differences, and smaller where F bends between them [CR74].
+// Central differences; one-sided if F cannot be evaluated on one side. Increments are enlarged if rounding errors of F
+// exceed the differences, and reduced if F bends between them [CR74].
 // If F jumps at the point, differences are those of the side on which it does not.
 class ColoredDifferences {
  public:
-  // F: of the jet. All live longer.
+  // F: of the jet. All arguments must outlive this object.
   ColoredDifferences(const FunctionOfJet& evaluate, const ChangingJet& jet, ChangeSizes& sizes,
                      const std::vector<double>& F);
-  // values: one for each entry of the pattern. terms: sizes of the terms in each row, as far as known; those of this
-  // level are added. Two evaluations for each group as a rule, two more for x'.
+  // values: one for each entry of the pattern. terms: sizes of the terms in each row, if known; those of this level are
+  // added. Two evaluations for each group as a rule, two more for x'.
   CallbackError find(const GroupedPattern& grouped, std::vector<double>& terms, double* values);
   // F was linear in x' over increments as large as x' itself: entries have rounding errors only.
   bool is_linear() const { return is_linear_; }

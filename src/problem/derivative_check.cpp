@@ -1,4 +1,4 @@
-// Compares derivatives that callbacks supply with differences of the order below.
+// Comparison of derivatives that callbacks supply with differences of the order below.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/derivative_check.h"
 
@@ -27,7 +27,7 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
       [&](double offset, double* values) { return problem.call(which, t + offset, order - 1, values); }, worst);
 }
 
-// Derivatives of orders 0 ... max_order of one function, one after the other, as far as they are available.
+// Available derivatives of orders 0 ... max_order of one function, one after the other.
 class OrdersOfFunction {
  public:
   OrdersOfFunction(LinearProblem& problem, char which, int max_order)
@@ -52,7 +52,7 @@ class OrdersOfFunction {
     line.evaluate = [&](double offset, double* values) { return evaluate(t + offset, values); };
     const auto found = contradictions(line, unconfirmed_entries(line), least_wrong_part);
     const LineContradiction* worst = nullptr;
-    // An order is judged by the one below: the lowest one that is wrong.
+    // Each order is compared with the one below: the lowest wrong one counts.
     for (const LineContradiction& c : found)
       if (worst == nullptr || order_of(c) < order_of(*worst) ||
           (order_of(c) == order_of(*worst) && c.strength > worst->strength))
@@ -94,7 +94,7 @@ void demand_derivatives(LinearProblem& problem, double t, double toward, int max
 
 DerivativeMismatch check_derivatives(LinearProblem& problem, double t, int max_order) {
   DerivativeMismatch worst;
-  // An order is judged by the one below: beyond the first mistake nothing can be said.
+  // Each order is compared with the one below: no statement is possible beyond the first mistake.
   for (int order = 1; order <= max_order && !worst.suspicious(); ++order)
     for (char which : {'E', 'A', 'f'})
       if (!problem.is_constant(which)) compare(problem, which, t, order, worst);

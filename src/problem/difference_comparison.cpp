@@ -1,4 +1,4 @@
-// Values that a user supplies as a derivative, compared with differences.
+// Comparison of user-supplied derivatives with differences.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/difference_comparison.h"
 
@@ -21,10 +21,10 @@ constexpr int formula_points = DifferenceFormula::points;
 constexpr double widest_spacing = 0.1;
 constexpr double spacing_ratio = 4.0;
 constexpr int spacings = 20;
-// Differences may share their truncation error with their estimate: nothing below is called uncertain. Three digits
-// above rounding, by judgement.
+// Differences may share their truncation error with their estimate, so smaller uncertainties are raised to this one.
+// Three digits above rounding, by judgement.
 constexpr double least_uncertainty = 1e3 * unit_roundoff;
-// Of the unit, in the points where functions are called.
+// Rounding errors of the points where functions are called, relative to the unit.
 constexpr double roundings_of_points = 4.0;
 
 double largest(const std::vector<double>& v) { return max_abs({v.data(), static_cast<int>(v.size()), 1, 1}); }
@@ -50,7 +50,7 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
     if (!reached) continue;  // out of the domain of the function: closer points
     double error = 0.0;
     DifferenceFormula(formula_points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
-    // The points themselves are rounded; where functions are of low degree the formula may see nothing of it.
+    // The points themselves are rounded; for functions of low degree the formula may not notice it.
     error = std::max(error, roundings_of_points * unit_roundoff * unit / h * largest(candidate));
     if (best.error >= 0.0 && error >= best.error) continue;
     best = {candidate, error};

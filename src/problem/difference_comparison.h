@@ -35,11 +35,11 @@ struct SuppliedDerivative {
 // Writes the function that is differentiated, at an offset from the point.
 using OffsetFunction = std::function<CallbackError(double offset, double* values)>;
 
-// Unit of the spacings in time: 1 near t = 0; far away a thousandth of |t|, so that the rounding of t does not show.
+// Unit of the spacings in time: 1 near t = 0; a thousandth of |t| far away, so that the rounding of t is negligible.
 inline double unit_of_time(double t) { return std::max(1.0, std::fabs(t) * 1e-3); }
 
-// Differences at spacings of 0.1 unit and less; `worst` becomes the worst mismatch, measured by error / uncertainty,
-// of the entries and what it was before. Throws Failure if the function fails for good.
+// Differences at spacings of 0.1 unit and less. `worst` becomes the worst mismatch, measured by error / uncertainty, of
+// the entries and its former value. Throws Failure if the function fails permanently.
 void compare_with_differences(const SuppliedDerivative& supplied, double unit, const OffsetFunction& function,
                               DerivativeMismatch& worst);
 

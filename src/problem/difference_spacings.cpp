@@ -1,4 +1,4 @@
-// Spacings of the points of differences, chosen for every entry of a function.
+// Spacings of finite differences, chosen for every entry of a function.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/difference_spacings.h"
 
@@ -12,8 +12,8 @@ namespace sfdae::core {
 
 namespace {
 
-// A spacing whose errors are larger by less than this does for an entry. Each further spacing costs as many evaluations
-// at every point as it has points, and a digit is not worth them. Chosen.
+// A spacing is good enough for an entry if its errors exceed the smallest ones by less than this factor. Each further
+// spacing costs as many evaluations at every point as it has points, and a digit is not worth them. Chosen.
 constexpr float nearly_best = 16.0F;
 constexpr std::size_t most_spacings = 4;
 
@@ -22,7 +22,7 @@ constexpr std::size_t most_spacings = 4;
 void SpacingSearch::add(double step, const DifferencePoints& at) {
   const ChebyshevDifferences differences(at.position, highest_), interpolation(ChebyshevDifferences::probe(), 0);
   std::vector<double> missed(index(entries_)), unit(index(entries_), span_);
-  // That of the widest spacing, so that errors are not measured by an entry that happens to vanish here.
+  // Size at the widest spacing, so that an entry that happens to vanish here does not scale the errors.
   std::vector<double>& size = sizes_;
   size.resize(index(entries_), 0.0);
   for (int e = 0; e < entries_; ++e) {
@@ -54,7 +54,7 @@ bool SpacingSearch::serves(std::size_t candidate, std::size_t entry) const {
   return errors_[candidate][entry] <= nearly_best * best_[entry];
 }
 
-// How many entries it serves that no other one does yet, each counted up to twice as it is closer to the best one.
+// Number of entries that this spacing newly covers, each counted up to twice as it is closer to the best one.
 double SpacingSearch::merit(std::size_t candidate, const std::vector<char>& done) const {
   double sum = 0.0;
   for (std::size_t e = 0; e < done.size(); ++e) {

@@ -1,4 +1,4 @@
-// Spacings of the points of differences, chosen for every entry of a function.
+// Spacings of finite differences, chosen for every entry of a function.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,7 +14,7 @@ struct Spacings {
   int of(int entry) const { return of_entry.empty() ? 0 : of_entry[static_cast<std::size_t>(entry)]; }
 };
 
-// Where the points are (ChebyshevDifferences), and one more between them that shows what they miss.
+// Positions of the points (ChebyshevDifferences), and a probe between them that shows the interpolation error.
 struct DifferencePoints {
   double half_width;  // of their interval
   double position;    // in [-1, 1], of the point of interest

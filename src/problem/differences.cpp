@@ -49,7 +49,7 @@ DifferenceFormula::DifferenceFormula(int shift, int highest) {
 }
 
 DifferenceFormula::Entry DifferenceFormula::differentiate(int k, const double* samples, int stride) const {
-  // Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
+  // Rounding errors of samples, as a multiple of those of functions that are accurate to the last bit.
   constexpr double sample_roundings = 4.0;
   const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * equidistant_points;
   const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (equidistant_points - 2);

@@ -28,8 +28,7 @@ struct DifferenceFormula {
   std::vector<double> all_, inner_;  // weights with all points and without the outer two, for step 1
 };
 
-// The shift for points around a point with so much room below and above; the step is made smaller where they are too
-// many.
+// Shift for points around a point with so much room below and above; the step is reduced if the points need more.
 int fitting_shift(double below, double above, double& step);
 
 }  // namespace sfdae::core

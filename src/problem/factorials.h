@@ -1,4 +1,4 @@
-// Between derivatives and Taylor coefficients.
+// Conversions between derivatives and Taylor coefficients.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,4 @@
-// The one exception inside: something that the user of the library can cause, with its public status.
+// The only internal exception: a failure that the user of the library can cause, with its public status.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sfdae::core {
 
-// No other point, and no other way to compute, helps.
+// Returns whether neither another point nor another method can help.
 constexpr bool ends_everything(int status) {
   return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_WRONG_PATTERN;
 }

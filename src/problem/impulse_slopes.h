@@ -5,8 +5,8 @@
 //
 //     F_x' v - F_x w,   v(s) = sum_j theta_j s^(mu-j),   w(s) = sum_{j >= 1} theta_j / j s^(mu-j+1)
 //
-// along the jet of x, so that their derivatives are Taylor coefficients of those of this formula. Derivatives of x
-// have no part in them: factors of what jumps or has an impulse do not depend on these (nonlinear_jump.h).
+// along the jet of x, so that their derivatives are Taylor coefficients of those of this formula. Derivatives of x do
+// not contribute: factors of jumps and impulses do not depend on these (nonlinear_jump.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,8 +26,8 @@ class ImpulseSlopes {
   // parameters: their numbers, one for each column; -1: the column is zero.
   ImpulseSlopes(const TaylorEvaluator& equations, const std::vector<int>& parameters);
 
-  // By all unknowns and by the parameters, scaled as `data` and theta (n x (mu + 1)) are: (mu + 1) m rows. jet: of
-  // order mu + 1 at least. Parameters have the values of `equations`. False where they cannot be evaluated.
+  // Derivatives by all unknowns and by the parameters, scaled as `data` and theta (n x (mu + 1)) are: (mu + 1) m rows.
+  // jet: of order mu + 1 at least. Parameters have the values of `equations`. False if they cannot be evaluated.
   bool evaluate(const TaylorEvaluator& equations, const TaylorData& data, const Units& units, ConstView theta,
                 const double* jet, View by_x, View by_parameters);
 

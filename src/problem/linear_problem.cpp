@@ -14,20 +14,20 @@ namespace sfdae::core {
 
 namespace {
 
-// Polynomials of degree 12 give six orders with an accuracy worth having.
+// Polynomials of degree 12 give six orders of useful accuracy.
 constexpr int max_difference_order = 6;
 // Steps tried, from about a sixteenth of the interval of interest, but no simple fraction of it, which may be that of
 // a period, down by halves to 1e-9 of it; by judgement.
 constexpr double widest_step = 0.93 / 16.0;
 constexpr int difference_steps = 24;
 
-// So many rows are factored as quickly as a factorization is found again (docs/design/derivative_array.md).
+// Number of rows up to which a factorization is as cheap as its retrieval (docs/design/derivative_array.md).
 constexpr int quickly_factored = 12;
 
 // Half the interval of the points, in spacings: those in the middle, the widest ones, are 1.04 apart.
 constexpr double steps_in_half_width = 4.0;
 
-// In [-1, 1].
+// Relative position in [-1, 1].
 double position_in(double middle, double half_width, double t) {
   return std::clamp((t - middle) / half_width, -1.0, 1.0);
 }
@@ -97,7 +97,7 @@ void LinearProblem::archive_spacings(Archive& archive, Function& function) {
   }
 }
 
-// compressed: of the values, else all entries of a matrix are asked for.
+// compressed: the values of the pattern are requested, else all entries of a matrix.
 CallbackError LinearProblem::invoke(char which, double t, int order, double* values,
                                     const ColumnPattern* compressed) {
   Function& function = functions_[slot(which)];
@@ -148,7 +148,7 @@ CallbackError LinearProblem::invoke(char which, double t, int order, double* val
   return callback_error;
 }
 
-// Null for f, and where there is none.
+// Null for f, and if there is no pattern.
 const ColumnPattern* LinearProblem::pattern_of(char which) const {
   if (which == 'f' || !user_.patterns) return nullptr;
   return which == 'E' ? &user_.patterns->F_xdot : &user_.patterns->F_x;
@@ -312,7 +312,7 @@ CallbackError LinearProblem::differentiate(Function& function, double t, OrderRa
       differences.apply(k, interval.half_width, samples.data(), count, derivative.data(), error.data());
       for (int e = 0; e < count; ++e) {
         if (spacings.of(e) != number) continue;
-        // What is below its own error is none: a constant keeps derivatives that are exactly zero.
+        // Values below their own error become zero: a constant keeps derivatives that are exactly zero.
         values[e] = std::fabs(derivative[index(e)]) <= error[index(e)] ? 0.0 : derivative[index(e)];
         errors[e] = error[index(e)];
       }

@@ -28,7 +28,7 @@ struct DifferenceOptions {
   double span = 1.0;  // length of the interval of interest, a first guess for the step
 };
 
-// What the user gives: E and A are m x n.
+// The user's input: E and A are m x n.
 struct LinearFunctions {
   int m = 0, n = 0;
   sfdae_matrix_function E = nullptr, A = nullptr;
@@ -37,7 +37,7 @@ struct LinearFunctions {
   bool constant_E = false, constant_A = false;
   PrescribedInputs inputs;
   EquationNames names;
-  // Of A (F_x) and E (F_xdot), or null. Compressed: E and A write the entries of these, not matrices.
+  // Patterns of A (F_x) and E (F_xdot), or null. Compressed: E and A write their entries, not matrices.
   std::shared_ptr<const JacobianPatterns> patterns = nullptr;
   bool compressed = false;
 };
@@ -70,20 +70,20 @@ class LinearProblem final : public Problem, public CoefficientSource {
   CallbackError call(char which, double t, int order, double* values);
 
   const std::shared_ptr<const JacobianPatterns>& patterns() const { return user_.patterns; }
-  // The same of E and A as the entries of their patterns.
+  // Same for E and A as the entries of their patterns.
   CallbackError call_entries(char which, double t, int order, double* values);
 
-  // E_0 is factored once, too, in units that it was factored in before.
+  // E_0 is also factored once, in the units of earlier factorizations.
   void keep_values(double t) override;
   void forget_values() override;
 
-  // Says why callbacks cannot evaluate, where they know it.
+  // explanation: the reason why callbacks cannot evaluate, if known.
   void set_explanation(std::function<std::string()> explanation) { explanation_ = std::move(explanation); }
 
-  // Also forgets which orders were not available.
+  // Also forgets which orders were unavailable.
   void set_differences(const DifferenceOptions& options);
 
-  // Constant matrices are asked for again.
+  // Requests constant matrices again.
   void forget_constants() {
     for (Function& function : functions_) function.constant_value.clear();
   }
@@ -91,7 +91,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // Length of the interval of interest.
   double span() const { return differences_.span; }
 
-  // Units of the unknowns and what was found out about derivatives.
+  // Archives units of the unknowns and findings about derivatives.
   void archive(Archive& archive);
   // All that set_units, set_differences, set_limits and archive change.
   struct Settings {
@@ -128,7 +128,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   bool keeps_values_at(double t) const { return kept_ != nullptr && kept_->t == t; }
   CallbackError fill(Function& function, double t, int order, TaylorData& data);
   CallbackError differentiate(Function& function, double t, OrderRange orders, TaylorData& data);
-  // Where the points of differences are.
+  // Interval of the points of differences.
   struct Interval {
     double middle, half_width;
   };
@@ -147,7 +147,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   struct KeptPoint {
     double t = 0.0;
     Arena memory;
-    // Of E, A, f, by orders; null: not asked for yet.
+    // Values of E, A, f, by orders; null: not yet evaluated.
     std::array<std::array<double*, max_derivative_order + 1>, 3> values{};
   };
   std::unique_ptr<KeptPoint> kept_;

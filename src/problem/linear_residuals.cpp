@@ -20,7 +20,7 @@ LinearResiduals::LinearResiduals(const sfdae_linear_problem& problem)
       matrix_(index(m_) * index(n_)),
       vector_(index(m_)) {}
 
-// Returns what the user's function returns, as the others do.
+// Returns the result of the user's function, as the others do.
 int LinearResiduals::find_matrix(char which, double t, int order) {
   std::fill(matrix_.begin(), matrix_.end(), 0.0);
   if (order > 0 && (which == 'E' ? is_constant_E_ : is_constant_A_)) return 0;

@@ -10,7 +10,7 @@ namespace sfdae::core {
 
 class LinearResiduals {
  public:
-  // Functions of the problem live longer. No patterns, and nothing is prescribed.
+  // Functions of the problem must outlive this object. It has no patterns and no prescribed inputs.
   explicit LinearResiduals(const sfdae_linear_problem& problem);
 
   // A sfdae_total_derivative_function; user: a LinearResiduals.

@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Of F, a column for each order: counts, or none.
+// Coefficients of F, a column for each order; counts may be empty.
 template <class Value>
 void clear_rows_left_out(const std::vector<int>& counts, int order, Value* F) {
   const int m = static_cast<int>(counts.size());
@@ -103,16 +103,16 @@ CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders or
   return error;
 }
 
-// F_x' far below F_x is suspected to be a sum of terms that cancel, a multiple of a constraint for example: then it
-// changes by about its size when the jet does by a few roundings, and the unit of time must not follow it.
+// If F_x' is far below F_x, it may be a sum of terms that cancel, a multiple of a constraint for example. Then it
+// changes by about its size when the jet does by a few rounding errors, and the unit of time must ignore it.
 CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data) {
-  // docs/design/rank_decisions.md. That a sum cancelled to 1e-10, changes by a hundredth of its size under
-  // 32 roundings and is seen by one of two samples are choices without recorded figures: a sum of terms of order one
-  // leaves 1e-16, far below the one and moved by more than the other.
+  // docs/design/rank_decisions.md. These values are chosen without recorded figures: a sum that cancelled to 1e-10,
+  // changes by a hundredth of its size under 32 rounding errors, in one of two samples. A sum of terms of order one
+  // leaves 1e-16, far below the first, and moves by more than the last.
   constexpr double suspicious = 1e-10, few = 32.0, moving = 0.01;
   constexpr int samples = 2;
   data.E0_was_rounding = false;
-  // Finite differences have increments of their own against rounding errors.
+  // Finite differences choose increments against rounding errors.
   if (orders.E < 0 || orders.A < 0 || data.difference_noise.A > 0.0) return {};
   const std::size_t area = index(m_) * index(n_);
   const double size = max_abs(data.E(0).data, static_cast<int>(area));

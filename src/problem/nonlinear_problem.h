@@ -1,4 +1,4 @@
-// A nonlinear problem F(t, x, x') = 0: what delivers Taylor coefficients of F and of its derivatives along a jet.
+// A nonlinear problem F(t, x, x') = 0: source of Taylor coefficients of F and of its derivatives along a jet.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -24,20 +24,20 @@ class NonlinearProblem : public Problem {
   int m() const { return m_; }
   int n() const { return n_; }
   const std::vector<int>& prescribed() const { return inputs_.components; }
-  // How often each equation is differentiated at most (m counts, or none): rows of the derivative array above that
+  // Largest number of differentiations of each equation (m counts, or none): rows of the derivative array above that
   // are left out, their residuals are zero.
   void set_differentiations(std::vector<int> counts) {
     differentiations_ = std::move(counts);
     counts_are_given_ = true;
   }
-  // By the user, even if they leave out nothing.
+  // True if the user has set counts, even if they leave out nothing.
   bool counts_are_given() const { return counts_are_given_; }
   const std::vector<int>& differentiations() const { return follows_structure_ ? proposed_ : differentiations_; }
-  // Null where there is none, or nothing is known of it.
+  // Null if there is no structure, or it is unknown.
   virtual const Structure* structure() { return nullptr; }
-  // That of the derivatives which confirm the structure; null where there is none.
+  // Evaluator of the derivatives that confirm the structure; null if there is none.
   virtual TaylorEvaluator* structure_evaluator() { return nullptr; }
-  // The offsets are these counts, in place of those set. Nothing changes where there is no structure.
+  // Replaces the counts by the offsets of the structure. Without a structure nothing changes.
   void follow_structure(bool follows);
   bool follows_structure() const { return follows_structure_; }
   // Values of the prescribed components.
@@ -45,12 +45,12 @@ class NonlinearProblem : public Problem {
 
   // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
   CallbackError residuals(double t, const double* jet, int order, double* F);
-  // F as residuals(), at `count` points side by side, a column being a block for each unknown or equation. False:
-  // they have to be evaluated one by one, for whatever reason; what was written is not to be used.
+  // F as residuals(), at `count` points side by side, a column being a block for each unknown or equation. False: they
+  // have to be evaluated one by one; the output is undefined.
   bool residuals_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F);
-  // Whether it is of use to try.
+  // Returns whether side-by-side evaluation is worth a try.
   virtual bool has_lanes(int) const { return false; }
-  // F_x' and F_x are the same at all points as long as this stays what it is; -1: that is not known.
+  // F_x' and F_x are the same at all points while this number does not change; -1: unknown.
   virtual long constant_matrices() { return -1; }
   // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
   // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
@@ -87,23 +87,23 @@ class NonlinearProblem : public Problem {
   bool counts_are_given_ = false, follows_structure_ = false;
 };
 
-// Functions of the user's with known patterns, in place of formulas.
+// User-supplied functions with known patterns, in place of formulas.
 class SuppliedEquations : public EquationSource {
  public:
-  // After an evaluation that has failed.
+  // Error of the last evaluation that failed.
   const CallbackError& error() const { return error_; }
-  // Derivatives are differences: what structure cannot see is not to be found in them.
+  // Derivatives are finite differences: they do not reveal more than the structure.
   virtual bool has_differences() const { return false; }
-  // Where the first total derivative by t is not available.
+  // Allows differences if the first total derivative by t is not available.
   virtual void allow_differences_in_time(bool) {}
-  // What was evaluated: the user may have changed what functions depend on.
+  // Discards values, as the user may have changed data of the functions.
   virtual void forget() {}
 
  protected:
   CallbackError error_;
 };
 
-// Arrays have all their rows while this lives, whatever the structure proposes to leave out.
+// While it lives, derivative arrays have all their rows, regardless of the structure.
 class WithoutStructure {
  public:
   explicit WithoutStructure(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
@@ -119,15 +119,15 @@ class WithoutStructure {
   bool followed_;
 };
 
-// Recorded equations, or others that are evaluated as if they were.
+// Recorded equations, or opaque ones that are evaluated through the same interface.
 class RecordedProblem final : public NonlinearProblem {
  public:
   RecordedProblem(std::shared_ptr<const Record> record, PrescribedInputs inputs)
       : NonlinearProblem(record->m(), record->n(), std::move(inputs)), evaluator_(std::move(record)) {}
-  // Of the same recording, which is shared, with the values that parameters have now; nothing is prescribed.
+  // Shares the recording, and copies the present values of parameters; nothing is prescribed.
   explicit RecordedProblem(const TaylorEvaluator& evaluator)
       : NonlinearProblem(evaluator.record().m(), evaluator.record().n(), {}), evaluator_(evaluator) {}
-  // Functions of the user's: an opaque record.
+  // User-supplied functions as an opaque record.
   RecordedProblem(std::shared_ptr<const Record> record, std::shared_ptr<SuppliedEquations> source)
       : NonlinearProblem(record->m(), record->n(), {}),
         evaluator_(std::move(record), source),
@@ -155,25 +155,25 @@ class RecordedProblem final : public NonlinearProblem {
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
   CallbackError gradient_entries(double t, const double* jet, VaryingEntries& varying, double* values);
-  // The same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one
-  // by one, for whatever reason. Valid until the next evaluation.
+  // Same at `count` points side by side, jets as in residuals_side_by_side(). Null: they have to be evaluated one by
+  // one. Valid until the next evaluation.
   const LaneBlock* gradient_entries_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
                                                  const std::vector<int>& limits);
-  // Each equation up to its limit, see TaylorEvaluator::values_within; rows that `differentiations` leaves out are
-  // evaluated, too.
+  // Each equation up to its limit, see TaylorEvaluator::values_within; includes rows that `differentiations` leaves
+  // out.
   CallbackError residuals_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
                                  int more, double* F);
   CallbackError gradient_entries_within(double t, const double* jet, const std::shared_ptr<const OrderLimits>& limits,
                                         double* values);
-  // The same at `count` points side by side, see LaneEvaluator::evaluate_within. Null: as
+  // Same at `count` points side by side, see LaneEvaluator::evaluate_within. Null: as for
   // gradient_entries_side_by_side().
   const LaneEvaluator* evaluate_within(int count, const LaneEvaluator::Points& points,
                                        const std::shared_ptr<const OrderLimits>& limits, bool with_gradients);
-  // Made elsewhere.
+  // Counts linearizations made elsewhere.
   void count_linearizations(int count) { linearizations_ += count; }
-  // Those found last.
+  // Entries of the last side-by-side evaluation.
   const LaneBlock* last_entries_side_by_side() const { return lanes_.gradients(); }
-  // evaluate: calls that function of the evaluator, whose answer it gives.
+  // evaluate: calls a function of the evaluator and returns its result.
   template <class Evaluate>
   CallbackError gradients_for(double t, Evaluate evaluate) {
     CallbackError error = stopped(t);
@@ -181,7 +181,7 @@ class RecordedProblem final : public NonlinearProblem {
     ++linearizations_;
     return evaluate(evaluator_) ? error : failure(t);
   }
-  // After an evaluation that has failed.
+  // Error of the last evaluation that failed.
   CallbackError evaluation_error(double t) const { return failure(t); }
 
  protected:

@@ -12,12 +12,12 @@ namespace sfdae::core {
 
 class ParameterDerivatives {
  public:
-  // By the parameters with these numbers, at the values that all have now.
+  // Derivatives by the parameters with these numbers, at the present values of all.
   ParameterDerivatives(const TaylorEvaluator& equations, const std::vector<int>& parameters);
 
-  // By form: on x or x'.
+  // Returns whether they contain x or x', by form.
   bool depend_on_solution() const;
-  // F_p, m x parameters. jet: x and x', n values each. Throws Failure where F cannot be evaluated.
+  // F_p, m x parameters. jet: x and x', n values each. Throws Failure if F cannot be evaluated.
   Matrix at(double t, const double* jet);
 
  private:

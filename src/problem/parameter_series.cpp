@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// With columns among all, those of start values included.
+// Gradient with columns among all, including those of start values.
 ParameterGradient gradient_by(const Record& equations, const std::vector<int>& parameters) {
   std::vector<int> chosen, columns;
   for (std::size_t j = 0; j < parameters.size(); ++j) {

@@ -16,7 +16,7 @@
 
 namespace sfdae::core {
 
-// Of formulas of F_p that could not be evaluated.
+// Error for formulas of F_p that could not be evaluated.
 CallbackError parameter_gradient_error(const TaylorEvaluator& F_p, double t, double user_t);
 
 class ParameterSeries {
@@ -25,12 +25,12 @@ class ParameterSeries {
   ParameterSeries(RecordedProblem& problem, std::vector<int> parameters);
 
   int count() const { return static_cast<int>(parameters_.size()); }
-  // Whether any equation contains one of the parameters.
+  // True if any equation contains one of the parameters.
   bool has_columns() const { return !places_.empty(); }
-  // Whether F_x', F_x or F_p contain x'; F_x' or F_x alone.
+  // needs_slopes: F_x', F_x or F_p contain x'. matrices_need_slopes: F_x' or F_x does.
   bool needs_slopes() const { return needs_slopes_; }
   bool matrices_need_slopes() const { return matrices_need_slopes_; }
-  // With the values that parameters have from now on.
+  // Uses the present values of parameters from now on.
   void take_parameters();
   // f: column j holds f_0, ..., f_order of parameter j one below the other, m (order + 1) entries, scaled as `data`
   // are; jet: of order + 1. Rows that the array of the data leaves out are zero.
@@ -38,13 +38,13 @@ class ParameterSeries {
   // The Taylor coefficients of F_p as they are, m (order + 1) x count.
   CallbackError values(double t, const double* jet, int order, View F_p);
   // Coefficients of the entries of F_p at several points (see LaneEvaluator): of entry e from e (order + 1) on. Null:
-  // they have to be evaluated one by one, for whatever reason. Valid until the next call.
+  // they have to be evaluated one by one. Valid until the next call.
   const LaneBlock* values_side_by_side(const LaneBlock* t, const LaneBlock* jets, int order);
-  // Those found last.
+  // Values of the last side-by-side evaluation.
   const LaneBlock* last_values_side_by_side() const { return lanes_of_F_p_.data(); }
   const std::vector<ParameterGradient::Place>& places() const { return places_; }
-  // gradient += f^T weights, with f as evaluate() has it: m (order + 1) x q and count x q, which costs no more than
-  // the entries that there are.
+  // gradient += f^T weights, f as for evaluate(): m (order + 1) x q and count x q. The cost is proportional to the
+  // number of entries.
   CallbackError add_gradient(const TaylorData& data, const double* jet, ConstView weights, View gradient);
   // gradient -= F_p^T weights, m x q.
   CallbackError add_gradient(double t, const double* jet, ConstView weights, View gradient);

@@ -14,15 +14,15 @@ namespace sfdae::core {
 
 namespace {
 
-// Of an unknown; of what is added up in an equation. Chosen, not measured.
+// Relative move of an unknown; rounding errors allowed in a sum of terms. Chosen, not measured.
 constexpr double part = 0x1p-10, few_roundings = 4096.0;
 
 // Entries may vanish at the first point, where a search for consistent values begins.
 constexpr int complete_probes = 3;
 
-// An equation is judged by the groups that it has no unknown of. With g random groups an unknown shares its own with
-// one of r others with a probability of about r / g, in all divisions with its third power: 1.6 % with g = 4 r. Up to
-// so many unknowns each is by itself, and nothing is left to chance.
+// An equation is tested by the groups that contain none of its unknowns. With g random groups an unknown shares its own
+// with one of r others with a probability of about r / g, in all divisions with its third power: 1.6 % with g = 4 r. Up
+// to few_unknowns unknowns, each is a group by itself, and the test is complete.
 constexpr int divisions = 3, few_unknowns = 64, groups_an_entry = 4, longest_row = 30;
 
 std::size_t groups_of(const ColumnPattern& pattern, int rows) {
@@ -44,7 +44,7 @@ PatternProbe::PatternProbe(const JacobianPatterns& patterns, int num_equations)
               {patterns.F_xdot, groups_of(patterns.F_xdot, num_equations), {}}},
       contains_(index(num_equations), 0) {}
 
-// Of all unknowns, at random; once where each is a group by itself.
+// Divides all unknowns into random groups; only once if each is a group by itself.
 void PatternProbe::divide() {
   std::minstd_rand generator(seed_++);
   for (int level : {0, 1}) {
@@ -87,7 +87,7 @@ bool PatternProbe::finds(const FunctionOfJet& evaluate, std::vector<double> deri
   return found && error_.status == SFDAE_OK;
 }
 
-// False: F cannot be evaluated there.
+// Returns false if F cannot be evaluated there.
 bool PatternProbe::evaluate_moved(int level, const std::vector<int>& group, double side) {
   const std::vector<double> before(derivatives_);
   std::minstd_rand generator(1);
@@ -129,7 +129,7 @@ bool PatternProbe::moves(int level, const std::vector<int>& group, int row, doub
   return false;
 }
 
-// By halves: one of them changes the equation, too, unless changes cancel.
+// Bisects the group: one half changes the equation, too, unless changes cancel.
 void PatternProbe::narrow(int level, std::vector<int> group, Missing& missing) {
   double change = 0.0;
   while (group.size() > 1) {

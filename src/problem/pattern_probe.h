@@ -1,8 +1,8 @@
-// Whether F depends on unknowns that its pattern does not know of: groups of unknowns are moved, and equations that
-// contain none of them must not change.
+// Test for entries that patterns lack: groups of unknowns are moved, and equations that contain none of them must not
+// change.
 //
-// Moves are finite, so that x_j^2 is noticed at x_j = 0, and nothing has to be differentiated: what does not depend
-// on an unknown is the same number.
+// Moves are finite, so that x_j^2 is noticed at x_j = 0, and nothing has to be differentiated: an equation that does
+// not depend on an unknown gives the same number.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,13 +20,13 @@ class PatternProbe {
     int row, column;
     double value;  // a difference quotient
   };
-  // What F is the sum of, so that rounding errors count for nothing: F, and the absolute values of its terms.
+  // F and the sums of the absolute values of its terms, by which rounding errors are excluded.
   struct Equations {
     const std::vector<double>& F;
     const std::vector<double>& terms;
   };
-  // All groups until nothing has been found at a few points, then one at a time, always new ones. True: one is
-  // missing. Points where F cannot be evaluated are left out; `error`: what ends everything.
+  // Tests all groups at the first few points, then one at a time, always new ones. True: an entry is missing. Points
+  // where F cannot be evaluated are left out, unless `error` ends the integration.
   bool finds(const FunctionOfJet& evaluate, std::vector<double> derivatives, const Equations& equations,
              Missing& missing, CallbackError& error);
   long evaluations() const { return evaluations_; }
@@ -53,7 +53,7 @@ class PatternProbe {
   };
   std::vector<Group> groups_;  // that are still to be moved, the last one first
   long evaluations_ = 0;
-  // Of the call under way.
+  // State of the present call.
   const FunctionOfJet* evaluate_ = nullptr;
   std::vector<double> derivatives_, moved_, noise_;
   const std::vector<double>* F_ = nullptr;

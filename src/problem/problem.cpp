@@ -1,4 +1,4 @@
-// What all problems have in common.
+// Functions common to all problems.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/problem.h"
 

@@ -1,4 +1,4 @@
-// What all problems have in common, whatever their equations: errors of callbacks, requests to stop, limits.
+// Base of all problems, whatever their equations: errors of callbacks, requests to stop, limits.
 //
 // Folder problem: the user's equations, linear or nonlinear, checked and counted; they deliver Taylor coefficients.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -15,7 +15,7 @@
 
 namespace sfdae::core {
 
-// What went wrong in a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING,
+// Error of a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING,
 // _WRONG_PATTERN or _STOPPED (a stop request).
 struct CallbackError {
   int status = SFDAE_OK;
@@ -26,7 +26,8 @@ struct CallbackError {
   int column = 0;
   const EquationNames* names = nullptr;  // of the rows; those of the problem, which lives longer
   double t = 0.0;
-  // Where t is an internal point of the library's beside a time of the user's: that one. NaN: all times are the user's.
+  // If t is an internal point of the library, the time of the user's that it is close to. NaN: all times are the
+  // user's.
   double user_t = std::numeric_limits<double>::quiet_NaN();
   std::string detail;  // what there is to say instead of function and order
 
@@ -39,11 +40,11 @@ struct CallbackError {
   [[noreturn]] void raise() const;
 };
 
-// In words: a matrix has an entry that is not in its pattern.
+// Message: a matrix has an entry that is not in its pattern.
 std::string lacking_entry(const char* matrix, const std::string& row, int column, double value,
                           const std::string& where);
 
-// Unknowns of problems with dense matrices: more are a mistake, and sizes would overflow.
+// Limit on unknowns of problems with dense matrices: more are a mistake, and sizes would overflow.
 constexpr int most_dense_unknowns = 5000;
 
 // Components prescribed as functions of time.
@@ -55,7 +56,7 @@ struct PrescribedInputs {
 
 class Problem {
  public:
-  // Evaluations within [lowest, highest] take no differences from outside.
+  // Evaluations within [lowest, highest] use no difference points outside.
   void set_limits(double lowest, double highest) {
     lowest_t_ = lowest;
     highest_t_ = highest;
@@ -75,25 +76,24 @@ class Problem {
   void set_equation_names(EquationNames names) { equation_names_ = std::move(names); }
   const EquationNames& equation_names() const { return equation_names_; }
 
-  // What else there is to say where their structure, or a rank, is lost just after the point (t, x); n values.
+  // Further remarks for messages if the structure, or a rank, is lost just after the point (t, x); n values.
   virtual std::string about_singular_point(double, const double*) { return {}; }
 
-  // What the functions say at t is asked for once until forget_values(): they are the same all that time. By
-  // KeptValues.
+  // Values of the functions at t are requested once until forget_values(), as they do not change. Called by KeptValues.
   virtual void keep_values(double) {}
   virtual void forget_values() {}
 
-  // Evaluations that have failed for a reason of the equations'.
+  // Number of evaluations that failed because of the equations.
   long failed_evaluations() const { return failed_evaluations_; }
 
-  // Calls of the user's functions that only check derivatives, and are counted nowhere else.
+  // Calls of the user's functions that only check derivatives; no other counter includes them.
   long check_evaluations() const { return check_evaluations_; }
-  // Stops where the leader is asked to, and leaves its request pending.
+  // Stops when the leader is asked to, and leaves its request pending.
   void stop_with(const Problem& leader) { leader_ = &leader; }
 
  protected:
   Problem() = default;
-  // The same equations; limits and requests are not theirs.
+  // Copies the equations, but not limits and requests.
   Problem(const Problem& other) : equation_names_(other.equation_names_) {}
   ~Problem() = default;
 
@@ -114,7 +114,7 @@ class Problem {
   double user_t_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-// While it lives the user knows of t only: other times are points of an analysis, or of differences.
+// While it lives, messages name this time t: other times are points of an analysis, or of differences.
 class UserTime {
  public:
   UserTime(Problem& problem, double t) : problem_(problem) { problem_.user_t_ = t; }
@@ -126,8 +126,8 @@ class UserTime {
   Problem& problem_;
 };
 
-// While it lives, within one call of the user's, the functions are the same: at t each is asked once, if it can be
-// kept.
+// While it lives, within one call by the user, the functions do not change: each is evaluated at t once, if it can be
+// stored.
 class KeptValues {
  public:
   KeptValues(Problem& problem, double t) : problem_(problem) { problem_.keep_values(t); }
@@ -139,7 +139,7 @@ class KeptValues {
   Problem& problem_;
 };
 
-// While it lives calls are counted as those of a check of derivatives.
+// While it lives, calls count as those of a check of derivatives.
 class DerivativeChecking {
  public:
   explicit DerivativeChecking(Problem& problem) : problem_(problem) { problem_.is_checking_ = true; }

@@ -60,7 +60,7 @@ bool RecordedLinearCoefficients::evaluate(double t, int order) {
 int RecordedLinearCoefficients::derivative(char which, double t, int order, double* values) {
   constexpr int cannot_evaluate = 1;  // returned as callbacks of users do
   if (order > max_derivative_order) return SFDAE_ORDER_NOT_AVAILABLE;
-  // All orders at once; the highest may fail where this one does not.
+  // Evaluates all orders at once; the highest may fail although this one does not.
   usual_order_ = std::max(usual_order_, order);
   if (!evaluate(t, usual_order_) && !evaluate(t, order)) {
     const int code = evaluator_.failure().code;

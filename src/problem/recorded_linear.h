@@ -12,20 +12,20 @@
 
 namespace sfdae::core {
 
-// E = F_x', A = -F_x, f = -F at x = x' = 0, and their derivatives in t. Does not move: functions() point to it.
+// E = F_x', A = -F_x, f = -F at x = x' = 0, and their derivatives in t. Not movable, as functions() point to it.
 class RecordedLinearCoefficients {
  public:
   RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs);
   RecordedLinearCoefficients(const RecordedLinearCoefficients&) = delete;
-  // Another one of the same recording, which is shared.
+  // Another object that shares the recording.
   std::unique_ptr<RecordedLinearCoefficients> clone() const;
   RecordedLinearCoefficients& operator=(const RecordedLinearCoefficients&) = delete;
 
   LinearFunctions functions();
   TaylorEvaluator& evaluator() { return evaluator_; }
-  // Why the last evaluation failed.
+  // Reason why the last evaluation failed.
   const std::string& failure() const { return evaluator_.failure().message; }
-  // After parameters have been changed.
+  // Call after parameters have been changed.
   void forget() { known_order_ = -1; }
 
  private:

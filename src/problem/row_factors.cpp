@@ -1,4 +1,4 @@
-// How rows of [E A] are scaled.
+// Row scaling of [E A].
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/row_factors.h"
 

@@ -1,4 +1,4 @@
-// How rows of [E A] are scaled (docs/design/scaling_and_units.md).
+// Row scaling of [E A] (docs/design/scaling_and_units.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace sfdae::core {
 
-// A unit of time by which scaling rounds nothing.
+// Unit of time that scales without rounding errors.
 double power_of_two_near(double x);
-// What entries of A count beside those of E, tau: the unit of time of the problem.
+// Weight of entries of A relative to those of E. tau: the unit of time of the problem.
 double unit_of_A(RowScaling rows, double tau);
-// From sizes of rows, their largest entries, to factors: powers of two that bring the largest row to [1, 2) and the
-// others to once or twice that, as a common factor of all rows changes nothing but a common factor.
+// Converts sizes of rows, their largest entries, to factors: powers of two that bring the largest row to [1, 2) and the
+// others to once or twice that, as a common factor of all rows has no effect.
 void become_row_factors(std::vector<double>& sizes, RowScaling rows);
 
 }  // namespace sfdae::core

@@ -29,8 +29,8 @@ struct Factors {
   bool are_same() const { return below == above; }
 };
 
-// Numbers in place of parameters: factors of x' are the same; or, where there is no x', at least one unknown has the
-// same factor.
+// Compares factors by numbers in place of parameters: those of x' must be equal; or, without x', at least one unknown
+// must have the same factor.
 void demand_equal_factors(const Recorder& recorder, const Factors& factors, const std::string& name,
                           bool has_derivatives) {
   bool shares_one = false;
@@ -74,7 +74,7 @@ class Combination {
 
   Recorder& recorder() { return recorder_; }
   bool is_different() const { return is_different_; }
-  // (1 - s) F_below + s F_above, or what they have in common.
+  // (1 - s) F_below + s F_above, or the equation that both have in common.
   int residual(int equation) {
     const int a = below_.record().residual(equation), b = above_.record().residual(equation);
     const Pair numbers = pair_of(numbers_, a, b), values = pair_of(values_, a, b);
@@ -140,7 +140,7 @@ class Combination {
     }
     return found;
   }
-  // Where x'_j is alone, its factors divide the rest: the fields of the modes.
+  // If x'_j is alone, the rest divided by its factors: the fields of the modes.
   Pair fields(const Pair& rest, const Pair& factors) {
     return {recorder_.apply(Operation::divide, rest.below, factors.below),
             recorder_.apply(Operation::divide, rest.above, factors.above)};
@@ -150,7 +150,7 @@ class Combination {
     const int difference = recorder_.apply(Operation::subtract, pair.above, pair.below);
     return recorder_.apply(Operation::add, first, recorder_.apply(Operation::multiply, part_, difference));
   }
-  // The equation of numbers, with the derivatives by parameters that another one has, times a factor.
+  // The equation with numbers, plus a factor times the derivatives by parameters of another one.
   int with_derivatives(int by_numbers, int by_values, int factor) {
     const std::vector<int> gradient = symbolic_gradient(recorder_, by_values, leaves_);
     int sum = by_numbers;

@@ -1,6 +1,6 @@
-// A function and what is supplied as its derivative, compared along a line through a point.
+// Comparison of a function and its supplied derivative along a line through a point.
 //
-// The numbers here: docs/design/finite_differences.md.
+// Numbers in this file: docs/design/finite_differences.md.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/supplied_line.h"
 
@@ -20,28 +20,29 @@ namespace {
 
 // Rounding errors of values, and of arguments such as omega t, in units of the last place.
 constexpr double roundings = 16.0;
-// Larger values are left out: their differences may overflow. So are lines that are too short for the smallest scale.
+// Larger values are left out, as their differences may overflow. So are lines that are too short for the smallest
+// scale.
 constexpr double largest_value = 1e150, shortest_reach = 1e-100;
 
-// Parts of the reach, no simple fractions of it, which may be that of a period.
+// Fractions of the reach, none of them simple, as that may be the one of a period.
 constexpr std::array<double, 3> quick_scales{1.1e-3, 3.7e-6, 1.3e-8};
-// A derivative is seen where it changes by less than this between the points, relative to its size.
+// A derivative is resolved if it changes by less than this between the points, relative to its size.
 constexpr double visible = 0.02;
 
-// Offsets are wider than so many roundings of the origin.
+// Offsets are at least so many rounding errors of the origin.
 constexpr double least_ulps = 100.0;
 
 constexpr double widest_scale = 0.053, scale_ratio = 7.3;
 constexpr int scales = 15;  // down to 4e-14 of the reach
-// Without the point itself, where functions may jump.
+// The point itself is excluded, as functions may jump there.
 constexpr std::array<double, 6> positions{0.08, 0.21, 0.39, 0.62, 0.81, 1.0};
-// A contradiction exceeds its uncertainty by this factor; what acquits is more certain than the contradiction by these.
+// A contradiction exceeds its uncertainty by this factor; an agreement that refutes it is more certain by these.
 constexpr double beyond_doubt = 10.0, acquitting_gap = 0.5, acquitting_bound = 0.25;
 // Smaller scales on which a contradiction may go unseen.
 constexpr int unexplained_scales = 2;
-// Contradictions on different scales are the same one within this part of it.
+// Contradictions on different scales count as the same within this fraction.
 constexpr double same = 0.2;
-// Of the largest derivative nearby: errors of a derivative that passes through zero.
+// Errors of a derivative that passes through zero, relative to the largest derivative nearby.
 constexpr double negligible = 1e-4;
 
 // Comparisons that are quiet for NaN.
@@ -51,7 +52,7 @@ bool usable(const SuppliedLine& line, const std::vector<double>& values, int ent
   return usable(values[index(entry)]) && usable(values[index(entry + line.shift)]);
 }
 
-// The offset that the function sees, 0 if it is lost in rounding.
+// The offset that the function sees, 0 if roundoff dominates it.
 double seen_offset(const SuppliedLine& line, double offset) { return (line.origin + offset) - line.origin; }
 
 bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& values) {
@@ -60,11 +61,11 @@ bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& valu
   return error.status == SFDAE_OK;
 }
 
-// unseen: it changes too much between the points; little: it fits, but so would many others, of rounding errors, or
-// of a size that does not matter within the reach.
+// unseen: it changes too much between the points; little: it fits, but so would many others, because of rounding
+// errors, or of a size that is negligible within the reach.
 enum class Evidence { confirms, unseen, little, against };
 
-// Rounding errors of values of an entry, its values and derivatives being so large.
+// Rounding errors of values of an entry with values and derivatives of this size.
 double rounding_of(const SuppliedLine& line, int entry, double value, double slope) {
   const double size = line.terms.empty() ? value : std::max(value, line.terms[index(entry)]);
   return roundings * unit_roundoff * (size + std::fabs(line.origin) * slope);
@@ -83,7 +84,7 @@ Evidence judge(const SuppliedLine& line, int entry, double h, const std::vector<
   const double slope = std::max(std::fabs(at.S0), std::fabs(at.Sh));
   const double noise = rounding_of(line, entry, value, slope);
   if (std::max(low - change, change - high) > spread + noise) return Evidence::against;
-  // The trapezoidal rule says more than the mean value theorem where the derivative passes through zero.
+  // The trapezoidal rule is sharper than the mean value theorem where the derivative passes through zero.
   const double missed = std::fabs(change - 0.5 * (first + last)),
                largest = std::max(std::fabs(first), std::fabs(last));
   if (missed + noise <= visible * largest) return Evidence::confirms;
@@ -93,8 +94,8 @@ Evidence judge(const SuppliedLine& line, int entry, double h, const std::vector<
   return spread + noise > visible * own_size ? Evidence::little : Evidence::confirms;
 }
 
-// For entries first, ..., first + count - 1: not negative where judge() would say that they are confirmed, for the
-// reason that most are. In one loop without branches; all numbers are usable, and no terms are given.
+// Margins of entries first, ..., first + count - 1: nonnegative if judge() would confirm the entry for the most
+// frequent reason. One loop without branches; all numbers are usable, and no terms are given.
 void find_margins(const SuppliedLine& line, int first, int count, double h, const std::vector<double>& values,
                   double* margins) {
   const double *F0 = line.base.data() + first, *Fh = values.data() + first;
@@ -121,7 +122,7 @@ bool are_usable(const SuppliedLine& line, const std::vector<double>& values, int
   return are_usable(values.data() + first, count) && are_usable(values.data() + first + line.shift, count);
 }
 
-// Entries that are not confirmed at first sight.
+// Entries that the first test does not confirm.
 std::vector<int> doubtful_entries(const SuppliedLine& line, double h, const std::vector<double>& values) {
   constexpr int block = 512;
   std::array<double, block> margins;
@@ -138,7 +139,7 @@ std::vector<int> doubtful_entries(const SuppliedLine& line, double h, const std:
   return doubtful;
 }
 
-// What the points of one scale say about one entry; slopes, and their uncertainty.
+// Result of the points of one scale for one entry: slopes, and their uncertainty.
 struct Finding {
   double h, quotient, supplied, rounding;
   double own_bound, bound;  // from this scale alone, and with what larger ones have shown
@@ -149,8 +150,8 @@ struct Finding {
 // The line of least squares through the points, relative to the first one.
 using Samples = std::array<double, positions.size()>;
 
-// coarse: the residual on larger scales. What is rounded coarsely, to single precision for example, is constant on
-// small scales, and shows its steps on larger ones only.
+// coarse: the residual on larger scales. A value that is rounded coarsely, to single precision for example, is constant
+// on small scales, and shows its steps on larger ones only.
 struct Noise {
   const SuppliedLine& line;
   int entry;
@@ -186,7 +187,7 @@ Finding fit(const Samples& F, const Samples& S, double h, const Noise& given) {
           residual};
 }
 
-// What all scales say about one entry.
+// Results of all scales for one entry.
 struct ComparedEntry {
   std::vector<Finding> findings;
   double largest_slope = 0.0;
@@ -204,14 +205,14 @@ bool is_the_same(const Finding& a, const Finding& b) {
 }
 
 // Function and derivative agree, to much less than a gap. On larger scales than those of the gap both may have
-// vanished: only what is of its size counts there.
+// vanished, so only values of the size of the gap count there.
 bool agrees(const Finding& f, double gap, double scale_of_gap) {
   if (f.gap() > acquitting_gap * gap || f.own_bound > acquitting_bound * gap) return false;
   const double size = std::max(std::fabs(f.quotient), std::fabs(f.supplied));
   return std::fabs(f.h) < scale_of_gap || size >= acquitting_gap * gap;
 }
 
-// The contradiction on the smallest scale that a much larger one repeats; null if there is none, or doubt.
+// The contradiction on the smallest scale that a much larger one repeats; null if there is none, or doubt remains.
 const Finding* verdict(const ComparedEntry& record, double least_gap) {
   constexpr double apart = 0.9 * scale_ratio * scale_ratio;
   const Finding* found = nullptr;
@@ -225,7 +226,8 @@ const Finding* verdict(const ComparedEntry& record, double least_gap) {
         found = &small;
   }
   if (found == nullptr) return nullptr;
-  // From the largest scale down: on the last ones where rounding allows it, else something else is going on there.
+  // Starts at the largest scale. A contradiction has to persist on the smallest scales that rounding errors allow, else
+  // it has another cause.
   int smaller = 0;
   for (const Finding& f : record.findings)
     if (std::fabs(f.h) < std::fabs(found->h) && beyond_doubt * f.rounding < acquitting_gap * gap) ++smaller;
@@ -235,7 +237,7 @@ const Finding* verdict(const ComparedEntry& record, double least_gap) {
   return found;
 }
 
-// The samples of one scale, added to the records of the entries; nothing where a point cannot be evaluated.
+// Adds the samples of one scale to the records of the entries; nothing if a point cannot be evaluated.
 void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& entries,
                std::vector<ComparedEntry>& records) {
   std::vector<double> values(line.base.size());
@@ -265,7 +267,7 @@ bool is_usable(const SuppliedLine& line) {
 }  // namespace
 
 std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
-  // Entries are open until they are confirmed; suspects once something was against them.
+  // Entries are open until confirmed; suspects have had evidence against them.
   std::vector<int> open, suspects;
   if (!is_usable(line)) return suspects;
   std::vector<char> is_suspect(index(line.count), 0);

@@ -1,8 +1,8 @@
-// A function and what is supplied as its derivative, compared along a line through a point, from one side.
+// Comparison of a function and its supplied derivative along a line through a point, from one side.
 //
-// By the mean value theorem a difference quotient is the derivative somewhere between its points: where a derivative
-// hardly changes between them, and functions are smooth and free of noise as far as their values show, it has to be the
-// difference quotient, too.
+// By the mean value theorem a difference quotient equals the derivative somewhere between its points. If a derivative
+// hardly changes between them, and functions appear smooth and free of noise, it has to equal the difference quotient,
+// too.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,15 +20,14 @@ struct SuppliedLine {
   int shift;      // values[e + shift] is supplied as the derivative of values[e]
   double origin;  // of the parameter, t for example: its rounding counts
   double reach;   // offset of the farthest point of interest, negative: backward
-  // Writes all values at an offset from the origin. Those that are not finite count for no entry.
+  // Writes all values at an offset from the origin. Values that are not finite are ignored.
   std::function<CallbackError(double offset, double* values)> evaluate;
   std::vector<double> base;  // at offset 0
-  // Empty, or for each entry the size of what its value is the sum of, where that may be more than the value: of
-  // residuals.
+  // Empty, or for each entry the size of its terms, if that may exceed the value, as for residuals.
   std::vector<double> terms = {};
 };
 
-// A derivative supplied, and the difference quotient that it is not.
+// A supplied derivative, and the difference quotient that contradicts it.
 struct LineContradiction {
   int entry;
   double supplied, difference;
@@ -36,19 +35,19 @@ struct LineContradiction {
   double uncertainty;  // of both
 };
 
-// The entries that neither one point nor two more confirm: few evaluations where all is right. Both throw Failure if
-// the function is stopped; other failures leave out the point.
+// The entries that neither one point nor two more confirm; takes few evaluations if all is right. Both functions throw
+// Failure if the function is stopped; other failures leave out the point.
 std::vector<int> unconfirmed_entries(const SuppliedLine& line);
-// Those of the entries whose derivative contradicts the function beyond doubt: on two scales at least, the same way,
-// and on no scale from the whole reach down to rounding it does not. least_gap: relative difference that counts.
+// Those of the entries whose derivative contradicts the function beyond doubt: on two scales at least, in the same way,
+// and on every scale from the whole reach down to roundoff. least_gap: relative difference that counts.
 std::vector<LineContradiction> contradictions(const SuppliedLine& line, const std::vector<int>& entries,
                                               double least_gap);
 
-// Smallest relative difference of a derivative that counts as wrong: differences that a user supplies as derivatives,
-// or slopes of another interpolation, are not.
+// Smallest relative difference of a derivative that counts as wrong, so that finite differences as derivatives, or
+// slopes of another interpolation, are accepted.
 inline constexpr double least_wrong_part = 1e-2;
 
-// SFDAE_WRONG_DERIVATIVES, in words.
+// SFDAE_WRONG_DERIVATIVES with its message.
 class WrongDerivative : public Failure {
  public:
   // names: of the rows.

@@ -18,18 +18,18 @@ namespace {
 
 // Products of a few scaled coefficients must stay finite: five of this size do.
 constexpr double largest_coefficient = 1e60;
-// Factors of rows within 8 of those wanted are kept, for equations that depend smoothly on t
+// Factors of rows within 8 of those wanted stay, for equations that depend smoothly on t
 // (docs/design/scaling_and_units.md).
 constexpr double about_right = 8.0;
-// Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
-// factor.
+// Scaled data have entries of one to two, except for a tiny E with its small unit of time: below this value they get
+// another factor.
 constexpr double small_data = 0.125;
 
 void multiply_entries(double* values, std::size_t count, double factor) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
 }
 
-// Sizes of the rows of [E unit A]; one that vanishes at this point only is measured by its derivatives.
+// Sizes of the rows of [E unit A]; a row that vanishes at this point only is measured by its derivatives.
 void measure_rows(const TaylorData& data, double unit_of_A, std::vector<double>& sizes) {
   const kernels::ArrayLoops& loops = kernels::loops().arrays;
   std::fill(sizes.begin(), sizes.end(), 0.0);
@@ -46,7 +46,7 @@ void measure_rows(const TaylorData& data, double unit_of_A, std::vector<double>&
     if (at_point[i] != 0.0) sizes[i] = at_point[i];
 }
 
-// The factors of all rows are as preferred where those are about right for all of them.
+// Returns whether all preferred factors of rows are about right.
 bool are_about_right(const std::vector<double>& preferred, const std::vector<double>& wanted) {
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const double ratio = wanted[i] / preferred[i];
@@ -121,7 +121,7 @@ double TaylorData::growth_time() const { return std::min(growth(norms_.E, orders
 double TaylorData::choose_time_scale() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double grown_A = growth(norms_.A, orders.A);
-  // Rows without E have been scaled for themselves: they say nothing about time.
+  // Rows without E have been scaled separately and do not depend on the unit of time.
   double E0 = norms_.E[0], A0 = 0.0;
   for (int i = 0; i < m; ++i) {
     double row_E = 0.0, row_A = 0.0;
@@ -156,7 +156,7 @@ bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* p
   return norm_f(orders.f) <= largest_coefficient;
 }
 
-// Rows without E have been multiplied by the unit of time that was chosen.
+// Rows without E have been multiplied by the chosen unit of time.
 void TaylorData::balance_rows() {
   std::vector<double> factors(index(m));
   measure_rows(*this, 1.0, factors);

@@ -23,8 +23,8 @@
 
 namespace sfdae::core {
 
-// The highest index that can be asked for: a limit for arrays of fixed size, not one of the theory. Derivatives of
-// one order more serve x' of the solution.
+// The highest index that can be requested: a limit for arrays of fixed size, not one of the theory. x' of the solution
+// needs derivatives of one order more.
 inline constexpr int max_strangeness_index = 12;
 inline constexpr int max_derivative_order = max_strangeness_index + 1;
 
@@ -38,11 +38,11 @@ struct Orders {
 // each: rows of [E A] in units of time of the user, or of [E tau A] where tau is longer; common: one factor for all;
 // timed: rows of [E tau A]; given: the factors that are preferred, right or not.
 enum class RowScaling { each, common, timed, given };
-// Of a number that was read.
+// Validates a number from an archive.
 inline bool is_row_scaling(RowScaling rows) { return rows >= RowScaling::each && rows <= RowScaling::timed; }
 
-// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
-// followed. By judgement: no figures were recorded.
+// Range of the unit of time in which coefficients grow, relative to that of E x' = A x, tau = |E| / |A|, within which
+// it is used. By judgement: no figures were recorded.
 inline constexpr double shortest_growth = 0.1, longest_growth = 1e3;
 
 // Rows that differ by no more need no factor of their own (docs/design/rank_decisions.md).
@@ -50,7 +50,7 @@ inline constexpr double moderate_row_ratio = 4096.0;
 
 class TaylorData {
  public:
-  // Room for all orders up to `orders`; what was held is lost.
+  // Allocates all orders up to `orders`; former contents are lost.
   void resize(int m, int n, Orders orders);
 
   // The coefficients of order k; before scale(), plain derivatives.
@@ -65,8 +65,8 @@ class TaylorData {
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
-  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations
-  // that Z1 picks, then depends smoothly on t from one point to the next.
+  // preferred: factors of rows to use again if they are about right; the range of E T2, and with it the equations that
+  // Z1 picks, then depends smoothly on t from one point to the next.
   bool scale(double tau, RowScaling rows = RowScaling::each, const std::vector<double>* preferred = nullptr);
   // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
   void scale_columns(const Units& factors);
@@ -76,7 +76,7 @@ class TaylorData {
   // infinity where nothing grows.
   double growth_time() const;
 
-  // Norms anew after entries have been changed.
+  // Recomputes norms after entries have been changed.
   void measure();
 
   // Largest entry over all E(k), A(k) with k <= level.
@@ -84,14 +84,14 @@ class TaylorData {
   double norm_E(int level) const;
   double norm_A(int level) const;
   double norm_f(int level) const;
-  // The largest row over the smallest, as far as scaling evened it out.
+  // Ratio of the largest row to the smallest that scaling evened out.
   double row_scale_ratio() const;
   bool is_zero_E(int k) const { return norms_.E[index(k)] == 0.0; }
   bool is_zero_A(int k) const { return norms_.A[index(k)] == 0.0; }
   double norm_E0() const { return norms_.E[0]; }
   // Rounding errors of the data of level 0 and errors of derivatives, rows scaled, relative to norm().
   double noise(int level) const;
-  // The same with the errors of A, which may be larger.
+  // Same with the errors of A, which may be larger.
   double noise_A(int level) const { return std::max(noise(level), difference_noise.A); }
   // Rounding errors of f of level 0 and errors of its derivatives, relative to norm_f().
   double noise_f(int level) const;
@@ -100,18 +100,18 @@ class TaylorData {
   // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/design/finite_differences.md). Order 0 has none.
   bool has_errors(char which) const { return !errors_[slot(which)].empty(); }
   bool has_errors() const { return has_errors('E') || has_errors('A') || has_errors('f'); }
-  // Room for them, all zero at first.
+  // Memory for these errors, all zero at first.
   double* errors(char which, int order);
   const double* errors(char which, int order) const;
-  // The largest one of a row; 0: exact.
+  // Largest error of a row; 0: exact.
   double error_of_row(char which, int order, int row) const;
-  // The same, of the coefficient as it is scaled: row_scale_i error tau^k / k!, for A and f once more times tau.
+  // Same for the scaled coefficient: row_scale_i error tau^k / k!, for A and f once more times tau.
   double scaled_error_of_row(char which, int order, int row) const;
-  // And of one entry, counted as those of errors() are.
+  // Same for one entry, numbered as in errors().
   double scaled_error(char which, int order, int entry) const;
-  // Every coefficient that is scaled changes by its error, the sign at random.
+  // Changes every scaled coefficient by its error, with random sign.
   void change_by_errors(std::minstd_rand& generator);
-  // The errors of f are those of other data.
+  // Takes the errors of f from other data.
   void take_errors_of_f(const TaylorData& other) { errors_[slot('f')] = other.errors_[slot('f')]; }
 
   int m = 0;
@@ -121,14 +121,15 @@ class TaylorData {
   double time_scale = 1.0;
   std::vector<double> row_scale;  // diagonal of D
   std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
-  // How often each row is differentiated at most: rows of higher levels of the array are left out. Empty: no limit.
+  // Largest number of differentiations of each row: rows of higher levels of the derivative array are left out. Empty:
+  // no limit.
   std::vector<int> differentiations;
   bool has_row(int row, int level) const { return differentiations.empty() || level <= differentiations[index(row)]; }
-  // Whether level i has rows that level i + 1 has not.
+  // Returns whether level i has rows that level i + 1 has not.
   bool has_last_rows(int i) const {
     return std::find(differentiations.begin(), differentiations.end(), i) != differentiations.end();
   }
-  // Zeros in the coefficients that no row of the array uses; before scale().
+  // Clears the coefficients that no row of the derivative array uses; before scale().
   void clear_unused_rows();
   // A jet of a nonlinear problem may not fulfil F = 0 exactly, which changes the data by this, relative to norm().
   double residual_noise = 0.0;
@@ -142,11 +143,12 @@ class TaylorData {
   bool E0_was_rounding = false;
   // Contradictions of redundant equations are measured by this if it is larger than f.
   double least_norm_f = 0.0;
-  // Of a problem that looks at points again and again at present, where E_0 may have been factored before; else null.
+  // Factorizations of a problem that evaluates the same points repeatedly, where E_0 may have been factored before;
+  // else null.
   KeptFactorizations* kept_factorizations() const {
     return kept_ != nullptr && kept_->is_keeping() ? kept_ : nullptr;
   }
-  // `kept` lives longer.
+  // kept: must outlive this object.
   void set_kept_factorizations(KeptFactorizations* kept) { kept_ = kept; }
 
  private:

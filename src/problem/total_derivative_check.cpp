@@ -1,4 +1,4 @@
-// Compares total derivatives that a callback supplies along a jet with differences.
+// Comparison of total derivatives that a callback supplies along a jet with differences.
 //
 //     F^(k)     = d/ds F^(k-1) along the polynomial with the derivatives given, at t + s
 //     F_x^(k)   = dF^(k)/dx
@@ -38,7 +38,7 @@ class Checker {
     if (error.status == SFDAE_ORDER_MISSING) return false;
     if (error.status != SFDAE_OK) error.raise();
     if (order > 0) compare_F(order);
-    // Jacobians are judged by an F that is right.
+    // Jacobians are compared only if F is right.
     for (int j = 0; j < problem_.n() && !worst_.suspicious(); ++j) compare_column('x', order, j);
     for (int j = 0; j < problem_.n() && !worst_.suspicious(); ++j) compare_column('d', order, j);
     return true;
@@ -92,7 +92,7 @@ class Checker {
 DerivativeMismatch check_total_derivatives(CallbackProblem& problem, double t, const double* derivatives,
                                            int max_order) {
   Checker checker(problem, t, derivatives, max_order);
-  // An order is judged by the one below: beyond the first mistake nothing can be said.
+  // Each order is compared with the one below: no statement is possible beyond the first mistake.
   for (int order = 0; order <= max_order && !checker.worst().suspicious(); ++order)
     if (!checker.check(order)) break;
   return checker.worst();

@@ -1,4 +1,4 @@
-// Total derivatives that a callback supplies along a jet, compared with its functions from one side.
+// One-sided comparison of total derivatives that a callback supplies along a jet with its functions.
 //
 //     F^(k)            of F^(k-1)  along the polynomial with the derivatives given, at t + s
 //     F_x^(k), F_x'^(k)  of F^(k)  along jets that move in a direction at random; then in each x_j and x'_j, where a
@@ -77,7 +77,7 @@ class TotalLines {
     return {};
   }
 
-  // Equations that are not differentiated so often do not count.
+  // Skips equations that are not differentiated so often.
   bool counts(int row, int order) const {
     const std::vector<int>& most = problem_.differentiations();
     return most.empty() || order <= most[index(row)];
@@ -128,7 +128,7 @@ class TotalLines {
     return line;
   }
 
-  // Residuals are near zero, the differences of terms of this size.
+  // Residuals are near zero, as differences of terms of this size.
   std::vector<double> sizes_of_terms() const {
     const auto absolute = [](std::vector<double> values) {
       for (double& value : values) value = std::fabs(value);
@@ -163,7 +163,7 @@ class TotalLines {
 
   std::optional<DerivativeMismatch> in_space() {
     std::minstd_rand generator(1);
-    // Where all of x is zero nothing is known of its size.
+    // If all of x is zero, its size is unknown.
     double largest = 0.0;
     for (std::size_t j = 0; j < n_; ++j) largest = std::max(largest, std::fabs(jet_[j]));
     least_unit_ = largest > 0.0 ? largest : 1.0;

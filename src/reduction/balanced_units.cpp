@@ -25,22 +25,22 @@ using Vector = std::vector<double>;
 // Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_exponent = 300.0;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
-// down to 1e-12 are left alone (docs/design/scaling_and_units.md).
+// down to 1e-12 are not affected (docs/design/scaling_and_units.md).
 constexpr double suspicious_bits = 41.0;
-// And those below 1e-15 are.
+// Entries below 1e-15 are rounding errors.
 constexpr double rounding_bits = 49.8;
-// Units in use that are as good as balanced ones: within a factor of 2^6.
+// Tolerance for the units in use compared with balanced ones: within a factor of 2^6.
 constexpr double alike_bits = 6.0;
-// Mean squares follow outliers by what they determine of the units, (m + n) / entries of it on the average; small
-// problems half of the way and more rarely less than a quarter. Entries above this are no outliers.
+// Least squares follow outliers by their influence on the units, (m + n) / entries on average; small problems half of
+// the way and more rarely less than a quarter. Entries above this are no outliers.
 double inconspicuous_bits(std::size_t units, std::size_t entries) {
   const double followed = 2.0 * static_cast<double>(units) / static_cast<double>(std::max<std::size_t>(entries, 1));
   return suspicious_bits * std::max(0.25, 1.0 - followed);
 }
-// Well above what accidents make of entries of one size, well below what hides values: by judgement.
+// Well above chance ratios of entries of one size, well below ratios that hide values: by judgment.
 constexpr double even_ratio = 0x1p16;
 
-// The entries of E and A, and what the usual units say of each.
+// The entries of E and A, and their suspicion in the usual units.
 struct Entries {
   EntrySizes sizes;
   std::array<std::vector<Suspicion>, 2> suspicions;  // of E, A
@@ -50,7 +50,7 @@ struct Entries {
   }
 };
 
-// Of E (0) or A (1).
+// block: E (0) or A (1).
 struct EntryPlace {
   std::size_t block;
   int row, column;
@@ -74,7 +74,7 @@ void for_entries(const EntrySizes& sizes, Do action) {
   });
 }
 
-// Whether entries lie so many bits below what the exponents suggest.
+// Tests if entries lie a number of bits below the size suggested by the exponents.
 class Deviations {
  public:
   Deviations(const EntrySizes& sizes, const UnitExponents& x) : sizes_(sizes), x_(x) {}
@@ -88,7 +88,7 @@ class Deviations {
   const UnitExponents& x_;
 };
 
-// Leaves those out of the entries.
+// Removes the suspects from the entries that count.
 Suspects take_suspects(Entries& entries) {
   EntrySizes& sizes = entries.sizes;
   UnitExponents x(sizes.m, sizes.n);
@@ -103,7 +103,7 @@ Suspects take_suspects(Entries& entries) {
   return suspects;
 }
 
-// x: fits all the others.
+// x: fitted to all other entries.
 void mark(const Entries& entries, const Suspects& suspects, const UnitExponents& x, BalancedUnits& units) {
   const EntrySizes& sizes = entries.sizes;
   units.suspects_E.assign(index(sizes.m) * index(sizes.n), Suspicion::none);
@@ -130,7 +130,7 @@ struct Largest {
           of_column[index(j)] = std::max(of_column[index(j)], size);
         }
   }
-  // What is small against only one of them has another unit.
+  // An entry that is small compared with only one of them has another unit.
   Suspicion suspicion_of(double size, int i, int j) const {
     const double limit = std::min(of_row[index(i)], of_column[index(j)]);
     return size < std::exp2(-rounding_bits) * limit     ? Suspicion::certain
@@ -173,7 +173,7 @@ Units units_of(const UnitExponents& x) {
   return unknowns;
 }
 
-// Which units the entries tie together: r_i + c_j = time s for each, that is differences of r_i and -c_j in trees.
+// Relations of units given by the entries: r_i + c_j = time s for each, that is differences of r_i and -c_j in trees.
 class Ties {
  public:
   Ties(int m, int n) : m_(index(m)), trees_(m + n), parent_(index(m + n)), offset_(index(m + n), 0.0) {
@@ -192,7 +192,7 @@ class Ties {
       fixes_time_ = true;
     }
   }
-  // Whether the size of an entry follows from those that were added.
+  // True if the size of an entry follows from the entries added.
   bool determine(double time, int i, int j) {
     if (are_complete()) return true;
     const auto [row, of_row] = root(index(i));
@@ -201,7 +201,8 @@ class Ties {
   }
 
  private:
-  // With the multiple of s that lies between. All on the way hang on the root from then on: it would grow with every
+  // Root of a tree and the offset to it, a multiple of s. All nodes of the path are attached to the root: it would grow
+  // with every column otherwise.
   // column else.
   std::pair<std::size_t, double> root(std::size_t node) {
     double offset = 0.0;
@@ -228,8 +229,8 @@ class Ties {
   bool fixes_time_ = false;
 };
 
-// Whether the usual units say something about small entries: they are as good as balanced ones for all others, which
-// determine what size these ought to have.
+// True if the usual units can judge small entries: they are as good as balanced ones for all others, which determine
+// the expected size of the small ones.
 bool are_balanced_without_suspects(const Entries& all, const Units& usual, const TaylorData& data) {
   const auto is_suspect = [&](std::size_t b, int i, int j) { return all.suspicion(b, i, j) != Suspicion::none; };
   if (!any_entry(all.sizes, is_suspect)) return true;

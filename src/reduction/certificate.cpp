@@ -42,7 +42,7 @@ class PerturbedData {
     int order;
     const Suspicion* suspects;
   };
-  // On top of its own rounding each entry has the errors of differences and what residuals along a jet may change.
+  // Besides its own rounding error, each entry has the errors of finite differences and of residuals along a jet.
   LockstepMatrix perturbed(const TaylorData& data, const Coefficient& of, const double* random) const {
     const ConstView block = of.which == 'E' ? data.E(of.order) : data.A(of.order);
     const double residual_error = data.residual_noise * data.norm(of.order);
@@ -62,11 +62,11 @@ class PerturbedData {
   }
 
   int m_;
-  Suspicion least_;  // that is taken for zero
+  Suspicion least_;  // smallest one taken for zero
   std::vector<LockstepMatrix> E_, A_;
 };
 
-// Rows of the level that are there.
+// Present rows of the level.
 std::vector<int> rows_of_level(const TaylorData& data, int i) {
   std::vector<int> rows;
   for (int row = 0; row < data.m; ++row)
@@ -79,10 +79,10 @@ void copy_entry(const LockstepMatrix& from, int row, int col, double* to) {
   for (int k = 0; k < versions; ++k) to[k * lane_count] = entry[k * lane_count];
 }
 
-// These rows of a column become the first ones of a column of another matrix.
+// Copies these rows of a column to the first rows of a column of another matrix.
 void copy_rows(const LockstepMatrix& from, int col, const std::vector<int>& rows, LockstepMatrix& to, int to_col) {
   const int count = static_cast<int>(rows.size());
-  // Of whole groups of rows the last one may have more: nothing else is there yet.
+  // Whole groups of rows: the last one may have more rows, as the rest of the column is still empty.
   if (count == from.rows()) {
     std::copy_n(from.column(col), from.blocks_of_column(), to.column(to_col));
     return;
@@ -145,7 +145,7 @@ class Eliminations {
       : settings_(settings), significance_(significance) {}
 
   bool has_suggestions() const { return settings_.suggested != nullptr; }
-  // known: pivots that are no decision of this elimination. Where there is none to make the rank is known.
+  // known: pivots decided elsewhere. decides: false: the rank is `known`.
   int run(LockstepMatrix& matrix, int width, int known = 0, bool decides = true,
           ZeroScale scale = ZeroScale::whole_rows) {
     if (!has_suggestions()) return matrix.eliminate(width, significance_, settings_.rank_tol, scale);
@@ -248,7 +248,8 @@ int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units) {
   const PerturbedData perturbed(data, 0, units, false, random);
   const int full = std::min(data.m, data.n);
   int largest = 0;
-  // lambda in balanced units of time, of either sign: far below and above what systems of a stiffness of 1e6 have.
+  // lambda in balanced units of time, of either sign: from far below to far above the values in systems of a stiffness
+  // of 1e6.
   for (int step = 0; step <= 12 && largest < full; ++step) {
     const double lambda = (step % 2 == 0 ? 0.618 : -1.37) * std::pow(10.0, -12.0 + 1.5 * step);
     LockstepMatrix pencil(data.m, data.n);

@@ -36,8 +36,8 @@ struct CertificateSettings {
   TrialPerturbations& random;
   bool omits_suspects = false;  // rounding errors among them count as zeros always
   double rank_tol = 0.0;        // > 0: the user decides, relative to the largest entry of each matrix judged
-  // What norms say, to be confirmed as it is (known_rank_elimination.h); null: all ranks are searched for. Every row
-  // has to be in every level.
+  // Ranks found by norms, to be confirmed unchanged (known_rank_elimination.h); null: all ranks are searched for. Every
+  // row has to be in every level.
   const RankSequence* suggested = nullptr;
 };
 
@@ -46,11 +46,11 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Certific
 
 // Rank of lambda E - A for a lambda that is no eigenvalue: n - u = m - v of a problem with constant coefficients, from
 // one matrix, better conditioned than the chain of decisions. The largest rank that is clear for one lambda: fast and
-// slow parts ask for different ones.
+// slow parts need different ones.
 int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units);
 
-// Whether the rows of the whole array [M N] of a level are clearly independent, again from one matrix: then nothing is
-// redundant, v^ = 0.
+// True if the rows of [M N] of a level are clearly independent, again from one matrix: then nothing is redundant, v^ =
+// 0.
 bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits& units);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Ranks that norms have found, confirmed by certificates.
+// Confirmation, by certificates, of ranks found by norms.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/confirmed_ranks.h"
 
@@ -6,7 +6,7 @@ namespace sfdae::core {
 
 namespace {
 
-// What norms have found at one level and point.
+// Ranks found by norms at one level and point.
 struct SuggestedRanks {
   double t;
   int level;

@@ -1,7 +1,7 @@
-// Ranks that norms have found, confirmed by certificates in the units that they were found in.
+// Confirmation, by certificates in the same units, of ranks found by norms.
 //
-// Where entries decay over many decades, as those of products of rotations do, balanced units are none in which large
-// problems could be judged (docs/design/rank_decisions.md).
+// If entries decay over many decades, such as those of products of rotations, large problems cannot be judged in
+// balanced units (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// decisions: of whole levels at one point or several, in the order in which they were made, with v^ = 0. All small
+// decisions: of complete levels at one point or several, in the order in which they were made, with v^ = 0. All small
 // entries are values. None if a certificate is not clear with exactly these ranks. Throws Failure: errors of callbacks.
 std::optional<Significance> confirmed_ranks(SearchTask task, const std::vector<RankDecision>& decisions);
 

@@ -47,11 +47,11 @@ int ConstraintFactors::orientation() const {
   return sign;
 }
 
-// xp = Q [y; 0] with R11^T y = -f^, and what the redundant rows say about it: R12^T y + f^ = 0.
+// xp = Q [y; 0] with R11^T y = -f^, and the residual of the redundant rows: R12^T y + f^ = 0.
 double ConstraintFactors::solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const {
   const ConstView R = factors();
   std::fill_n(xp, n_, 0.0);
-  // What is carried of f may be nothing but rounding errors of f.
+  // The carried part of f may consist of rounding errors of f.
   double scale = norm_f;
   for (int i = 0; i < rows_; ++i) scale = std::max(scale, std::fabs(f_hat[i]));
   for (int i = 0; i < rank_; ++i) xp[i] = -f_hat[pivots_[index(i)]];

@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 class ConstraintFactors {
  public:
-  // Room for n unknowns and so many rows.
+  // Memory for n unknowns and this many rows.
   void resize(int n, int rows);
   // Factors A^ and decides its rank.
   void factor(const Carried& carried, Judge& judge, Arena& arena);
@@ -26,7 +26,7 @@ class ConstraintFactors {
   // |r_aa| of R11, the smallest value kept; a > 0.
   double smallest_kept() const { return std::fabs(factors()(rank_ - 1, rank_ - 1)); }
   int rows() const { return rows_; }
-  // Of A^^T, with the rows that its columns are, and what its reflections are multiplied with.
+  // Factors of A^^T, the scalars of its reflections, and the rows of A^ that its columns are.
   ConstView factors() const { return {factors_.data(), n_, rows_, n_}; }
   const double* tau() const { return tau_.data(); }
   const int* pivots() const { return pivots_.data(); }
@@ -34,10 +34,10 @@ class ConstraintFactors {
   int orientation() const;
   // T2: n x (n - rank).
   void write_T2(View T2, Arena& arena) const;
-  // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant
-  // rows: the largest entry of their residual relative to its terms.
+  // xp = -A2^+ f2 of smallest norm. norm_f: of the data of f^. Returns the contradiction of redundant rows: the largest
+  // entry of their residual relative to its terms.
   double solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const;
-  // What weights of xp mean for f^: weights_of_f^T f^ = weights^T xp.
+  // Maps weights of xp to weights of f^: weights_of_f^T f^ = weights^T xp.
   void solve_transposed(const double* weights, double* weights_of_f, Arena& arena) const;
 
  private:

@@ -1,4 +1,4 @@
-// Which equations contradict each other.
+// Sets of equations that contradict each other.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/contradiction.h"
 
@@ -15,13 +15,13 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Singular value decompositions of this many rows at most, one for each equation, are worth a message.
+// Up to this many rows, singular value decompositions for each equation are worth a message.
 constexpr int most_decomposed_rows = 300;
-// Relative to the largest singular value, rows and columns scaled: less is zero. And to the right-hand side: less is no
-// contradiction. By judgement; consistency_tol is 1e-8 as well.
+// Relative to the largest singular value, rows and columns scaled: smaller ones are zero. Relative to the right-hand
+// side: smaller residuals are no contradiction. By judgment; consistency_tol is 1e-8 as well.
 constexpr double rank_tol = 1e-10, least_contradiction = 1e-8;
 
-// B z = g, rows and columns of size 1, and the size of what g is the sum of.
+// B z = g, rows and columns of size 1, and the size of the terms of g.
 struct Equations {
   Matrix B;
   Vector g;
@@ -61,7 +61,7 @@ Equations equations_of(const DerivativeArray& array, const std::vector<char>& fi
   return result;
 }
 
-// What of g lies outside the range of B, in the rows given: what they cannot fulfil together.
+// The part of g outside the range of B, in the rows given: they cannot hold together.
 Vector residual(const Equations& equations, const std::vector<int>& rows) {
   const int count = static_cast<int>(rows.size());
   Matrix B(count, equations.B.cols());

@@ -1,4 +1,4 @@
-// Which equations contradict each other: a set of them none of which can be left out.
+// Sets of equations that contradict each other, minimal: none of them can be left out.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace sfdae::core {
 
-// Equation and how often it has to be differentiated for that.
+// Equation and number of its differentiations.
 struct ContradictingEquation {
   int equation, derivatives;
 };
 
-// M y = N x + g, m rows to each order, for all y and those x that are not fixed (n flags, or none; then x has to be
+// M y = N x + g, m rows to each order, for all y and those x that are not fixed (n flags, or none; fixed x has to be
 // that of the array: g with N x added); empty if nothing contradicts, or there are too many equations to try.
 std::vector<ContradictingEquation> contradicting_equations(const DerivativeArray& array, int m,
                                                            const std::vector<char>& fixed, const double* x);

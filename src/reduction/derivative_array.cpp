@@ -62,7 +62,7 @@ DerivativeArray derivative_array(const TaylorData& data, int level, const Units&
   const int m = data.m, n = data.n;
   DerivativeArray array{Matrix((level + 1) * m, (level + 1) * n), Matrix((level + 1) * m, n),
                         std::vector<double>(index(level + 1) * index(m), 0.0)};
-  // Plain derivatives: what was scaled by powers of two, and by factorials.
+  // Plain derivatives: without the powers of two and the factorials of the scaling.
   double factor = 1.0;
   std::vector<double> unscaled(index(level + 1));
   for (int k = 0; k <= level; ++k) unscaled[index(k)] = (factor *= k > 0 ? k / data.time_scale : 1.0);
@@ -106,8 +106,8 @@ Projectors projectors(const TaylorData& data, const Units& units, const IndexAna
   const Matrix unit = identity(rows);
   const Carried carried = judging.by_singular_values ? eliminate_by_svd(data, mu, unit, judge, arena)
                                                      : eliminate(data, mu, unit, 1, judge, arena);
-  // Within the left null space, Z2 is where N has its rank a, Z3 the rest; decided with scaled data, as the ranks
-  // were.
+  // Within the left null space, Z2 is the part on which N has rank a, Z3 the rest; decided with scaled data, as for the
+  // ranks.
   const Svd split = svd(carried.constraints);
   const int v_hat = carried.rows - a;
   if (v_hat != known.v_hat)

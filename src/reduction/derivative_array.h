@@ -3,7 +3,7 @@
 //   M y = N x + g,   M_ij = C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1),   N_i = A^(i),   g_i = f^(i),   y = (x', x'', ...)
 //
 // with plain derivatives, unscaled. Along a jet of F(t, x, x') = 0 the derivatives are total ones, E = F_x', A = -F_x,
-// f = -F: what holds for changes dx, dy of the jet is M dy = N dx + g, g = -F_l.
+// f = -F: changes dx, dy of the jet satisfy M dy = N dx + g, g = -F_l.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -38,13 +38,13 @@ struct Projectors {
 };
 // known: by an analysis with these settings. Throws Failure if a callback fails, or the values do not hold at t.
 Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const AnalysisSettings& settings, double t);
-// From coefficients up to order mu, in these units, their ranks judged so. Throws Failure.
+// From coefficients up to order mu, in these units, with the same rank settings. Throws Failure.
 Projectors projectors(const TaylorData& data, const Units& units, const IndexAnalysis& known,
                       const Judge::Settings& judging);
 // Orthonormal basis of the range of A, all columns independent, that keeps the ranges of the leading columns.
 Matrix orthonormalized(Matrix a);
 
-// The strangeness-free system E1 x' = A1 x + f1, 0 = A2 x + f2 that the projectors make of the array of level mu, and
+// The strangeness-free system E1 x' = A1 x + f1, 0 = A2 x + f2 given by the projectors and the array of level mu, and
 // max |Z3^T g|, the contradiction of redundant equations.
 struct StrangenessFreeEquations {
   Matrix E1, A1, f1, A2, f2;

@@ -13,11 +13,11 @@ namespace sfdae::core {
 
 class DifferentialFactors {
  public:
-  // Room for up to n unknowns.
+  // Memory for up to n unknowns.
   void resize(int n);
   // R3: d x (d + u), upper triangular in its first d columns; column j of it is column pivots[j] of G.
   void factor(ConstView R3, const int* pivots, Arena& arena);
-  // A factorization G P = Q3 R3 itself, d x d, u = 0.
+  // The factorization G P = Q3 R3 itself, d x d, u = 0.
   void keep(ConstView factors, const int* pivots, const double* tau);
 
   // Orthonormal basis of ker G, (d + u) x u.
@@ -31,7 +31,7 @@ class DifferentialFactors {
 
  private:
   int unknowns() const { return d_ + u_; }
-  // Of Q3, behind R.
+  // Scalars of the reflections of Q3, behind R.
   const double* tau() const { return R_.data() + index(d_) * index(d_); }
   double* tau() { return R_.data() + index(d_) * index(d_); }
 

@@ -16,11 +16,11 @@ namespace sfdae::core {
 
 namespace {
 
-// Multipliers C R^-1 replace rotations while they are below this: errors grow by no more than two digits, which
-// the noise of the judge covers.
+// Multipliers C R^-1 replace rotations while they are below this: errors grow by at most two digits, which the noise of
+// the judge covers.
 constexpr double largest_multiplier = 100.0;
 
-// What all stages work with.
+// Common data of all stages.
 struct Elimination {
   const TaylorData& data;
   ConstView rhs;
@@ -51,7 +51,7 @@ int gather_rows(const TaylorData& data, int i, ConstView from, View to) {
   return count;
 }
 
-// Of level i, where some rows may be left out.
+// Diagonal block of level i, where some rows may be left out.
 DiagonalBlock factor_rows_of_level(const TaylorData& data, int i, Judge& judge, Arena& arena) {
   const View all = arena.matrix(data.m, data.n);
   const int rows = gather_rows(data, i, data.E(0), all);
@@ -129,7 +129,7 @@ void gather(ConstView carried, int offset, const int* pivots, View to) {
 }
 
 // The stage's stack is [R11 R12 | Q1^T F; C1 C2 | C3] with F the block row and C carried from the stages before.
-// Eliminates C1 and leaves T = what becomes of C2 (to be judged) and, in the first rows of `next`, of C3.
+// Eliminates C1 and leaves T, the transformed C2 (to be judged), and, in the first rows of `next`, the transformed C3.
 // Gauss: T = C2 - L R12, C3 - L Q1^T F with L = C1 R11^-1.
 void eliminate_by_multipliers(const DiagonalBlock& block, ConstView L, View T, View W_carried) {
   const int r = block.rank;
@@ -155,8 +155,8 @@ struct Stack {
   View T, next;
 };
 
-// Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F. Rows with large multipliers become
-// shorter, and their errors with them: returns by how much at least.
+// Householder: QR of [R11; C1], applied to the remaining columns. rows_F = Q1^T F. Rows with large multipliers become
+// shorter, and their errors with them: returns an upper bound of the factor, at most 1.
 double eliminate_by_reflections(const Elimination& of, const DiagonalBlock& block, const Stack& stack,
                                 ConstView rows_F) {
   Arena& arena = of.arena;
@@ -172,7 +172,7 @@ double eliminate_by_reflections(const Elimination& of, const DiagonalBlock& bloc
   copy(T, beside.block(r, 0, c, T.cols));
   copy(rows_F, beside.block(0, T.cols, r, next.cols));
   copy(next, beside.block(r, T.cols, c, next.cols));
-  // What becomes of the rows themselves: a sample of errors could be one of the combinations that shrink.
+  // Transformation of the rows themselves: a sample of errors could be one of the combinations that shrink.
   const View mixing = beside.columns(T.cols + next.cols, c);
   fill(mixing, 0.0);
   for (int row = 0; row < c; ++row) mixing(r + row, row) = 1.0;
@@ -198,8 +198,8 @@ View determining_rows(const Elimination& of, const DiagonalBlock& block, int i) 
   return rows;
 }
 
-// The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`,
-// at the end after those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+// The rest of y_j: independent rows of T determine it and leave. Rows of errors come first in T and `rows`, at the end
+// after those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
 int release_rows(const Elimination& of, View T, double norm, int j, View rows) {
   Judge& judge = of.judge;
   Arena& arena = of.arena;
@@ -301,7 +301,7 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   const int error_rows = judge.error_rows();
   View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
   fill(carried, 0.0);
-  // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
+  // Rounding errors of E_0 are not annihilated by its left null vectors: errors of the first stage.
   add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
   for (int i = level; i >= last_stage - 1; --i) {
     if (i < level && data.has_last_rows(i)) {

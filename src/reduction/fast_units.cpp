@@ -19,15 +19,15 @@ struct LogEntry {
   double size;  // log2
 };
 
-// Entries of a row that are this small against its largest one may be rounding errors, a hundred of them; those of A
-// count without the unit of time.
+// Entries of a row that are this small relative to its largest one may be rounding errors, a hundred of them; those of
+// A count without the unit of time.
 constexpr double negligible_entry = 1e-14;
-// The sweeps converge linearly, and exponents are rounded to integers in the end; by judgement.
+// The sweeps converge linearly, and exponents are finally rounded to integers; by judgment.
 constexpr int sweeps = 100;
 // Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_fast_exponent = 300.0;
 
-// Each unknown of a group in turn takes the mean of what is left (Gauss-Seidel on the normal equations).
+// Each unknown of a group in turn is shifted by its mean deviation (Gauss-Seidel on the normal equations).
 template <class IndexOf>
 void relax(std::vector<double>& unknowns, const std::vector<double>& r, const std::vector<double>& c,
            const std::vector<LogEntry>& entries, IndexOf index_of) {
@@ -41,7 +41,8 @@ void relax(std::vector<double>& unknowns, const std::vector<double>& r, const st
 }
 
 // Unknowns that no differential equation contains: as large as the others in the equation where they are largest. An
-// equation says so once one of its unknowns has a unit; unknowns that no equation ties to others keep theirs.
+// equation determines this once one of its unknowns has a unit; unknowns that no equation connects to others keep
+// theirs.
 void scale_others(const TaylorData& data, const std::vector<char>& is_differential, std::vector<char> is_scaled,
                   std::vector<double>& c) {
   const ConstView A = data.A(0);

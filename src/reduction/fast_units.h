@@ -1,7 +1,7 @@
 // Units of the unknowns that fit a unit of time: for nonlinear problems (docs/design/scaling_and_units.md).
 //
-// A structure of fast and slow parts written in metres and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12,
-// looks as if M were nothing. In the fast unit of time, with units of v and w that go with it, everything is of order
+// A structure of fast and slow parts written in meters and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12,
+// looks as if M were zero. In the fast unit of time, with the corresponding units of v and w, everything is of order
 // one.
 //
 // [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math.

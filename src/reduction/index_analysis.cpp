@@ -23,13 +23,13 @@ namespace {
 
 bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
 
-// Decisions that norms make with such a distance need no certificate (docs/design/rank_decisions.md).
+// Norms that decide with this distance need no certificate (docs/design/rank_decisions.md).
 constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
-// Where there is no certificate: kron with n = 100, mu = 3, w = 4 has a gap of 2e8.
+// Required gap without a certificate: kron with n = 100, mu = 3, w = 4 has a gap of 2e8.
 constexpr double gap_without_certificate = 1e8;
 
 bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singular) {
-  // What is dropped without being as small as rounding may be a value that pivots have made small.
+  // A dropped value that is not as small as roundoff may be a value made small by pivots.
   constexpr double rounding = 8.0 * unit_roundoff;
   const auto is_clear = [](const RankDecision& d) {
     return d.verdict == Verdict::clear ||
@@ -44,14 +44,13 @@ double relative_distance(const Significance& significance) {
   return std::min(1.0, trial_perturbation * significance.weakest);
 }
 
-// Ranks could become clearer in other units, or by a certificate, and derivatives that are missing need not be asked
-// for then.
+// Ranks could become clearer in other units, or by a certificate, which may not need the missing derivatives.
 bool is_about_ranks(const Failure& failure) {
   return failure.status() == SFDAE_RANK_UNCLEAR || failure.status() == SFDAE_INDEX_TOO_HIGH ||
          failure.status() == SFDAE_CHARACTERISTICS_CHANGED || failure.status() == SFDAE_ORDER_MISSING;
 }
 
-// The analysis of one problem in several ways.
+// The analysis of one problem by several methods.
 class Analysis {
  public:
   Analysis(CoefficientSource& problem, Place place, const AnalysisSettings& settings, Arena& arena)
@@ -95,7 +94,7 @@ class Analysis {
   bool is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions);
-  // Units of the unknowns and rows that the time scale of an analysis belongs to, and what is suspicious in them.
+  // Units of the unknowns and rows that the time scale of an analysis belongs to, and the suspects in them.
   struct Frame {
     const Units& unknowns;
     RowScaling rows;
@@ -112,11 +111,11 @@ class Analysis {
   CoefficientSource& problem_;
   Place place_;
   const AnalysisSettings& settings_;
-  AnalysisSettings scaled_;  // with what fits balanced units
+  AnalysisSettings scaled_;  // settings for balanced units
   Arena& arena_;
   Units usual_;
   bool is_even_ = false;                   // in usual units
-  std::optional<BalancedUnits> balanced_;  // found where more is needed
+  std::optional<BalancedUnits> balanced_;  // computed when needed
   TrialPerturbations perturbations_;
 };
 
@@ -129,7 +128,7 @@ IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
   return found.analysis;
 }
 
-// Where norms make the ranks at t clear by far, alone.
+// Result if norms alone make the ranks at t clear by far.
 std::optional<IndexAnalysis> Analysis::by_precedent(std::vector<RankDecision>& decisions) {
   problem_.set_units(usual_);
   auto found = analyze_by_precedent({problem_, settings_, arena_, &decisions}, place_);
@@ -164,7 +163,7 @@ AnalysisOutcome Analysis::certified() {
   return analyze_at_two_points(task, place_);
 }
 
-// None if no level fulfils the hypothesis with perturbed copies, or not both points agree.
+// None if no level fulfills the hypothesis with perturbed copies, or the two points disagree.
 std::optional<AnalysisOutcome> Analysis::certified_if_any() {
   try {
     return certified();
@@ -174,7 +173,7 @@ std::optional<AnalysisOutcome> Analysis::certified_if_any() {
   }
 }
 
-// quick: by norms, where these do not decide alone; decisions: theirs.
+// quick: by norms, which are not decisive alone; decisions: theirs.
 IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optional<IndexAnalysis>& quick,
                                        std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = found.analysis.values;
@@ -183,8 +182,8 @@ IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optiona
   found.analysis.distance = relative_distance(found.significance);
   std::vector<RankDecision> confirmed;
   if (found.is_clear && is_redundancy_right && norms_agree(found, confirmed) && is_independent_of_suspects(values)) {
-    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values
-    // kept amplify rounding errors, in these units.
+    // Units that are good enough stay: the integrated system does not depend on the certainty of its ranks. Small
+    // values kept amplify rounding errors, in these units.
     if (is_same && smallest_kept(decisions) >= kept_by_far) {
       IndexAnalysis usual = in_usual_units(*quick);
       usual.distance = found.analysis.distance;
@@ -202,7 +201,8 @@ IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optiona
   report_unclear(values);
 }
 
-// What norms say in the usual units decides, alone or with what they say in balanced ones; else with a certificate.
+// Norms in the usual units decide, alone or together with norms in balanced ones; otherwise a certificate has to
+// confirm them.
 bool Analysis::is_clear_by_norms(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   const bool has_suspects = balanced_ && balanced_->has_suspects;
   if (!has_suspects && are_clear_by_far(decisions, is_singular(quick.values)) && agrees_in_balanced_units(quick))
@@ -218,8 +218,8 @@ bool Analysis::agrees_in_balanced_units(IndexAnalysis& quick) {
          (are_clear_by_far(others, is_singular(values)) || is_certified_at_mu(quick, others));
 }
 
-// decisions: of all levels in balanced units, which lead to the values of norms in the usual ones. Where nothing but
-// values kept at level mu is too small for norms, a certificate of that level confirms what these say, rank by rank.
+// decisions: of all levels in balanced units, with the same values as norms in the usual ones. If only values kept at
+// level mu are too small for norms, a certificate of that level confirms their ranks one by one.
 bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = quick.values;
   if (values.u > 0 || values.v > 0 || quick.v_hat > 0 || settings_.by_svd) return false;
@@ -241,7 +241,7 @@ bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDe
   return true;
 }
 
-// Of large problems, for which balanced units may be of no use (reduction/confirmed_ranks.h).
+// For large problems, for which balanced units may be of no use (reduction/confirmed_ranks.h).
 bool Analysis::is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = quick.values;
   const bool is_large = std::max(problem_.m(), problem_.n()) >= large_problem;
@@ -265,15 +265,15 @@ bool Analysis::is_confirmed_as_it_is(IndexAnalysis& quick, const std::vector<Ran
   return true;
 }
 
-// What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels,
-// whose rounding errors grow beyond what is perturbed.
+// True if norms are clear without a clear certificate: perturbed copies fail for large arrays and high levels, whose
+// rounding errors grow beyond the perturbations.
 bool Analysis::outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   if (balanced().has_suspects) return false;
   const double gap = is_singular(quick.values) ? gap_of_singular : gap_without_certificate;
   return smallest_gap(decisions) >= gap && smallest_kept(decisions) >= kept_by_far;
 }
 
-// The ranks of the certificate leave a gap between the norms of what is kept and dropped, too.
+// The ranks of the certificate leave a gap between the norms of kept and dropped values, too.
 bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions) {
   constexpr double visible_gap = 10.0;
   const IndexAnalysis& analysis = outcome.analysis;
@@ -284,8 +284,8 @@ bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecis
   });
 }
 
-// u and v, from one matrix without a chain of decisions: of coefficients that are constant as far as the level mu can
-// see, from lambda E - A; else from the rows of the array.
+// u and v, from one matrix without a chain of decisions: from lambda E - A if the coefficients are constant in the data
+// of level mu; else from the rows of the array.
 bool Analysis::redundancy_agrees(const IndexAnalysis& analysis, const Frame& frame) {
   const CharacteristicValues& values = analysis.values;
   TaylorData data;
@@ -366,7 +366,7 @@ std::string describe(const RankDecision& decision) {
                 decision.noise, decision.gap);
 }
 
-// What norms decide alone is not larger.
+// Bounded by the smallest values on which norms decide alone.
 double least_useful_pivot(const std::vector<double>& rtol) {
   constexpr double roundings = 10.0;
   double smallest = useful_pivot_at_best;

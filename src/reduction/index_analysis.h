@@ -1,7 +1,6 @@
 // Strangeness index and characteristic values of a linear problem.
 //
-// Folder reduction: the theory and nothing else: derivative array, elimination, rank decisions, null-space form,
-// index.
+// Folder reduction: the theory only: derivative array, elimination, rank decisions, null-space form, index.
 //
 // Hypothesis [KM06]: there are mu, a, d, v such that, on the solution interval,
 //   1. the left null space of M_mu splits into Z2 (a columns, A2 = Z2^T N of full rank) and Z3 (Z3^T [M N] = 0),
@@ -33,19 +32,19 @@ struct CharacteristicValues {
 std::string describe(const CharacteristicValues& values);  // "mu = 1, d = 0, a = 2, u = 0, v = 0"
 std::string describe(const RankDecision& decision);        // "rank decision at level 1 (...): kept ..., dropped ..."
 
-// What the analysis of the same equations with other parameters has found.
+// Results of the analysis of the same equations with other parameters.
 struct Precedent {
   CharacteristicValues values;  // mu = -1: there is none
   int rank_E = -1;
   bool rank_E_constant = true;
 };
 
-// Of decisions of norms alone that lead to redundant equations, which are what a rank that is too small looks like:
-// more is asked of those (docs/design/rank_decisions.md).
+// Stricter bounds for decisions by norms alone that lead to redundant equations: a rank that is too small looks the
+// same (docs/design/rank_decisions.md).
 inline constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 
 inline constexpr double useful_pivot_at_best = 1e-10;
-// For relative tolerances, 0: none; docs/design/rank_decisions.md.
+// Smallest useful pivot for relative tolerances (0: none); docs/design/rank_decisions.md.
 double least_useful_pivot(const std::vector<double>& rtol);
 
 struct AnalysisSettings {
@@ -54,14 +53,14 @@ struct AnalysisSettings {
   double rank_tol = 0.0;
   double time_scale = 0.0;
   RowScaling rows = RowScaling::each;
-  // Pivots below it, in balanced units, amplify rounding errors beyond the tolerances even if they are certain.
+  // Smaller pivots, in balanced units, amplify rounding errors beyond the tolerances even if they are certain.
   double least_useful_pivot = useful_pivot_at_best;
-  // Where rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. What is
-  // known of d and a (nothing: mu = -1) is to be found then.
+  // If rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. The known d and a
+  // are to be found then (mu = -1: none are known).
   CharacteristicValues expected{};
-  // Where ranks at t are clear and agree with it, neither the next level nor a nearby point is analyzed.
+  // If ranks at t are clear and agree with it, neither the next level nor a nearby point is analyzed.
   Precedent precedent{};
-  // Derivatives of order mu + 1, or of order 1 for mu = 0, are not asked for even where they would be of use.
+  // Derivatives of order mu + 1, or of order 1 for mu = 0, are not requested even if they would be useful.
   bool orders_up_to_mu_only = false;
 };
 
@@ -71,19 +70,19 @@ struct IndexAnalysis {
   double time_scale = 1.0;
   int v_hat = 0;  // redundant rows of level mu
   int rank_E = 0;
-  NoiseModel noise = NoiseModel::carried;  // by which the ranks are right
+  NoiseModel noise = NoiseModel::carried;  // noise model that gives the right ranks
   bool rank_E_constant = true;             // the same at the nearby point
-  // Where a certificate decided: the ranks of level mu, which norms alone would not give; else none.
+  // Ranks of level mu if a certificate decided and norms alone would not give them; else none.
   RankSequence certified_ranks;
-  // The smallest relative change of the data that gives others, about, if a certificate was made; else 0.
+  // Approximate smallest relative change of the data that changes the ranks, if a certificate was made; else 0.
   double distance = 0.0;
   RowScaling rows = RowScaling::each;
-  bool by_precedent = false;  // nothing but the ranks at t was looked at
+  bool by_precedent = false;  // only the ranks at t were examined
 };
 
 Precedent precedent_of(const IndexAnalysis& analysis);
 
-// Whether an analysis that was read from a checkpoint can be one of m equations in n unknowns.
+// True if an analysis that was read from a checkpoint can be one of m equations in n unknowns.
 bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);
 
 // Analysis at t and at a nearby point toward `toward`. Throws Failure: errors of callbacks, SFDAE_INDEX_TOO_HIGH,
@@ -92,13 +91,13 @@ bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions);
 
-// The distance of an analysis, by a certificate at t. Throws Failure: errors of callbacks, SFDAE_RANK_UNCLEAR where
-// it does not confirm the values known. The units of the source are changed.
+// The distance of an analysis, by a certificate at t. Throws Failure: errors of callbacks, SFDAE_RANK_UNCLEAR if it
+// does not confirm the values known. The units of the source are changed.
 double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
                           const AnalysisSettings& settings, Arena& arena);
 
-// Whether the values known hold at t although the propagated noise would not let them: judged by the effect of trial
-// perturbations. Throws Failure if a callback fails.
+// True if the values known hold at t although the propagated noise is too large to show it: judged by the effect of
+// trial perturbations. Throws Failure if a callback fails.
 bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                        const IndexAnalysis& known, Arena& arena);
 

@@ -17,21 +17,20 @@ namespace {
 // below and the time scales: docs/design/rank_decisions.md.
 constexpr double perturbation_roundings = 4.0;
 constexpr int perturbations = 3;
-// Kept values against their changes: to confirm a rank that the propagated noise allows, and to keep values that it
-// does not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
+// Margin of kept values over their changes: to confirm a rank that the propagated noise allows, and to keep values that
+// it does not allow, as errors of the callbacks of about ten roundings are possible.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
-// Dropped values against their changes: rounding errors change by about their own size.
+// Margin of dropped values over their changes: rounding errors change by about their own size.
 constexpr double moving_margin = 10.0;
-// Dropped values above n of these roundings have to move: ten times the threshold of a rank whose noise is that of
-// the data (rank.cpp), by judgement.
+// Dropped values above n of these roundings have to move: ten times the threshold of a rank whose noise is that of the
+// data (rank.cpp), by judgment.
 constexpr double certain_roundings = 100.0;
-// Units of time that have to agree where perturbations decide nothing, relative to the one chosen.
+// Units of time that have to agree if perturbations decide nothing, relative to the one chosen.
 constexpr double other_time_scales[] = {1.0 / 8.0, 4.0};
-// Relative values below this may be what the user's own arithmetic has left of zeros, by rounding errors that the
-// data do not know of. They are when relative changes of this size of all entries move them by more than this: small
-// entries stay, sums that cancel do not. 8 wrong indices in 400,000 slow and stiff random problems without that, none
-// with it.
+// Smaller relative values may be zeros with rounding errors of the user's arithmetic, unknown to the data. They are if
+// relative changes of this size of all entries move them by more than this: small entries stay, sums that cancel do
+// not. 8 wrong indices in 400,000 slow and stiff random problems without that, none with it.
 constexpr double least_trusted = 1e-11, callback_errors = 1e-13, firm = 1e-3;
 // Ranks with smaller gaps must follow from those of the level below; wrong ranks that did not had gaps below 2e6
 // (docs/design/rank_decisions.md).
@@ -40,8 +39,7 @@ constexpr double decisive_gap = 1e9;
 // Ranks of a regular problem with such gaps are those of the level above (docs/design/rank_decisions.md).
 constexpr double gap_of_final_ranks = 1e6;
 
-// How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by
-// zero.
+// Distance of the smallest nonzero value, actual or hypothetical, from the zeros; 1e-300 avoids a division by zero.
 double clearness(const RankDecision& decision) {
   return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
 }
@@ -117,7 +115,7 @@ bool IndexSearch::has_ranks(int level, double time_scale, const PointRanks& expe
   const LevelResult found = determine(level, time_scale);
   if (found.ranks.a != expected.a || found.ranks.d != expected.d || found.ranks.v_hat != expected.v_hat) return false;
   std::vector<RankDecision> decisions = latest_;
-  for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // have to be confirmed
+  for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // to be confirmed
   return survives_perturbations(level, found.time_scale, decisions, confirming_margin, Trust::clear_ones);
 }
 
@@ -150,9 +148,9 @@ SearchResult IndexSearch::search(int max_index) {
   return result;
 }
 
-// As many equations as unknowns, and none of them redundant: [M N] has full row rank, which it keeps nearby, so that
-// F_mu = 0 is a manifold on which a can only become smaller. That it does not, the point nearby shows. Values kept that
-// residuals of the jet might be are in doubt.
+// As many equations as unknowns, and none of them redundant: [M N] has full row rank, also nearby, so that F_mu = 0 is
+// a manifold on which a can only become smaller. The nearby point shows that it does not. Kept values that may be
+// residuals of the jet are in doubt.
 bool IndexSearch::is_final(const CharacteristicValues& values, const LevelResult& found) {
   const bool is_regular = values.u == 0 && values.v == 0 && found.ranks.v_hat == 0;
   const bool is_clear = is_regular && task_.settings.rank_tol == 0.0 && found.gap >= gap_of_final_ranks &&
@@ -160,7 +158,7 @@ bool IndexSearch::is_final(const CharacteristicValues& values, const LevelResult
   return is_clear && (found.noise == NoiseModel::carried || stands_firm(values.mu, found));
 }
 
-// What was confirmed by perturbations is so with this margin, too.
+// True if decisions confirmed by perturbations also hold with this margin.
 bool IndexSearch::stands_firm(int level, const LevelResult& found) {
   judging_.noise = found.noise;
   judging_.by_singular_values = true;
@@ -174,8 +172,8 @@ bool IndexSearch::stands_firm(int level, const LevelResult& found) {
   return is_firm;
 }
 
-// Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them. A
-// precedent says that it has: only the jet is solved for as without one, so that results are the same.
+// True if level l + 1 has the same values, or is not available or unclear. A precedent implies it: then only the jet is
+// solved for as without one, so that results are the same.
 bool IndexSearch::holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
   if (!task_.problem.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
   try {
@@ -193,10 +191,10 @@ bool IndexSearch::holds_above(int level, const CharacteristicValues& values, con
   }
 }
 
-// The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
-// itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first with
-// the ranks that keep them all, then with those that drop what is below the noise of the smallest pivot, then with
-// those that drop them all, then with other time scales. What survives is confirmed.
+// The propagated noise is an upper bound, sometimes by far: values between it and the rounding errors of the matrix
+// itself are undecided. Perturbing the data by a few roundings shows which are signals: first with the ranks that keep
+// them all, then with those that drop values below the noise of the smallest pivot, then with those that drop them all,
+// then with other time scales. Ranks that survive are confirmed.
 void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecision>& decisions) {
   struct Attempt {
     NoiseModel noise;
@@ -241,7 +239,7 @@ bool IndexSearch::agrees_with_other_time_scales(int level, const LevelResult& fo
   return agrees;
 }
 
-// Kept values must stay put to 1 / margin; dropped ones above the rounding errors of the matrix must not.
+// Kept values must stay put to 1 / margin; dropped ones above the rounding errors of the matrix must move.
 bool IndexSearch::survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions,
                                          double margin, Trust trust) {
   std::minstd_rand generator(1);
@@ -254,7 +252,7 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
       if (q == latest_.size()) return false;
       const RankDecision& was = decisions[q];
       const RankDecision& is = latest_[q];
-      // A dropped value that a perturbation lifts above the threshold is noise; what follows cannot be compared.
+      // A dropped value that a perturbation lifts above the threshold is noise; later decisions cannot be compared.
       const bool lifted = trust == Trust::clear_ones && is.rank == was.rank + 1;
       if (lifted && confirming_margin * (is.kept - was.dropped) > was.dropped) {
         moved[q] = 1;
@@ -263,7 +261,7 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
       if (is.rank != was.rank) return false;
       if (moving_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
       if (was.rank == 0 || (was.verdict != Verdict::unclear && trust == Trust::clear_ones)) continue;
-      // What stands clear of the propagated noise may move a little.
+      // A value clear of the propagated noise may move a little.
       const bool stands_clear = trust == Trust::clear_ones && was.gap >= clear_gap;
       const double moves = stands_clear ? 0.0 : std::fabs(is.kept - was.kept);
       const double measured = std::max({moves, is.dropped, was.dropped});
@@ -320,8 +318,8 @@ void IndexSearch::perturb(int level, std::minstd_rand& generator) {
   data_.measure();
 }
 
-// Constraints and redundant equations only get more from level to level, and m - a - v is rank(E T2) of the level
-// before: what E T2 loses is what differentiation turns into constraints ([KM06], section 3.1: r_(i+1) = r_i - s_i).
+// Constraints and redundant equations only increase from level to level, and m - a - v is rank(E T2) of the level
+// before: differentiation turns the rank lost by E T2 into constraints ([KM06], section 3.1: r_(i+1) = r_i - s_i).
 // Exceptional points may differ, but then all ranks are clear by far. Ranks given by rank_tol are the user's.
 bool IndexSearch::follows(const CharacteristicValues& below, const CharacteristicValues& values,
                           const PointRanks& ranks) const {
@@ -329,14 +327,14 @@ bool IndexSearch::follows(const CharacteristicValues& below, const Characteristi
   return ranks.d <= values.d && values.d == below.d && values.a >= below.a && values.v >= below.v;
 }
 
-// Higher ones have no more rows.
+// Higher levels have no more rows.
 int IndexSearch::highest_level() const {
   if (!leaves_out_rows()) return max_derivative_order;
   return *std::max_element(differentiations_.begin(), differentiations_.end());
 }
 
-// Without all rows: each constraint that differentiation adds takes one from rank(E T2) at most, so that d + a
-// never becomes smaller. Once it is m, or d and a are those expected, all have been found.
+// Without all rows: each constraint that differentiation adds reduces rank(E T2) by at most one, so that d + a never
+// becomes smaller. Once it is m, or d and a are those expected, all have been found.
 CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found, int v_hat_below) const {
   if (leaves_out_rows()) {
     const CharacteristicValues& expected = task_.settings.expected;
@@ -379,7 +377,7 @@ LevelResult IndexSearch::judge_level(int level) {
   return found;
 }
 
-// Those of F, which is -f along a jet.
+// Signs of F, which is -f along a jet.
 double IndexSearch::residual(int level) const {
   const double norm = data_.norm(level);
   return norm > 0.0 ? data_.norm_f(level) / norm : 0.0;

@@ -14,14 +14,14 @@
 
 namespace sfdae::core {
 
-// What level l of the array says at one point.
+// Result at level l of the array at one point.
 struct LevelResult {
   PointRanks ranks;
   double time_scale = 1.0;
   bool clear = true;
   NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;                   // the first unclear decision
-  RankDecision weakest;                    // the one that stands out least
+  RankDecision weakest;                    // the least clear decision
   double gap = 0.0, kept = 0.0;            // the smallest ones of all decisions
   double residual = 0.0;                   // of the jet relative to its coefficients, 0 for linear problems
   bool follows = true;                     // from the level below
@@ -30,29 +30,29 @@ struct LevelResult {
   RankSequence known_ranks;                // of a certificate
 };
 
-// What is searched, and how.
+// Input and settings of a search.
 struct SearchTask {
   CoefficientSource& problem;
   const AnalysisSettings& settings;
   Arena& arena;
   std::vector<RankDecision>* log = nullptr;  // gets all rank decisions; may be null
-  // The units that the source has, if they are balanced; time is then in their unit as far as nothing grows faster.
+  // Units of the source, if they are balanced; time is then in their unit unless something grows faster.
   const BalancedUnits* units = nullptr;
   // Ranks are those of certificates; suspects count as zeros if they are omitted.
   bool certified = false;
   bool omits_suspects = false;
-  // What certificates perturb data by, to be made once for several searches; may be null.
+  // Perturbations for certificates, stored to be used by several searches; may be null.
   TrialPerturbations* perturbations = nullptr;
-  // Of the level that is asked for, by norms: certificates confirm these ranks, or say that they are not clear.
+  // Ranks found by norms for the requested level: certificates confirm these ranks, or report that they are not clear.
   const RankSequence* suggested = nullptr;
 };
 
-// What a search leads to.
+// Result of a search.
 struct SearchResult {
   CharacteristicValues values;
   LevelResult last;
-  std::vector<CharacteristicValues> levels;  // for messages: what each level said, d that of rank(E T2)
-  // Of all levels. Certificates are followed to the end even where they are not clear.
+  std::vector<CharacteristicValues> levels;  // for messages: result of each level, d that of rank(E T2)
+  // Over all levels. Certificates are completed even if they are not clear.
   bool is_clear = true;
   Significance significance;
 };
@@ -67,13 +67,13 @@ class IndexSearch {
   LevelResult determine_confirmed(int level);
   // Values at a level known to be mu; v^ of the level below is found on the way.
   CharacteristicValues values_at(int level);
-  // Whether the ranks are those expected, and stay so under perturbations.
+  // True if the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected);
   // Decisions of a level, with the ranks of a certificate; none if these do not fit.
   std::vector<RankDecision> decisions_with(int level, const RankSequence& certified, double time_scale);
 
  private:
-  // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
+  // Decisions that perturbations need not confirm: those that the propagated noise makes clear, or none at all.
   enum class Trust { clear_ones, none };
 
   LevelResult determine(int level, double time_scale);
@@ -103,11 +103,11 @@ class IndexSearch {
   TaylorData data_;
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;
-  TrialPerturbations perturbations_;  // where the task has none
+  TrialPerturbations perturbations_;  // used if the task has none
 };
 
-// The smallest level at t alone, by norms or, where they are given, by rank_tol: mu = -1 if no level up to max_index
-// holds or a decision is unclear. Throws Failure if the user stops.
+// The smallest level at t alone, by norms or, if given, by rank_tol: mu = -1 if no level up to max_index holds or a
+// decision is unclear. Throws Failure if the user stops.
 CharacteristicValues local_values(const SearchTask& task, double t);
 
 }  // namespace sfdae::core

@@ -18,11 +18,11 @@ namespace sfdae::core {
 
 namespace {
 
-// Rows of the array: six copies of more would take longer than all the rest. (Chosen.)
+// Limit on rows of the array: six copies of more would take longer than all the rest. (Chosen.)
 constexpr int most_array_rows = 300;
 
-// Whether nothing is redundant though an analysis says so, by one matrix without a chain of decisions: the rows of
-// the array of its level, in balanced units. The source keeps these.
+// True if one matrix, without a chain of decisions, shows that nothing is redundant although an analysis found
+// redundancy: the rows of the array of its level, in balanced units. The source keeps these units.
 bool is_redundancy_refuted(CoefficientSource& source, Place place, const IndexAnalysis& analysis) {
   if (analysis.v_hat == 0 || (analysis.values.mu + 1) * source.m() > most_array_rows) return false;
   const UsualUnits usual = usual_units(source, place.t);
@@ -35,11 +35,11 @@ bool is_redundancy_refuted(CoefficientSource& source, Place place, const IndexAn
   return has_independent_rows(data, level, balanced);
 }
 
-// Analyzes the source in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
-// for each: docs/design/scaling_and_units.md, with the figures behind the constants. What is clear by far in
-// two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
-// are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
-// the next one would be lost among rounding errors, and ranks agree in being wrong.
+// Analyzes the source in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced for
+// each (docs/design/scaling_and_units.md, with the figures behind the constants). A result clear by far in two of them,
+// supported by a third, and contradicted in none, counts: the one with the largest gap. Units that are much too fast
+// shrink every value by the same factor from level to level: if the smallest one kept is small, the next one would be
+// lost among rounding errors, and ranks agree in being wrong.
 struct UnitsResult {
   IndexAnalysis analysis;
   std::vector<RankDecision> decisions;
@@ -96,7 +96,7 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
   anew.precedent = {};
   const SearchTask task{source, anew, arena, &decisions};
   std::string what;
-  std::optional<Failure> lacks_derivatives;  // which other units may not need
+  std::optional<Failure> lacks_derivatives;  // other units may not need them
   try {
     const IndexAnalysis found = analyze_at_two_points(task, place).analysis;
     const bool is_decided =

@@ -10,7 +10,7 @@
 
 namespace sfdae::core {
 
-// The array of level 0 has A in no decision but that on constraints.
+// The array of level 0 contains A only in the decision on constraints.
 Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log)
     : settings_(settings),
       log_(log),
@@ -47,7 +47,7 @@ int Judge::take_known_rank(const Question& question, ConstView r) {
 }
 
 void Judge::record_known(const Question& question, ConstView r, int rank) {
-  // The threshold that leads to this rank, so that the record reads as that of any other decision.
+  // The threshold that gives this rank, so that the record reads as that of any other decision.
   RankDecision decision = decide_rank(r.data, rank, r.ld + 1, {0.0, question.norm, 1, 1e-300, 0.0});
   const double unit = question.norm > 0.0 ? question.norm : 1.0;
   decision.rank = rank;
@@ -105,7 +105,7 @@ double Judge::negligible(double norm) const {
 }
 
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
-  // E_0 carries no derivatives: its noise is that of rounding alone, and of residuals.
+  // E_0 carries no derivatives: its noise is that of rounding and of residuals only.
   const double noise = std::max(unit_roundoff * sizes_.norm_E0, sizes_.residual_errors);
   const int rank = decide({Subject::stage, level_ + 1, noise, sizes_.norm_E0, pivot_}, r, original);
   errors_ = entering_error() / pivot_;

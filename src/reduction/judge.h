@@ -7,9 +7,9 @@
 //   later stages   e, at least eps |stage|
 //   A^             e, at least eps |A|
 //   E T2           eps |E_0| max(1, e / (eps sigma_a(A^)))
-// with e what becomes of errors that enter the rows carried: eps |E_0| at first, then eps |data| in the columns of
-// derivatives and eps |A| in those of x at every stage. Staged elimination carries rows of errors along. For the
-// array as a whole, e = eps |A| / p.
+// with e the errors of the rows carried: eps |E_0| at first, then eps |data| in the columns of derivatives and eps |A|
+// in those of x added at every stage. Staged elimination carries rows of errors along. For the array as a whole, e =
+// eps |A| / p.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -35,9 +35,9 @@ struct RankSequence {
   }
 };
 
-// Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data|
-// / p, which several stages that amplify one after the other exceed), or the data without propagation. What the
-// latter two say has to be confirmed by perturbations of the data, or by ranks already known.
+// Source of the noise of a decision: errors carried along (e above), the smallest pivot alone (e = eps |data| / p,
+// which several consecutive amplifying stages exceed), or the data without propagation. Decisions by the latter two
+// have to be confirmed by perturbations of the data, or by ranks already known.
 enum class NoiseModel { carried, pivots, data };
 
 class Judge {
@@ -46,13 +46,13 @@ class Judge {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
     NoiseModel noise = NoiseModel::carried;
-    // Ranks of all decisions in their order, which are taken as known; values near the point they were found at
-    // say nothing new. Nullptr: decided.
+    // Known ranks of all decisions in their order; values near the point where they were found give no new information.
+    // Nullptr: decided.
     const RankSequence* known_ranks = nullptr;
   };
 
-  // log: where decisions are recorded, and a sign that unclear ones are to be made again by singular values;
-  // nullptr in steps, where ranks are only compared with those known.
+  // log: receives the decisions and requests that unclear ones are repeated by singular values; nullptr in steps, which
+  // only compare ranks with those known.
   Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log);
 
   // Ranks from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
@@ -61,40 +61,39 @@ class Judge {
   int decide_stage(int stage, ConstView r, ConstView original, double norm);
   int decide_constraints(ConstView r, ConstView original);
   int decide_differential(ConstView r, ConstView original);
-  // Rank of the whole array from its singular values.
+  // Rank of M from its singular values.
   int decide_array(const std::vector<double>& s, int rows, int cols);
 
-  // Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in
-  // them, so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by
-  // norms and pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages
-  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128;
-  // docs/design/rank_decisions.md.) Two rows, as a single one happens
-  // to be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
+  // Rows of errors that are eliminated above the rows carried, in the same way: all operations on rows are linear in
+  // them, so the transformed errors that enter at every stage are the noise of the decisions. (Bounds by norms and
+  // pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone ignores the product of
+  // amplifications of the stages: |E^-1 A| tau each, 1e6 in all with tau = 128; docs/design/rank_decisions.md.) Two
+  // rows, as a single one happens to be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
   double entering_error() const { return sizes_.eps * sizes_.norm; }
   double entering_constraint_error() const { return sizes_.eps_A * sizes_.norm_A; }
-  // Errors that E_0 leaves in the first stage.
+  // Errors of E_0 in the first stage.
   double diagonal_error() const { return unit_roundoff * sizes_.norm_E0; }
-  // What is left of a pivoted factorization that begins with entries of this size may be taken for zero once its
-  // columns are no longer: it is below what decides as a block, too. < 0: never, where ranks do not follow from noise.
+  // Column length up to which the rest of a pivoted factorization that begins with entries of this size may be taken
+  // for zero: as a block it is below the threshold, too. < 0: never, if ranks do not follow from noise.
   double negligible(double norm) const;
   double norm_E0() const { return sizes_.norm_E0; }
-  // Errors of what is judged by the next decide_stage, and of A^.
+  // Errors of the matrix judged by the next decide_stage, and of A^.
   void set_errors(double errors) { errors_ = errors; }
   void set_constraint_errors(double errors) { constraint_errors_ = errors; }
 
   bool keeps_originals() const { return log_ != nullptr || settings_.by_singular_values; }
   bool all_clear() const { return all_clear_; }
   const RankSequence& ranks() const { return ranks_; }
-  // False if known ranks could not be taken, as there were other decisions to make than those they are from.
+  // False if known ranks do not fit, as there were other decisions to make.
   bool fits_known_ranks() const { return fits_; }
   double smallest_pivot() const { return pivot_; }                 // p
   double kept_constraints() const { return kept_constraints_; }    // sigma_a relative to |A|, 1 if a = 0
   double kept_differential() const { return kept_differential_; }  // sigma_d relative to |E|, 1 if d = 0
 
  private:
-  // What is judged, and what its values are compared with; kept: the smallest value kept so far, lowered.
+  // Subject of a decision, and scales of its values; kept: the smallest value kept so far, lowered.
   struct Question {
     Subject subject;
     int stage;
@@ -107,7 +106,7 @@ class Judge {
   int record(const RankDecision& decision, const Question& question);
   void log(RankDecision decision, const Question& question);
 
-  // Of the data of the reduction.
+  // Sizes of the data of the reduction.
   struct Sizes {
     int dimension;
     double norm, norm_A, norm_E0;

@@ -17,9 +17,9 @@ namespace sfdae::core {
 namespace {
 
 constexpr int num_versions = LockstepMatrix::versions;
-// Pivots that are taken one by one before products of matrices do the rest: chosen.
+// Pivots that are taken one by one; products of matrices do the rest. Chosen.
 constexpr int pivots_at_once = 8;
-// As those of lockstep_kernel.cpp: rounding errors of the elimination itself, and what makes divisions possible.
+// Same constants as in lockstep_kernel.cpp: rounding errors of the elimination itself, and a guard of divisions.
 constexpr double arithmetic = 0x1p-47, negligible = 1e-30, smallest_unit = 1e-300;
 
 double ratio(double a, double b) { return a / std::max(b, negligible * a + smallest_unit); }
@@ -31,7 +31,7 @@ struct Order {
   std::vector<int> rows, columns;
 };
 
-// Where a row is among the blocks of a column, of the matrix itself.
+// Place of a row among the blocks of a column, of the matrix itself.
 struct RowPlace {
   std::size_t block, lane;
   explicit RowPlace(int row)
@@ -86,7 +86,7 @@ void take_pivot(View a, int step, int end) {
   }
 }
 
-// U in the rows [first, end) of the columns beside, with L of the columns [first, end).
+// U in the rows [first, end) of the other columns, with L of the columns [first, end).
 void solve_lower(View a, int first, int end, View beside) {
   const int count = end - first, middle = first + count / 2;
   if (count > pivots_at_once) {
@@ -101,7 +101,7 @@ void solve_lower(View a, int first, int end, View beside) {
       for (int i = step + 1; i < end; ++i) beside(i, j) -= a(i, step) * beside(step, j);
 }
 
-// What pivots [first, end) make of the columns beside those that they have been taken from.
+// Applies pivots [first, end) to other columns.
 void follow(View a, int first, int end, View beside) {
   solve_lower(a, first, end, beside);
   const int below = a.rows - end;
@@ -109,8 +109,8 @@ void follow(View a, int first, int end, View beside) {
            beside.block(first, 0, end - first, beside.cols), 1.0, beside.block(end, 0, below, beside.cols));
 }
 
-// A = L U in place in the columns [first, end), half by half. rows: exchanged for the largest pivots, and in what
-// order they are then; null: as they are. False if a pivot vanishes.
+// A = L U in place in the columns [first, end), by recursive halving. rows: exchanged for the largest pivots, and their
+// order on return; null: unchanged. False if a pivot vanishes.
 bool factor_columns(View a, int first, int end, std::vector<int>* rows) {
   if (const int count = end - first; count > pivots_at_once) {
     const int middle = first + count / 2;
@@ -137,10 +137,10 @@ bool factor(View a, int rank, std::vector<int>* rows) {
   return true;
 }
 
-// What is added up in the rows from `rank` on.
+// Sums of sizes of terms in the rows from `rank` on.
 struct Sums {
   Matrix sizes;         // |A21| in columns with pivots, |A22| + |L21| |U12| in the others
-  Matrix with_factors;  // of the others, |A22| + S_L S_U: with what is added up for L and U themselves
+  Matrix with_factors;  // of the others, |A22| + S_L S_U: with the sums for L and U themselves
 };
 
 Matrix absolute(ConstView a) {
@@ -193,15 +193,15 @@ class Remainder {
         cols_(sums.sizes.cols()),
         significance_(significance) {}
 
-  // What is left of sums by rounding becomes zero.
+  // Rounding errors left of sums become zero.
   void drop_rounding();
-  // The columns [rank, end) count as zero, relative to what was added up in the first `measured` columns.
+  // The columns [rank, end) count as zero, relative to the sums in the first `measured` columns.
   void drop_columns(int end, int measured);
   // Rows without any value in the columns from `first` on become zero.
   void drop_rows(int first);
 
  private:
-  // What is added up is as uncertain as data are, even where copies happen to agree.
+  // Sums are as uncertain as their data, even where copies happen to agree.
   Entry entry(int i, int j) const {
     Entry found(all_, rank_ + i, j);
     found.largest_move = std::max(found.largest_move, trial_perturbation * sums_.with_factors(i, j - rank_));
@@ -264,7 +264,7 @@ bool are_finite(const Versions& all) {
   });
 }
 
-// Smallest q and size of the pivots; the multipliers below them have served.
+// Smallest q and size of the pivots; the multipliers below them are no longer needed.
 void note_pivots(const LockstepMatrix& matrix, int width, int rank, Versions& all, Significance& significance) {
   double norm = 0.0;
   for (int j = 0; j < width; ++j)

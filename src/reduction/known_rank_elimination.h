@@ -1,9 +1,8 @@
 // Elimination of a matrix and of perturbed copies whose rank norms have suggested.
 //
-// Whether a rank is certain shows in the copies (lockstep_elimination.h), whichever pivots are taken as long as they
-// are large. Where the rank is known no entry has to be searched for by its significance: pivoted QR chooses columns,
-// partial pivoting rows, the same ones in all copies, and products of matrices do the rest
-// (docs/design/rank_decisions.md).
+// The copies show if a rank is certain (lockstep_elimination.h), with any large pivots. If the rank is known, entries
+// need not be searched for by their significance: pivoted QR chooses columns, partial pivoting rows, the same ones in
+// all copies, and products of matrices do the rest (docs/design/rank_decisions.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,7 +14,7 @@ namespace sfdae::core {
 // search takes 20 ms at most.
 inline constexpr int large_problem = 64;
 
-// What LockstepMatrix::eliminate does, with `rank` pivots in the first `width` columns. Where there are none so many,
+// LockstepMatrix::eliminate with `rank` pivots in the first `width` columns. If there are fewer pivots,
 // significance.weakest becomes 0.
 void eliminate_with_rank(LockstepMatrix& matrix, int width, int rank, Significance& significance,
                          ZeroScale scale = ZeroScale::whole_rows);

@@ -12,7 +12,7 @@ void LeadingProjector::resize(int n) {
   n_ = n;
 }
 
-// The rows of E span those of [R11 R12] P^T; ker E is what is orthogonal to them.
+// The rows of E span those of [R11 R12] P^T; ker E is their orthogonal complement.
 void LeadingProjector::build(const Carried& carried, Arena& arena) {
   const int r = carried.rank_E;
   count_ = n_ - r;

@@ -1,4 +1,4 @@
-// The projector P = E^+ E = I - K K^T along ker E, which is the leading term where rank E is constant.
+// The projector P = E^+ E = I - K K^T along ker E: the leading term if rank E is constant.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 class LeadingProjector {
  public:
-  // Room for n unknowns.
+  // Memory for n unknowns.
   void resize(int n);
   // From the factorization of E_0.
   void build(const Carried& carried, Arena& arena);

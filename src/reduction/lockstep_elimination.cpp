@@ -14,7 +14,7 @@ namespace {
 // Bounds of amplifications and significances that make decisions clear: docs/design/rank_decisions.md.
 constexpr double moderate_amplification = 1e4, largest_amplification = 1e8;
 constexpr double visible_value = 3.0, certain_value = 1e6;
-// Of zeros that errors have blown up: above, they stand clear of single roundings of the data.
+// Bound for zeros amplified by errors: above, they are clear of single roundings of the data.
 constexpr double rounding_significance = 2e-3;
 
 }  // namespace
@@ -22,9 +22,9 @@ constexpr double rounding_significance = 2e-3;
 bool Significance::is_plausible() const { return amplification < moderate_amplification; }
 
 bool Significance::is_clear() const {
-  // Errors of rounding that grow to 1e-12 leave room for what counts as zero to be one: everything that moves by more
-  // than its own size is, and values may move by a third. Where they grow to 1e-8, zeros have to move by far more than
-  // their size, and values that could be hidden are looked for in vain only if all the others are certain.
+  // Rounding errors that grow to 1e-12 allow a simple test: an entry is zero if it moves by more than its own size, and
+  // values may move by a third. If they grow to 1e-8, zeros have to move by far more than their size, and no value is
+  // hidden only if all the others are certain.
   if (amplification < moderate_amplification) return weakest > visible_value && strongest < 1.0;
   return amplification < largest_amplification && weakest > certain_value && strongest < rounding_significance;
 }

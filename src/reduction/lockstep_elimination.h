@@ -1,8 +1,8 @@
-// Gaussian elimination of a matrix and of perturbed copies of it in lockstep: which numbers are values, and which are
-// what errors of the data have left of zeros.
+// Gaussian elimination of a matrix and of perturbed copies of it in lockstep, which distinguishes values from zeros
+// with errors of the data.
 //
-// Every entry that is not zero is uncertain by a small part of itself; zeros are exact. With v_0 an entry of the
-// matrix on the way and v_k that of copy k, the significance
+// Every entry that is not zero is uncertain by a small part of itself; zeros are exact. With v_0 an entry of the matrix
+// during elimination and v_k that of copy k, the significance
 //
 //     q = |v_0| / max_k |v_k - v_0|
 //
@@ -21,28 +21,27 @@
 
 namespace sfdae::core {
 
-// Of the nonzero entries, relative: well above the rounding errors that the elimination itself makes.
+// Relative perturbations of the nonzero entries: well above the rounding errors of the elimination itself.
 inline constexpr double trial_perturbation = 1e-12;
 // Pivots below this significance are unclear.
 inline constexpr double clear_significance = 30.0;
 
-// How far the decisions of one or several eliminations are from being others.
+// Distance of the decisions of one or several eliminations from being others.
 struct Significance {
   double weakest = std::numeric_limits<double>::infinity();  // smallest q of a pivot
   double strongest = 0.0;                                    // largest q of an entry that counts as zero
-  double smallest_pivot = 1.0;  // relative to the largest entry of its matrix: what norms see
-  // What relative errors of the data become in entries that count as zero, relative to the sizes that were added up in
-  // their rows: values below that would not be seen.
+  double smallest_pivot = 1.0;  // relative to the largest entry of its matrix, the measure of norms
+  // Growth of relative errors of the data in entries that count as zero, relative to the sums of sizes in their rows:
+  // smaller values would not be visible.
   double amplification = 0.0;
 
   bool is_clear() const;
-  // Not clear, but what is kept and dropped goes with what norms say.
+  // Not clear, but kept and dropped values agree with norms.
   bool is_plausible() const;
   void join(const Significance& other);
 };
 
-// What the zeros of an elimination are measured by: the sizes added up in all of their row, or in the columns that are
-// eliminated, as if there were no others.
+// Scale of the zeros of an elimination: the sums of sizes in all of their row, or in the eliminated columns only.
 enum class ZeroScale { whole_rows, eliminated_columns };
 
 // rows x cols entries, each of them with its copies.
@@ -68,9 +67,9 @@ class LockstepMatrix {
   // Rows by powers of two, so that the largest entry of each lies in [1, 2).
   void normalize_rows();
 
-  // Eliminates the first `width` columns. The rows without pivots come to stand below those that have one; their
-  // entries in these columns count as zero. Returns the rank. tolerance > 0: what is zero is decided by it alone,
-  // relative to the largest entry of these columns.
+  // Eliminates the first `width` columns. The rows without pivots are placed below those that have one; their entries
+  // in these columns count as zero. Returns the rank. tolerance > 0: it alone decides which entries are zero, relative
+  // to the largest entry of these columns.
   int eliminate(int width, Significance& significance, double tolerance = 0.0,
                 ZeroScale scale = ZeroScale::whole_rows);
 

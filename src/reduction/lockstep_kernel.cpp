@@ -17,13 +17,13 @@ namespace sfdae::core {
 namespace {
 
 constexpr int versions = LockstepMatrix::versions;
-// What does not move at all is a value by far, and what moves without having had a size hides all values.
+// Guards: an entry that does not move at all is clearly a value; one that moves from a size of zero hides all values.
 constexpr double negligible = 1e-30, smallest_unit = 1e-300;
 
-// Entries below this part of what was added up, in all copies, are exact zeros with the rounding errors of the
-// elimination, which are no perturbations of the data.
+// Entries below this part of the sums, in all copies, are exact zeros with the rounding errors of the elimination,
+// which are no perturbations of the data.
 constexpr double arithmetic = 0x1p-47;
-// Significances within this factor of each other are alike: the larger entry is the better pivot.
+// Significances within this factor of each other are equivalent: the larger entry is the better pivot.
 constexpr double alike = 4.0;
 
 // Functions that return lanes are always inlined: how these are returned depends on the instruction set.
@@ -51,7 +51,7 @@ inline double* numbers(LockstepWork& w, int row, int col) {
   return w.values[(col * w.groups + row / lane_count) * versions].lane + row % lane_count;
 }
 
-// Products with 1 and 0 take the place of most choices between lanes, which GCC 12 makes piece by piece.
+// Products with 1 and 0 replace most choices between lanes, which GCC 12 makes piece by piece.
 constexpr std::array<LaneBlock, lane_count + 1> make_places() {
   std::array<LaneBlock, lane_count + 1> places{};
   for (int first = 0; first <= lane_count; ++first)
@@ -118,8 +118,8 @@ struct Subtraction {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-// What subtract() and significance_of() do, operation by operation, in two halves for AVX2: GCC 12 moves eight
-// numbers piece by piece.
+// subtract() and significance_of(), operation by operation, in two halves for AVX2: GCC 12 moves eight numbers piece by
+// piece.
 __attribute__((target("avx2"), noinline)) void subtract_in_halves(LockstepWork& w, const Subtraction& of,
                                                                   const PivotRow& p) {
   constexpr int half = lane_count / 2;
@@ -188,7 +188,7 @@ struct Pivot {
   double size = 0.0, significance = 0.0;
 };
 
-// Row by row the most significant entry, of those alike the largest one; with a tolerance the largest one above
+// Row by row the most significant entry, of equivalent ones the largest; with a tolerance the largest one above
 // `threshold`.
 inline Pivot choose_pivot(LockstepWork& w, double threshold) {
   const bool by_size = w.tolerance > 0.0;
@@ -211,8 +211,8 @@ inline void exchange_rows(LockstepWork& w, int i, int j, int col) {
   std::swap(number(w.sums, w.groups, i, col), number(w.sums, w.groups, j, col));
 }
 
-// Of the pivot in row `rank`; the column below it becomes zero. A copy may have no pivot there (q = 1, which is never
-// clear): it is left alone.
+// Multipliers of the pivot in row `rank`; the column below it becomes zero. A copy without a pivot there (q = 1, which
+// is never clear) is left alone.
 inline void make_factors(LockstepWork& w, int col) {
   Lanes* factors = &lanes(w.factors[index(w.rank * w.groups * versions)]);
   const PivotRow pivot = pivot_row_of(w, w.rank, col);
@@ -270,12 +270,12 @@ inline void measure_sums(LockstepWork& w, int first, int end) {
   }
 }
 
-// The largest q and amplification of what counts as zero, row by row.
+// The largest q and amplification of entries that count as zero, row by row.
 struct Zeros {
   Lanes strongest{}, amplification{};
 };
 
-// Entries that count as zero, of rows that are counted with 1 and not with 0.
+// Entries that count as zero, in rows weighted by 1, not in those weighted by 0.
 inline void drop(LockstepWork& w, int col, int group, const Lanes& counted, Zeros& zeros) {
   const Lanes* v = entry(w, col, group);
   const Lanes seen = trial_perturbation * lanes(w.largest_sums[index(group)]);
@@ -296,7 +296,7 @@ inline void follow(LockstepWork& w, int col) {
   }
 }
 
-// What is left in the columns that were eliminated.
+// Remaining entries in the columns that were eliminated.
 inline void drop_columns(LockstepWork& w, Zeros& zeros) {
   measure_sums(w, 0, w.scale == ZeroScale::whole_rows ? w.cols : w.width);
   for (int j = 0; j < w.width; ++j)
@@ -336,7 +336,7 @@ inline void drop_rows(LockstepWork& w, Zeros& zeros) {
   }
 }
 
-// What has become infinite, or worse, decides nothing.
+// Overflow makes the result unclear.
 inline void doubt_overflow(LockstepWork& w) {
   LaneMask found{};
   for (const LaneBlock& sums : w.sums) note_not_finite(lanes(sums), found);

@@ -9,18 +9,18 @@
 namespace sfdae::core {
 
 struct LockstepWork {
-  LaneBlock* values = nullptr;  // laid out as LockstepMatrix has them
+  LaneBlock* values = nullptr;  // layout as in LockstepMatrix
   int rows = 0, cols = 0, width = 0;
   int groups = 0;  // of eight rows
   double tolerance = 0.0;
   ZeroScale scale = ZeroScale::whole_rows;
   bool in_halves = false;  // with AVX2
 
-  // Of the sizes of what was added up in each entry; one block for each group of each column.
+  // Sums of sizes of terms in each entry; one block for each group of each column.
   std::vector<LaneBlock> sums;
-  // q of the entries that may be pivots, of the columns that are eliminated; 0 in rows that have one.
+  // q of the entries that may be pivots, in the columns to be eliminated; 0 in rows that have one.
   std::vector<LaneBlock> significances;
-  // What multiplies the pivot row of each step, as long as a column; and the groups of rows where that is not zero.
+  // Multipliers of the pivot row of each step, as long as a column; and the groups of rows with nonzero ones.
   std::vector<LaneBlock> factors;
   std::vector<char> is_active;
   std::vector<int> exchanged;           // the row that was exchanged with row `rank`

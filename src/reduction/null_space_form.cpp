@@ -97,7 +97,7 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
   return ranks;
 }
 
-// Of E T2 P; its rank.
+// Factors E T2 P; returns its rank.
 int NullSpaceForm::factor_differential(const PivotedFactors& ET, Judge& judge, Arena& arena) {
   const Arena::Frame frame(arena);
   ConstView original;
@@ -128,8 +128,8 @@ void NullSpaceForm::factor_E_T2(const TaylorData& data, Judge& judge, Arena& are
   multiply(1.0, Op::transposed, Z1(), ET.column(columns), 0.0, g0_.data());
 }
 
-// With E P = Q1 [R11 R12] at hand, which rank(E T2) = rank E leaves as it is: Z1 = Q1, and G has only as many rows.
-// Where the rank is smaller, Z1 = Q1 Q3 of the factorization of Q1^T E T2.
+// With E P = Q1 [R11 R12] available, and rank(E T2) = rank E: Z1 = Q1, and G has only as many rows. If the rank is
+// smaller, Z1 = Q1 Q3 of the factorization of Q1^T E T2.
 void NullSpaceForm::factor_within_range(const Carried& carried, Judge& judge, Arena& arena) {
   const Arena::Frame frame(arena);
   const int columns = n - a, r = carried.rank_E;
@@ -160,7 +160,7 @@ void NullSpaceForm::factor_within_range(const Carried& carried, Judge& judge, Ar
   differential_.factor(factors.top(d), pivots, arena);
 }
 
-// B and b, for the Z1 and T2 that are known.
+// B and b, for the known Z1 and T2.
 void NullSpaceForm::build_differential_equations(const TaylorData& data, LeadingTerm leading, Arena& arena) {
   const Arena::Frame frame(arena);
   const int columns = unknowns();

@@ -30,13 +30,13 @@
 
 namespace sfdae::core {
 
-// Of the constraints and of what holds E x, or of the differential equations, too, which points without a step do not
-// ask for.
+// Right-hand sides of the constraints only, or also those of the differential equations, which points without a step do
+// not need.
 enum class RightHandSides { constraints, all };
 
 enum class LeadingTerm { automatic, projector, matrix, identity };
 
-// Dimensions that a point is found to have.
+// Dimensions found at a point.
 struct PointRanks {
   int rank_E = 0;
   int a = 0;  // without prescribed components
@@ -47,12 +47,13 @@ struct PointRanks {
 
 class NullSpaceForm {
  public:
-  // Room for m x n problems whose elimination carries at most `carried` rows.
+  // Memory for m x n problems whose elimination carries at most `carried` rows.
   void resize(int m, int n, int num_prescribed, int carried);
   // The same for find_ranks() alone.
   void resize_for_ranks(int m, int n, int carried);
 
-  // What follows of an elimination: ranks alone; constraints, with T2 and xp; or all. carried.rhs is one column, f^.
+  // Results computed from an elimination: ranks alone; constraints, with T2 and xp; or all. carried.rhs is one column,
+  // f^.
   PointRanks find_ranks(const TaylorData& data, const Carried& carried, Judge& judge, Arena& arena);
   PointRanks build_constraints(const TaylorData& data, const Carried& carried, Prescription prescription,
                                Judge& judge, Arena& arena);
@@ -95,8 +96,8 @@ class NullSpaceForm {
   void solve_G(const double* q, double* z, Arena& arena) const { differential_.solve(q, z, arena); }
   // Sign of det G, 0 if it vanishes; u = 0 only.
   int sign_of_G() const { return differential_.determinant_sign(); }
-  // Of regular problems with mu = 0: the sign of det(Q1 Q1^T E + (I - Q1 Q1^T) A), Q1 a basis of range E, which depends
-  // on no choice of bases; else, or where it vanishes, 0.
+  // For regular problems with mu = 0: the sign of det(Q1 Q1^T E + (I - Q1 Q1^T) A), Q1 a basis of range E, which is
+  // independent of the choice of bases; otherwise, or if it vanishes, 0.
   int orientation() const { return orientation_; }
   // Smallest values kept in the decisions on A^ and on E T2 (a > 0, d > 0), or of about their size.
   double smallest_constraint() const { return constraints_.smallest_kept(); }
@@ -106,7 +107,7 @@ class NullSpaceForm {
   // y := P y for W = P, else y stays.
   void project(double* y, Arena& arena) const { projector_.apply(y, arena); }
   void project(View Y, Arena& arena) const { projector_.apply(Y, arena); }
-  // Dimensions, T2 and Z1: what later points are compared with.
+  // Dimensions, T2 and Z1, for comparison with later points.
   void archive_bases(Archive& archive);
 
  private:

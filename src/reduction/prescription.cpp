@@ -27,7 +27,7 @@ void demand_fitting_prescription(bool fits, double t) {
 
 namespace {
 
-// T2 has orthonormal columns: values are sines of angles. One below the square root of rounding, 1e-8, leaves x with
+// T2 has orthonormal columns: values are sines of angles. One below the square root of roundoff, 1e-8, leaves x with
 // less than half of its digits.
 constexpr double least_sine = 1e-8;
 

@@ -1,4 +1,5 @@
-// Components of x prescribed as functions of time: as many directions that the constraints leave free follow them.
+// Components of x prescribed as functions of time: an equal number of directions that the constraints leave free follow
+// them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,13 +22,13 @@ struct Prescription {
 void demand_free_components(const std::vector<int>& prescribed, int u);
 void demand_fitting_prescription(bool fits, double t);
 
-// With J the prescribed components: (J T2)^T = Q [R; 0]. T2 Q1 =: P1 moves them, T2 Q2 leaves them alone.
+// With J the prescribed components: (J T2)^T = Q [R; 0]. T2 Q1 =: P1 moves them, T2 Q2 leaves them unchanged.
 class PrescribedDirections {
  public:
-  // Room for so many components of n.
+  // Memory for this many components of n.
   void resize(int n, int count);
-  // Splits T2 of all columns: the first columns become those that leave the components alone. False, and T2 as it
-  // was, if the components do not determine as many of its directions.
+  // Splits T2 of all columns: the first columns become those that leave the components unchanged. False, and T2
+  // unchanged, if the components do not determine as many of its directions.
   bool split(const std::vector<int>& components, View T2, Arena& arena);
   // xp += P1 R^-T (values - xp_J).
   void apply(Prescription prescription, double* xp, Arena& arena) const;

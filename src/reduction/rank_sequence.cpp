@@ -26,7 +26,7 @@ void archive_ranks(Archive& archive, RankSequence& ranks, int count) {
 
 namespace {
 
-// build: of the form, from what is left of an elimination.
+// build: builds the form from the result of an elimination.
 template <class Build>
 RankResult eliminate_for_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
                                RankWorkspace workspace, Build build) {
@@ -59,7 +59,7 @@ RankResult find_ranks(const TaylorData& data, int level, const Judge::Settings& 
 }
 
 bool stages_rise(const RankSequence& list, int level, int full_rank) {
-  if (list.rank[0] == full_rank) return true;  // nothing is left for later stages
+  if (list.rank[0] == full_rank) return true;  // no rank is left for later stages
   for (std::size_t k = 2; k <= index(level); ++k)
     if (list.rank[k] < list.rank[k - 1]) return false;
   return true;
@@ -74,7 +74,7 @@ bool has_known_values(const RankResult& found, const TaylorData& data, int level
          (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n)));
 }
 
-// find: ranks by a noise model. Where the analysis had to take the errors of the data alone, the others would find the
+// find: ranks by a noise model. If the analysis had to use the errors of the data alone, the others would find the
 // values changed at every point.
 template <class Find>
 std::optional<RankSequence> first_match(const TaylorData& data, int level, const IndexAnalysis& known, Find find) {

@@ -1,4 +1,4 @@
-// A staged elimination kept for more right-hand sides.
+// A staged elimination stored for further right-hand sides.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/stored_elimination.h"
 

@@ -1,4 +1,5 @@
-// A staged elimination kept for more right-hand sides: a chord iteration transforms residuals and recovers y with it.
+// A staged elimination stored for further right-hand sides: a chord iteration transforms residuals and recovers y with
+// it.
 //
 // Stage j = i + 1 of elimination.h turns [block row i; carried] into rows that determine y_j and rows carried on:
 //
@@ -19,13 +20,13 @@ namespace sfdae::core {
 
 class StoredElimination {
  public:
-  // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in
-  // `transformed`, of the size of f; what recover() needs follows.
+  // f of (level + 1) m entries is transformed: f^ = Z^T f, carried_rows() entries, comes first in `transformed`, of the
+  // size of f; the data for recover() follow.
   void transform(const double* f, double* transformed, Arena& arena) const;
-  // What weights of f^ mean for f: weights_of_f^T f = weights^T f^; (level + 1) m entries.
+  // Maps weights of f^ to weights of f: weights_of_f^T f = weights^T f^; (level + 1) m entries.
   void transform_transposed(const double* weights, double* weights_of_f, Arena& arena) const;
-  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that
-  // were eliminated. y: n x (level + 1).
+  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, if one exists. data: the coefficients that were
+  // eliminated. y: n x (level + 1).
   struct RightHandSide {
     const double* f;
     const double* transformed;
@@ -38,7 +39,7 @@ class StoredElimination {
   int carried_rows() const { return carried_; }
   int level() const { return level_; }
 
-  // What stage i is made of, for those who transform and recover several right-hand sides side by side.
+  // Data of stage i, for callers that transform and recover several right-hand sides side by side.
   struct StageView {
     int rank, null_rows, leaving, rhs;
     bool by_reflections;
@@ -52,7 +53,7 @@ class StoredElimination {
 
   // Called by eliminate().
   void begin(const TaylorData& data, int level);
-  // Of the stages that follow.
+  // Called for the following stages.
   void keep_diagonal_block(ConstView factors, const int* pivots, ConstView Q, int rank);
   void begin_stage(int i, int carried);
   void keep_reflections(ConstView X, const double* tau);
@@ -70,7 +71,7 @@ class StoredElimination {
     View view() { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
     ConstView view() const { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
   };
-  // E_0 of the rows that a stage has.
+  // E_0 restricted to the rows of a stage.
   struct Diagonal {
     Block R, Q;
     std::vector<int> pivots;
@@ -82,13 +83,13 @@ class StoredElimination {
     bool by_reflections = false;
     Block W, X, T, rows;  // rows: leaving ones in y_1, ..., y_i, x
     std::vector<double> X_tau, T_tau;
-    int rhs = 0;  // where the right-hand sides of the rows leaving stand
+    int rhs = 0;  // position of the right-hand sides of the rows leaving
     std::vector<int> pivots;
     Block solution;  // y_j = solution [f_i; rows leaving; x; y_1; ...; y_i], for small problems
   };
 
   void combine(const TaylorData& data, int i, Arena& arena);
-  // What y is recovered from.
+  // Known data from which y is recovered.
   struct Known {
     const TaylorData& data;
     RightHandSide rhs;
@@ -102,7 +103,7 @@ class StoredElimination {
   std::vector<Diagonal> diagonals_;
   std::size_t num_diagonals_ = 0;
   std::vector<Stage> stages_;  // index i = 0..level
-  Stage* stage_ = nullptr;     // being kept
+  Stage* stage_ = nullptr;     // being stored
 };
 
 }  // namespace sfdae::core

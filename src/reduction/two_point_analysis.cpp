@@ -1,4 +1,4 @@
-// The analysis at a point and at another one nearby.
+// The analysis at a point and at a second one nearby.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/two_point_analysis.h"
 
@@ -86,9 +86,9 @@ void raise_to_level(const SearchTask& task, int mu, double nearby, AnalysisOutco
   here.is_clear = here.is_clear && found.clear;
 }
 
-// What level mu, found at t, says nearby if that is clear and the same; the levels below need not be looked at there
-// then: the larger index of the two points counts, and without redundant rows at level mu there are none below. Ranks
-// along jets and redundant equations are followed from level to level as at t.
+// Result of level mu, found at t, at the nearby point if it is clear and the same; the levels below need not be
+// examined there then: the larger index of the two points counts, and without redundant rows at level mu there are none
+// below. Ranks along jets and redundant equations are followed from level to level as at t.
 std::optional<AnalysisOutcome> same_at_level(const SearchTask& task, double nearby, const IndexAnalysis& here) {
   const CharacteristicValues& values = here.values;
   if (values.mu < 1 || values.v > 0 || here.v_hat > 0 || task.problem.is_along_jet()) return std::nullopt;

@@ -1,4 +1,4 @@
-// What is said where the ranks of a problem are not clear.
+// Messages about problems whose ranks are not clear.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/unclear_ranks.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int exponents[] = {-100, -75, -60, -50, -40, -33, -30, -26, -22, -19, -17, -16, -15,
                              -14,  -13, -12, -11, -10, -9,  -8,  -7,  -6,  -5,  -4,  -3,  -2};
 
-// Neighbouring exponents with the same values.
+// Neighboring exponents with the same values.
 struct Range {
   CharacteristicValues values;
   std::vector<int> tried;
@@ -41,7 +41,7 @@ std::vector<Range> ranges_of(const SearchTask& task, double t) {
   return ranges;
 }
 
-// What the analysis would say at the point of the decision if rank_tol made it.
+// Result of the analysis at the point of the decision if rank_tol made it.
 CharacteristicValues values_with(const SearchTask& task, const RankDecision& decision, double rank_tol) {
   AnalysisSettings settings = task.settings;
   settings.rank_tol = rank_tol;
@@ -56,7 +56,7 @@ std::string result_with(int rank, double rank_tol, const CharacteristicValues& v
          ".";
 }
 
-// Where a rank makes no difference: the values that other tolerances give, the two of them that hold for most.
+// Used if a rank makes no difference: the values that other tolerances give, the two of them with the widest ranges.
 std::string other_results(const SearchTask& task, const RankDecision& decision) {
   const std::vector<Range> ranges = ranges_of(task, decision.t);
   const auto longer = [](const Range* a, const Range* b) { return b == nullptr || a->length() > b->length(); };
@@ -73,7 +73,7 @@ std::string other_results(const SearchTask& task, const RankDecision& decision) 
   return first->tolerance() < second->tolerance() ? tell(*first) + tell(*second) : tell(*second) + tell(*first);
 }
 
-// Of the level judged last: the first that is unclear, or the one with the smallest gap.
+// In the level judged last: the first unclear decision, or the one with the smallest gap.
 const RankDecision& doubtful_decision(const std::vector<RankDecision>& log) {
   auto first = log.end();
   while (first != log.begin() && std::prev(first)->level == log.back().level && std::prev(first)->t == log.back().t)
@@ -89,14 +89,14 @@ const RankDecision& doubtful_decision(const std::vector<RankDecision>& log) {
 
 std::string rank_tolerances(const SearchTask& task, double t, const CharacteristicValues& certain) {
   const std::vector<Range> ranges = ranges_of(task, t);
-  // Tolerances between values that belong together give mixtures: the widest ranges separate them.
+  // Tolerances between values of one group give mixtures: the widest ranges separate them.
   const Range* keeping = nullptr;
   const Range* dropping = nullptr;
   for (const Range& range : ranges) {
     const bool keeps = range.values == certain;
     const Range*& widest = keeps ? keeping : dropping;
     if (widest == nullptr || range.length() > widest->length()) widest = &range;
-    // What is dropped is so by larger tolerances.
+    // Only tolerances above those that keep a value drop it.
     if (keeps && keeping == &range) dropping = nullptr;
   }
   const auto tell = [](const Range* range, const char* what) {
@@ -112,13 +112,12 @@ std::string rank_tolerances(const SearchTask& task, double t, const Characterist
   return tell(keeping, "keeps it") + ", " + tell(dropping, "drops it");
 }
 
-// rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not
-// known) keeps it, three times the value drops it. Above one half nothing would be kept.
+// rank_tol for either answer: the geometric mean of the value and the next smaller one (two digits if unknown) keeps
+// it, three times the value drops it. Above one half nothing would be kept.
 std::string neighbouring_ranks(const SearchTask& task) {
   if (task.log == nullptr || task.log->empty()) return {};
   const RankDecision& decision = doubtful_decision(*task.log);
-  // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one
-  // dropped.
+  // The value in doubt is the smallest one kept, or, if that is clear or there is none, the largest one dropped.
   const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
   const double value = std::max(doubts_kept ? decision.kept : decision.dropped, decision.noise);
   const double below = doubts_kept ? std::max({decision.dropped, decision.noise, 1e-300}) : 1e-2 * value;

@@ -1,4 +1,4 @@
-// What is said where the ranks of a problem are not clear.
+// Messages about problems whose ranks are not clear.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace sfdae::core {
 
-// "rank_tol = 1.0e-16 keeps it (mu = 0, d = 3, ...), rank_tol = 1.0e-08 drops it (...)": tolerances that were tried,
-// in balanced units, and what they lead to. certain: the values that one of them ought to give.
+// "rank_tol = 1.0e-16 keeps it (mu = 0, d = 3, ...), rank_tol = 1.0e-08 drops it (...)": tolerances that were tried, in
+// balanced units, and their results. certain: the values that one of them ought to give.
 std::string rank_tolerances(const SearchTask& task, double t, const CharacteristicValues& certain);
 
-// " With rank 3 (rank_tol = 1.0e-09) the characteristic values are mu = 1, .... With rank 2 ...": of the doubtful
-// decision that the log of the task ends with, in the units that the source has; two searches.
+// " With rank 3 (rank_tol = 1.0e-09) the characteristic values are mu = 1, .... With rank 2 ...": for the doubtful
+// decision at the end of the log of the task, in the units of the source; two searches.
 std::string neighbouring_ranks(const SearchTask& task);
 
 }  // namespace sfdae::core

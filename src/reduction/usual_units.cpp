@@ -15,7 +15,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns below smallest_column are left alone: they may be rounding errors.
+// Columns below smallest_column are not scaled: they may be rounding errors.
 constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
 
 }  // namespace
@@ -30,11 +30,11 @@ TaylorData data_in_units(CoefficientSource& source, double t, const Units& units
 
 namespace {
 
-// The data as they would be with such units, time and rows scaled anew: all factors are powers of two. Throws Failure
-// where products would overflow.
+// The data in such units, with time and rows scaled again: all factors are powers of two. Throws Failure if products
+// would overflow.
 void change_units(const Units& units, TaylorData& data) {
   data.rescale_time(1.0 / data.time_scale);
-  // Which row is the largest one decides about factors: those of the user are wanted.
+  // The largest row determines the factors: the user's rows are used.
   for (View block : {data.E(0), data.A(0)})
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i) block(i, j) /= data.row_scale[index(i)];
@@ -56,7 +56,7 @@ UsualUnits usual_units(CoefficientSource& source, double t) {
   TaylorData scaled;
   std::vector<double> scale(n, 1.0), size(n);
   bool needed = false;
-  // Scaling of rows and columns depends on each other: two sweeps.
+  // Scalings of rows and columns depend on each other: two sweeps.
   for (int sweep = 0; sweep < 2; ++sweep) {
     if (sweep > 0) {
       scaled = result.data;

@@ -9,9 +9,9 @@ namespace sfdae::core {
 // E and A at t in the given units of the unknowns, which the source keeps, and of time (0: chosen). Throws Failure.
 TaylorData data_in_units(CoefficientSource& source, double t, const Units& units, double time_scale = 0.0);
 
-// Those of the user, but columns of [E A] that differ by more than 1024 become of comparable size, by powers of two
-// (docs/design/scaling_and_units.md), and E and A in them. Throws Failure. The source is evaluated once, in
-// units of one, which it keeps.
+// Units of the user, but columns of [E A] that differ by more than 1024 become of comparable size, by powers of two
+// (docs/design/scaling_and_units.md), and E and A in them. Throws Failure. The source is evaluated once, in units of
+// one, which it keeps.
 struct UsualUnits {
   Units units;
   TaylorData data;

@@ -1,8 +1,8 @@
-// The equations of sensitivities at one point of x, transposed: what weights of S mean for the parameters.
+// The transposed equations of sensitivities at one point of x, which turn weights of S into gradients by parameters.
 //
 // S(p) depends on F_p by xp = -A2^+ f2 and by Z1^T f. With weights eta of xp and nu of Z1^T f, eta^T xp + nu^T Z1^T f
-// is a sum over the rows of the derivative array, whose weights the stored elimination gives: one sum for any number
-// of parameters.
+// is a sum over the rows of the derivative array, with weights from the stored elimination: one sum for any number of
+// parameters.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -15,8 +15,8 @@ class AdjointPoint final : public LinearizedPoint {
  public:
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
 
-  // nu: d x q, eta: n x q, in scaled unknowns, without columns where xp is not needed; to gradient, count x q, is
-  // added what they mean for the parameters at the point linearized last.
+  // nu: d x q, eta: n x q, in scaled unknowns, without columns if xp is not needed. Their contribution to the
+  // derivatives by the parameters at the point linearized last is added to gradient, count x q.
   struct Weights {
     ConstView nu, eta;
   };

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// As for the extension of x (extension/extension_linearization.cpp): states are chosen anew where these move some
-// unknown by so much more than where they were chosen, and by so many of its sizes if they change by theirs.
+// Limits for a new choice of states, as for the extension of x (extension/extension_linearization.cpp): states move
+// some unknown by so much more than when they were chosen, and by so many of its sizes if they change by theirs.
 constexpr double worth_a_choice = 3.0, harmless_move = 30.0;
 
 }  // namespace
@@ -71,7 +71,7 @@ void ExtendedSensitivityStep::archive(Archive& archive, const AnalyzedEquations&
   if (has_lu_) pivots_.archive(archive, lu_, values_.size());
 }
 
-// The jets have the derivatives that the extension contains, and fulfil its equations.
+// Returns whether the jets have the derivatives that the extension contains, and fulfil its equations.
 bool ExtendedSensitivityStep::fits(const AnalyzedEquations& equations) const {
   const CharacteristicValues& values = equations.analysis().values;
   const Structure* structure = problem_.structure();
@@ -118,7 +118,7 @@ bool ExtendedSensitivityStep::linearize(const Jet& jet) {
   return callback_error_.status == SFDAE_OK;
 }
 
-// What is no x_j, or has no x_j' in the extension, is no state: these have to be determined by the others.
+// States must be x_j that have an x_j' in the extension: the others have to be determined by them.
 bool ExtendedSensitivityStep::choose_states() {
   std::vector<int> unknown_of(index(num_columns())), order_of(index(num_columns())), order_of_row(index(num_rows()));
   BasisSettings settings;
@@ -137,7 +137,7 @@ bool ExtendedSensitivityStep::choose_states() {
   rows.columns = num_columns();
   rows.first.assign(1, 0);
   std::vector<int> entry_of(index(num_columns()), -1);
-  // Terms come by rows of one equation only.
+  // Only terms of one equation are ordered by rows.
   std::vector<std::vector<std::size_t>> of_row(index(num_rows()));
   for (std::size_t e = 0; e < equations_.terms.size(); ++e) of_row[index(equations_.terms[e].row)].push_back(e);
   for (std::size_t row = 0; row < of_row.size(); ++row) {
@@ -209,7 +209,7 @@ void ExtendedSensitivityStep::set_values(double state, double slope) {
   }
 }
 
-// The first `count` right-hand sides. Where a list of operations is of no use, with sparse factors.
+// Solves for the first `count` right-hand sides. Sparse factors replace a list of operations that is too long.
 bool ExtendedSensitivityStep::solve_system(int count) {
   if (planned_.is_suitable() && planned_.solve(values_.data(), right_.data(), count, solution_.data())) return true;
   if (!has_lu_) {
@@ -223,7 +223,7 @@ bool ExtendedSensitivityStep::solve_system(int count) {
   return all_finite(solution_.data(), index(num_columns()) * index(count));
 }
 
-// Those of S, and one with no other change than those of the states by their sizes.
+// Right-hand sides of S, and one that changes only the states, by their sizes.
 void ExtendedSensitivityStep::set_right_hand_sides(double c, const double* rest) {
   const int count = parameters_.count(), m = problem_.m(), n = problem_.n();
   std::fill(right_.begin(), right_.end(), 0.0);
@@ -258,8 +258,8 @@ bool ExtendedSensitivityStep::are_good_states(double move) const {
   return move <= std::max(harmless_move, worth_a_choice * move_of_choice_);
 }
 
-// With other states where those there are determine the rest no more. move: by how many of their sizes unknowns move
-// if states do by theirs, in what was solved last. False: there are no states.
+// Chooses other states if the present ones no longer determine the rest. move: by how many of their sizes unknowns move
+// if states do by theirs, in the last solution. False: there are no states.
 template <class Solve, class Move>
 bool ExtendedSensitivityStep::solve_with_good_states(Solve solve, Move move) {
   const bool is_solved = solve();
@@ -287,7 +287,7 @@ PointStatus ExtendedSensitivityStep::solve(const Jet& jet, double c, const doubl
 
 // ---- Tangents --------------------------------------------------------------------------------------------------
 
-// Those of xp, with states that do not change, and one for each state.
+// Right-hand sides of xp, with fixed states, and one for each state.
 void ExtendedSensitivityStep::set_right_hand_sides_of_tangents() {
   const std::size_t columns = index(num_columns()), count = index(parameters_.count());
   right_.resize(std::max(right_.size(), columns * (count + equations_.states.size())));

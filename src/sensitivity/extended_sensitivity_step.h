@@ -1,14 +1,14 @@
 // BDF steps of sensitivities by the minimal extension of recorded equations.
 //
-// Where numbers confirm the structure of the equations, with its offsets c_i and d_j, equation i differentiated up to
-// c_i times determines the Taylor coefficients up to d_j of all x_j from d of the x_j, the states. Differentiated by
-// p that is linear, with states discretized as x is:
+// If the structural analysis of the equations is confirmed numerically, with offsets c_i and d_j, equation i
+// differentiated up to c_i times determines the Taylor coefficients up to d_j of all x_j from d of the x_j, the states.
+// The derivative by p is linear, with states discretized as x is:
 //
 //     sum_{j,l} (dF_i,k / dx_j,l) S_j,l = -(F_p)_i,k,  k = 0 ... c_i,      S_s,1 = c S_s,0 + rest_s,  s a state
 //
 // one sparse matrix in place of an elimination of the derivative array. The jets of x have all derivatives that these
-// equations contain: they fulfil the equations, which determine them. States are chosen anew where they move other
-// unknowns much more than when they were chosen.
+// equations contain: they fulfil the equations, which determine them. A new choice of states is made when they move
+// other unknowns much more than when they were chosen.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -27,7 +27,7 @@ namespace sfdae::core {
 // The equations of the extension differentiated: the coefficients (i, k) of each equation, k <= limits[i], and (j, l)
 // of each unknown.
 struct ExtendedEquations {
-  // Of an entry of the matrix: factor times a Taylor coefficient of a derivative of an equation.
+  // Term of a matrix entry: factor times a Taylor coefficient of a derivative of an equation.
   struct Term {
     int row, column;
     std::size_t coefficient;
@@ -48,29 +48,30 @@ struct ExtendedEquations {
 
 class ExtendedSensitivityStep {
  public:
-  // Both live longer.
+  // Both arguments must outlive this object.
   ExtendedSensitivityStep(RecordedProblem& problem, ParameterSeries& parameters)
       : problem_(problem), parameters_(parameters) {}
 
-  // At a jet that fulfils F_mu = 0: whether this is the way to solve steps.
+  // At a jet that fulfils F_mu = 0: returns whether this method can solve steps.
   bool prepare(const AnalyzedEquations& equations, const Jet& jet);
   bool is_possible() const { return is_possible_; }
-  // Reading: prepared as it was, states and pivots included. Throws DamagedArchive.
+  // Reading restores the prepared state, states and pivots included. Throws DamagedArchive.
   void archive(Archive& archive, const AnalyzedEquations& equations);
 
-  // rest, S: n x count, in the user's units. Not possible any more: no states determine the rest, S is as it was.
+  // rest, S: n x count, in the user's units. PointStatus "not possible" means that no states determine the rest; S is
+  // then unchanged.
   PointStatus solve(const Jet& jet, double c, const double* rest, double* S);
-  // What the constraints leave open, in the user's units: S = xp + T2 z with the states of S for z. T2: n x
+  // Solutions that the constraints admit, in the user's units: S = xp + T2 z with the states of S for z. T2: n x
   // num_states(), xp: n x count. Not possible any more: as solve().
   PointStatus find_tangents(const Jet& jet, View T2, View xp);
   int num_states() const { return equations_.num_states(); }
 
-  // For those who find tangents of several jets at once. The list is null where find_tangents() has to be called first.
+  // For callers that find tangents of several jets at once. The list is null if find_tangents() has to be called first.
   const ExtendedEquations& equations() const { return equations_; }
   std::size_t num_entries() const { return pattern_.row.size(); }
   const EliminationList* list() const { return has_pattern_ ? planned_.list() : nullptr; }
-  // Largest sizes of the unknowns met, which are to be kept up to date; whether the states serve that move unknowns
-  // by so much of these.
+  // sizes(): largest sizes of the unknowns so far, which the caller updates; the next function tells whether states are
+  // suitable that move unknowns by so much of these.
   std::vector<double>& sizes() { return sizes_; }
   bool are_good_states(double move) const;
   const CallbackError& callback_error() const { return callback_error_; }

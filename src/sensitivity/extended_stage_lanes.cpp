@@ -1,4 +1,4 @@
-// The stages of a Radau step of sensitivities linearized side by side.
+// Side-by-side linearization of the stages of a Radau step of sensitivities.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensitivity/extended_stage_lanes.h"
 
@@ -16,9 +16,9 @@ namespace {
 
 using lane_algebra::set_abs;
 
-// What a column loses to those before it by so much may be nothing but rounding errors.
+// A column that loses so much to those before it may consist of rounding errors.
 constexpr double least_part = 1e-8;
-// As NonlinearProblem::drop_rounding_errors: E so much smaller than A may be rounding errors.
+// As in NonlinearProblem::drop_rounding_errors: E so much smaller than A may be rounding errors.
 constexpr double suspicious = 1e-10;
 
 // ---- The extension ---------------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ void find_basis(Basis& work) {
   Lanes* const Z1 = work.Z1;
   work.is_found = false;
   for (int k = 0; k < d; ++k) {
-    // Twice is enough where once is not: what the first pass leaves of the others is removed by the second.
+    // Two passes are enough if one is not: the second removes the components that the first leaves.
     Lanes before, after;
     sum_of_products(Z1 + k, Z1 + k, m, d, before);
     for (int pass = 0; pass < 2; ++pass)
@@ -216,7 +216,7 @@ void ExtendedStageLanes::resize() {
   factors_.resize(index(problem_.m()));
 }
 
-// Lanes beyond repeat the last stage.
+// Unused lanes repeat the last stage.
 void ExtendedStageLanes::keep(int i, const Jet& jet, const double* xdot) {
   const std::size_t n = index(n_);
   points_.has_slopes = xdot != nullptr;
@@ -246,7 +246,7 @@ const double* ExtendedStageLanes::xdot(int i, std::vector<double>& buffer) const
   return buffer.data();
 }
 
-// With the states and pivots known, as long as both serve at all stages.
+// Uses the known states and pivots. False unless both are suitable at all stages.
 bool ExtendedStageLanes::find_tangents() {
   const ExtendedEquations& equations = extension_.equations();
   const int count = parameters_.count(), d = equations.num_states(), columns = equations.num_columns();
@@ -276,7 +276,7 @@ bool ExtendedStageLanes::find_tangents() {
   return true;
 }
 
-// Those of each point, as TaylorData::scale has them for a given unit of time.
+// Row factors of each point, as in TaylorData::scale for a given unit of time.
 bool ExtendedStageLanes::find_row_factors(const AnalyzedEquations& equations) {
   const IndexAnalysis& analysis = equations.analysis();
   for (int l = 0; l < s_; ++l) {

@@ -1,9 +1,8 @@
 // The stages of a Radau step of sensitivities linearized side by side, one in each lane: tangents T2 and xp by the
-// minimal extension, and Z1^T (E, A, f), as SensitivityPoint has them one by one
-// (docs/design/sensitivities.md).
+// minimal extension, and Z1^T (E, A, f), as SensitivityPoint computes them one by one (docs/design/sensitivities.md).
 //
-// Z1 is the orthonormal basis of the range of E T2, rows scaled, that the modified method of Gram and Schmidt finds
-// [B67]: the range is what counts, and that is found to rounding errors.
+// Z1 is the orthonormal basis of the range of E T2, rows scaled, by the modified Gram-Schmidt method [B67]. Only the
+// range matters, and it is accurate to machine precision.
 //
 // [B67] A. Bjoerck: Solving linear least squares problems by Gram-Schmidt orthogonalization. BIT 7 (1967), 1-21.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -24,18 +23,17 @@ namespace sfdae::core {
 
 class ExtendedStageLanes {
  public:
-  // All live longer.
+  // All arguments must outlive this object.
   ExtendedStageLanes(RecordedProblem& problem, ParameterSeries& parameters, ExtendedSensitivityStep& extension)
       : problem_(problem), parameters_(parameters), extension_(extension) {}
 
-  // Whether s stages can be kept here, which are numbered 0, ..., s - 1 and come in this order.
+  // Returns whether s stages can be stored here, numbered 0, ..., s - 1 and in this order.
   bool begin(int s);
   // xdot: x' there, or null: that of the jet.
   void keep(int i, const Jet& jet, const double* xdot);
-  // Of all stages, into `stages`, which has their sizes. False: they have to be linearized one by one, for whatever
-  // reason.
+  // Linearizes all stages into `stages`, which has their sizes. False: they have to be linearized one by one.
   bool linearize(const AnalyzedEquations& equations, SensitivityStages& stages);
-  // What was kept of a stage.
+  // The stored jet of a stage.
   Jet jet(int i) const;
   const double* xdot(int i, std::vector<double>& buffer) const;
 
@@ -51,7 +49,7 @@ class ExtendedStageLanes {
   int s_ = 0, n_ = 0, jet_order_ = 0;
   std::vector<RecordedEntry> entries_;
   std::vector<int> level_0_;  // limits of entries of level 0
-  // What is kept; jets: n x (order + 1).
+  // Stored data; jets: n x (order + 1).
   struct Points {
     LaneArray t, jets, x_xdot;
     bool has_slopes = false;

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Of equations none of which is differentiated: rounding errors are not amplified from step to step, as they may be
-// where constraints are hidden (see rounding_of_residuals).
+// Residuals of equations none of which is differentiated: rounding errors are not amplified from step to step, as they
+// may be with hidden constraints (see rounding_of_residuals).
 constexpr double harmless_residuals = 1e-14;
 
 }  // namespace
@@ -29,7 +29,7 @@ ExtensionSensitivities::ExtensionSensitivities(ExtensionSystem& system, std::vec
       equations_(extension_, parameters_, numbers_),
       stages_(equations_) {}
 
-// The states of x; lists of operations are of one choice.
+// Takes the states of x; lists of operations belong to one choice.
 void ExtensionSensitivities::take_choice() {
   if (choice_number_ == system_.linearization().choice_number()) return;
   const StateChoice& choice = system_.linearization().choice();
@@ -119,7 +119,7 @@ bool ExtensionSensitivities::solve_held(const double* S) {
   return held_.solve(values_, right_.data(), count(), solution_.data());
 }
 
-// With the states as they are; in their place solution_ has S_j'.
+// Copies S with the present states; in their place solution_ has S_j'.
 void ExtensionSensitivities::copy_held(const double* from, double* S) const {
   copy_x(solution_.data(), S);
   for (std::ptrdiff_t q = 0; q < count(); ++q)
@@ -139,7 +139,7 @@ PointStatus ExtensionSensitivities::restore(const double* guess, double* S) {
   return PointStatus::ok;
 }
 
-// Those of x_j with d_j > 0 are in the extension; all rows differentiated once more determine the others.
+// Slopes of x_j with d_j > 0 are in the extension; all rows differentiated once more determine the others.
 PointStatus ExtensionSensitivities::derivative(const double* S, double* Sdot) {
   const std::vector<int>& d = extension_.offsets().d;
   const bool has_all = std::find(d.begin(), d.end(), 0) == d.end();
@@ -172,7 +172,7 @@ PointStatus ExtensionSensitivities::derivative(const double* S, double* Sdot) {
   return find_next_coefficients(longer, Sdot);
 }
 
-// Of x_j with d_j = 0 those of x_j', with the matrix of the states held, in values_.
+// For x_j with d_j = 0, finds x_j', with the matrix of the held states, in values_.
 PointStatus ExtensionSensitivities::find_next_coefficients(const Jet& longer, double* Sdot) {
   callback_error_ = equations_.slopes(longer, taylor_.data(), right_.data());
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
@@ -188,7 +188,7 @@ PointStatus ExtensionSensitivities::find_next_coefficients(const Jet& longer, do
 
 // ---- Starts ----------------------------------------------------------------------------------------------------
 
-// Where directions of the states leave all that is differentiated as it is, they determine S.
+// If directions of the states do not change any differential variable, they determine S.
 bool ExtensionSensitivities::states_are_differentiated() const {
   const std::vector<char> differentiated = differentiated_unknowns(extension_.problem().structure()->signature);
   const std::vector<int>& states = system_.linearization().choice().states();
@@ -219,7 +219,7 @@ void ExtensionSensitivities::start(const ConsistencyRequest& request, const doub
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
-// Whatever is evaluated once for a step only comes again.
+// Values that are evaluated once for a step are not archived.
 void ExtensionSensitivities::archive(Archive& archive) {
   take_choice();
   long factorizations = counts().factorizations;

@@ -1,9 +1,8 @@
 // Sensitivities of equations that are solved by their minimal extension: linear equations along its jets, with sparse
 // matrices.
 //
-// Steps and stages are those of x differentiated by p: the states of x are discretized, everything else follows from
-// the equations of the extension, which hold for S with all hidden constraints among them
-// (docs/design/sensitivities.md).
+// Steps and stages are those of x differentiated by p: the states of x are discretized, all other unknowns follow from
+// the equations of the extension, which hold for S including all hidden constraints (docs/design/sensitivities.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,9 +21,9 @@ namespace sfdae::core {
 
 class ExtensionSensitivities final : public SensitivitySystem {
  public:
-  // Of equations none of which is replaced.
+  // Possible if no equation is replaced.
   static bool are_possible(const Structure& structure) { return structure.equations.num_replaced() == 0; }
-  // parameters: as of ParameterSeries. The system and its problem live longer.
+  // parameters: as for ParameterSeries. The system and its problem must outlive this object.
   ExtensionSensitivities(ExtensionSystem& system, std::vector<int> parameters);
 
   int unknowns() const override { return system_.unknowns(); }
@@ -38,7 +37,7 @@ class ExtensionSensitivities final : public SensitivitySystem {
   void error_in_S(const double* errors, double* mapped) override { system_.error_in_x(errors, count(), mapped); }
   PointStatus derivative(const double* S, double* Sdot) override;
   void start(const ConsistencyRequest& request, const double* directions, double* S) override;
-  // Null: the whole array has one.
+  // Null: only the derivative array provides one.
   std::unique_ptr<AdjointSystem> adjoint() override { return nullptr; }
   double inconsistency() const override { return 0.0; }
   const CallbackError& callback_error() const override { return callback_error_; }
@@ -49,7 +48,7 @@ class ExtensionSensitivities final : public SensitivitySystem {
   void take_choice();
   PointStatus linearize(const Jet& jet);
   void keep(const StageMethod& method, int i, const Jet& jet);
-  // By slots into solution_, the states being those of S.
+  // Writes to solution_ by slots; the states are those of S.
   bool solve_held(const double* S);
   bool states_are_differentiated() const;
   PointStatus find_next_coefficients(const Jet& longer, double* Sdot);
@@ -67,7 +66,7 @@ class ExtensionSensitivities final : public SensitivitySystem {
   RepeatedSystems held_;
   ExtensionSensitivityStages stages_;
   SensitivityRows here_;
-  // Stages that are kept until they are solved for; those of a step have its factors.
+  // Stages that are stored until they are solved for; those of a step have its factors.
   struct KeptStages {
     std::vector<Jet> jets;
     std::vector<SensitivityRows> rows;

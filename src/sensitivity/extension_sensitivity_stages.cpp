@@ -14,18 +14,19 @@ namespace sfdae::core {
 
 namespace {
 
-// Errors of S, relative to its largest entries in units of x, that are let be: without hidden constraints, and with
-// them, which S has to fulfil to rounding. Changes that stop becoming smaller there may be rounding errors.
+// Negligible errors of S, relative to its largest entries in units of x: without hidden constraints, and with them,
+// which S has to fulfil to machine precision. Below the last value, changes that stop decreasing may be rounding
+// errors.
 constexpr double negligible_error = 1e-10, negligible_error_of_hidden = 1e-12, rounding_of_changes = 1e-10;
 // One system for all stages takes less time than more iterations, or slower ones.
 constexpr int most_iterations_of_stages = 12;
 constexpr double slowest_rate = 0.2;
-// Of all stages, those in pairs counted once: full matrices of which take less time than iterations with the factors
-// of x.
+// States of all stages, those in pairs counted once: with so many, full matrices take less time than iterations with
+// the factors of x.
 constexpr int most_states_of_stages = 120;
-// With factors of x iterations are as many for each parameter. Chosen, not measured.
+// Iterations with factors of x cost the same for each parameter. Chosen, not measured.
 constexpr int most_iterated = 2;
-// The first change is all of S, the second one what rounding errors were.
+// The first change is all of S, the second one its rounding errors.
 constexpr int most_refinements = 4;
 
 }  // namespace
@@ -60,7 +61,7 @@ bool ExtensionSensitivityStages::solve(const Task& task, ExtensionLinearization*
   return copy_to(task.method.s, S);
 }
 
-// False: not finite.
+// Returns false if a value is not finite.
 bool ExtensionSensitivityStages::copy_to(int s, double* S) const {
   for (int i = 0; i < s; ++i)
     for (int q = 0; q < count(); ++q) {
@@ -72,13 +73,13 @@ bool ExtensionSensitivityStages::copy_to(int s, double* S) const {
 
 // ---- By states -------------------------------------------------------------------------------------------------
 
-// Solved and refined: pivots need not be large.
+// Solves and refines: pivots need not be large.
 bool ExtensionSensitivityStages::solve_locally(const Task& task, const ExtensionLinearization& linearization,
                                                LocalStages* by, double* S) {
   const int s = task.method.s;
   resize(s);
   if (by != nullptr && count() <= most_iterated && iterate(task, [&] { take_away(task, *by); })) return copy_to(s, S);
-  // As many states in pairs as there may be.
+  // Allows for as many states in pairs as possible.
   if (!local_.is_of_use(s, 2 * most_states_of_stages)) return false;
   const auto value = [&](std::size_t e, int i) { return task.rows[index(i)].values[e]; };
   if (!local_.linearize(task.method, task.h, value, linearization, most_states_of_stages)) return false;
@@ -105,7 +106,7 @@ bool ExtensionSensitivityStages::iterate(const Task& task, TakeAway take_away) {
   const bool has_hidden = equations_.extension().highest_level() > 0;
   const double target = has_hidden ? negligible_error_of_hidden : negligible_error;
   predict(task);
-  // Where constraints are hidden every other iteration may gain little.
+  // With hidden constraints every other iteration may gain little.
   double before = std::numeric_limits<double>::infinity(), earlier = before, rate_before = 1.0,
          most = before;  // what has to be left with the slowest rate that is of use
   for (int iteration = 0; iteration < most_iterations_of_stages; ++iteration) {
@@ -113,7 +114,7 @@ bool ExtensionSensitivityStages::iterate(const Task& task, TakeAway take_away) {
     take_away();
     const double change = add_changes(task);
     if (!(change <= std::numeric_limits<double>::max())) return false;
-    // The first change takes away what the prediction is off by; nothing is known of the next one.
+    // The first change removes the error of the prediction; nothing is known of the next one.
     const double rate = iteration > 0 ? change / before : 1.0;
     const bool is_slow = iteration > 1 && (change > slowest_rate * std::max(before, earlier) || change > most);
     const bool is_there =
@@ -128,7 +129,7 @@ bool ExtensionSensitivityStages::iterate(const Task& task, TakeAway take_away) {
   return false;
 }
 
-// By the polynomial of the last step, or as at the start of this one.
+// Extrapolates the polynomial of the last step, or repeats the values at the start of this one.
 void ExtensionSensitivityStages::predict(const Task& task) {
   if (extrapolate(task)) return;
   const int n = equations_.extension().n();
@@ -167,7 +168,7 @@ void ExtensionSensitivityStages::note_step(const Task& task) {
   for (int i = 0; i < task.method.s; ++i) before_.times.push_back(task.jets[index(i)].t);
 }
 
-// r_: right-hand sides less what the unknowns make of the rows.
+// r_: right-hand sides minus the rows applied to the unknowns.
 void ExtensionSensitivityStages::set_residuals(const Task& task) {
   const std::vector<int>& states = choice_->states();
   const int s = task.method.s, size = static_cast<int>(states.size()) * count();
@@ -191,7 +192,7 @@ void ExtensionSensitivityStages::set_residuals(const Task& task) {
     }
 }
 
-// The first `used` parameters from q on, of at most `width`: others repeat the last.
+// Parameters from q on, the first `used` of at most `width`: others repeat the last.
 template <int width>
 void ExtensionSensitivityStages::subtract_rows(const SensitivityRows& rows, int i, int q, int used) {
   const std::size_t num_rows = index(this->num_rows()), d = choice_->states().size();
@@ -221,7 +222,8 @@ void ExtensionSensitivityStages::subtract_rows(const SensitivityRows& rows, int 
   }
 }
 
-// As the stages of x: multiplied by T^-1 they are one real system and (s - 1) / 2 complex ones. r_ becomes the changes.
+// As for the stages of x: multiplied by T^-1 they are one real system and (s - 1) / 2 complex ones. r_ becomes the
+// changes.
 void ExtensionSensitivityStages::take_away(const Task& task, ExtensionLinearization& by) {
   const StageMethod& method = task.method;
   const int s = method.s, size = num_rows() * count();
@@ -241,8 +243,8 @@ void ExtensionSensitivityStages::take_away(const Task& task, ExtensionLinearizat
   multiply(1.0, Op::plain, transformed, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, r);
 }
 
-// The largest change of S relative to the largest entry of its column, both in units of x. Not finite where anything
-// is not.
+// The largest change of S relative to the largest entry of its column, both in units of x. Not finite if any value is
+// not.
 double ExtensionSensitivityStages::add_changes(const Task& task) {
   const std::size_t n = index(equations_.extension().n()), rows = index(num_rows());
   per_scale_.resize(n);

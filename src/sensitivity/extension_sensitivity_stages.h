@@ -3,10 +3,10 @@
 //
 //     S_j' = sum_k D_ik (S_j,k - S_j) / h        at stage i.
 //
-// Where states are few among them, each stage is eliminated down to its states, which leaves s d equations for each
-// parameter (local_stages.h). Else by iterations with the factors of x, which hold for one linearization and decouple
-// the stages: what they leave is measured with the derivatives of each stage, and taken away until it is rounding
-// errors. Where they contract slowly, or x has none, as one sparse system for all stages.
+// If states are few among the unknowns, each stage is eliminated down to its states, which leaves s d equations for
+// each parameter (local_stages.h). Else by iterations with the factors of x, which hold for one linearization and
+// decouple the stages: residuals use the derivatives of each stage, and are removed until they are rounding errors. If
+// iterations contract slowly, or x has no factors, as one sparse system for all stages.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -28,12 +28,12 @@ class ExtensionSensitivityStages {
 
   explicit ExtensionSensitivityStages(SensitivityEquations& equations)
       : equations_(equations), local_(equations.extension()), together_(equations) {}
-  // Other states from now on. choice: lives until the next call, as the slots do.
+  // Sets other states. choice: must live until the next call, as the slots do.
   void set_choice(const StateChoice& choice, const SensitivitySlots& slots);
-  // S: n x count for each stage. By the states of the stages alone; linearization: with these states; by: the factors
-  // of x of the same step, or null. False: that is of no use, or the others are not found.
+  // S: n x count for each stage. Solves for the states of the stages alone. linearization: with these states; by: the
+  // factors of x of the same step, or null. False: not worthwhile, or the others are not found.
   bool solve_locally(const Task& task, const ExtensionLinearization& linearization, LocalStages* by, double* S);
-  // The same in other ways. by: with the factors of x, of the step that x has taken; or null. False: singular.
+  // Same by the other methods. by: with the factors of x, of the step that x has taken; or null. False: singular.
   bool solve(const Task& task, ExtensionLinearization* by, double* S);
   long factorizations() const { return factorizations_; }
   // Reading: after set_choice(). Throws DamagedArchive.
@@ -56,7 +56,7 @@ class ExtensionSensitivityStages {
   double add_changes(const Task& task);
   int count() const { return equations_.count(); }
   int num_rows() const { return equations_.extension().num_rows(); }
-  // Of stage i and parameter q.
+  // Block of stage i and parameter q.
   double* block(std::vector<double>& of_all, int i, int q) const {
     return of_all.data() + (index(i) * index(count()) + index(q)) * index(num_rows());
   }
@@ -68,11 +68,11 @@ class ExtensionSensitivityStages {
   // By slots, and by rows: a block for each stage, a column for each parameter.
   std::vector<double> unknowns_, r_, transformed_;
   std::vector<std::complex<double>> pair_;
-  // Of the states: S_j less that at the start, S_j', blocks as above.
+  // States: S_j minus that at the start, S_j', blocks as above.
   std::vector<double> changes_, slopes_;
   std::vector<int> source_;  // of the entries of the extension: a slot, or behind all slots a state
   std::vector<double> sources_, per_scale_;
-  // Of the last step that was solved with the factors of x: times of its stages and unknowns there.
+  // Data of the last step solved with the factors of x: times of its stages and unknowns there.
   struct LastStep {
     std::vector<double> times, unknowns;
   } before_;

@@ -1,8 +1,8 @@
-// The equations linearized at one point of x, in null-space form: what sensitivities and their adjoints have in common.
+// The equations linearized at one point of x, in null-space form: common base of sensitivities and their adjoints.
 //
 // The constraints are those of the derivative array along the jet: they depend on its derivatives only by factors of
-// rows, as F_mu = 0 holds. The differential equations are Z1^T F(t, x, x') = 0 differentiated where x' is that of the
-// solution or of its discretization: a jet of level mu leaves some derivatives open that F_x may contain.
+// rows, as F_mu = 0 holds. The differential equations are Z1^T F(t, x, x') = 0 differentiated at the x' of the solution
+// or of its discretization, as a jet of level mu may leave derivatives undetermined that F_x contains.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,7 +20,7 @@ namespace sfdae::core {
 
 class LinearizedPoint {
  public:
-  // With the ranks known; they are judged anew where they do not fit. xdot: x' for the differential equations, in the
+  // Uses the known ranks, which are decided again if they do not fit. xdot: x' for the differential equations, in the
   // user's units, or null: that of the jet.
   struct Place {
     const Jet& jet;
@@ -30,9 +30,9 @@ class LinearizedPoint {
 
   // mu = 0 and no constraints: nothing is eliminated, T2 = Z1 = I and xp = 0, which are not formed.
   bool is_ordinary() const { return is_ordinary_; }
-  // Known before anything is linearized.
+  // Known before any linearization.
   void take_kind(const AnalyzedEquations& equations);
-  // Of scaled unknowns: S = xp + T2 z and Z1^T (tau E S' - A S - f) = 0.
+  // In scaled unknowns: S = xp + T2 z and Z1^T (tau E S' - A S - f) = 0.
   double time_scale() const { return data_.time_scale; }
   int d() const { return is_ordinary_ ? data_.n : has_tangents_ ? tangents_.cols() : form_.d; }
   ConstView T2() const { return has_tangents_ ? ConstView(tangents_) : form_.T2(); }
@@ -43,21 +43,21 @@ class LinearizedPoint {
  protected:
   // The derivative array along the jet.
   PointStatus evaluate(AnalyzedEquations& equations, const Jet& jet);
-  // f: right-hand sides of it, at least one column; what the elimination makes of them is in f_hat. store: null, or
-  // where the elimination is kept.
+  // f: right-hand sides of the derivative array, at least one column; f_hat: these after the elimination. store: null,
+  // or receives the elimination.
   struct Reduced {
     ConstView f;
     Matrix& f_hat;
     StoredElimination* store;
   };
   PointStatus reduce(AnalyzedEquations& equations, const RankSequence& known, const Reduced& reduced, Arena& arena);
-  // Level 0 alone, with the directions that the constraints leave open in tangents_, scaled: Z1 is a basis of E times
-  // these, as it is with the elimination.
+  // Level 0 alone, with the directions that the constraints admit in tangents_, scaled: Z1 is a basis of E times these,
+  // as with the elimination.
   PointStatus evaluate_along_tangents(AnalyzedEquations& equations, const Jet& jet, Arena& arena);
   ConstView Z1() const { return has_tangents_ ? ConstView(Z1_) : form_.Z1(); }
-  // E and A of F1. With x' of its own, where they contain it, they come from slope_data_.
+  // E and A of F1. If they contain x', and the place has one of its own, they come from slope_data_.
   PointStatus take_differential(AnalyzedEquations& equations, const Place& place, const ParameterSeries& parameters);
-  // x and x' of its own, for what else contains x'.
+  // Takes the place's own x and x' for all other terms with x'.
   void take_slopes(const Place& place, const ParameterSeries& parameters);
   const TaylorData& differential_data() const { return has_slope_data_ ? slope_data_ : data_; }
 

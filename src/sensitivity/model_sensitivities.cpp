@@ -1,4 +1,4 @@
-// The systems that models create for their sensitivities. These members are defined here since models are below
+// Creation of the systems for sensitivities of models. These members are defined here since models are below
 // sensitivities: only this file knows both.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>

@@ -1,4 +1,4 @@
-// Sensitivities of a nonlinear problem read backward.
+// Adjoint sensitivities of a nonlinear problem, backward in time.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensitivity/nonlinear_adjoint.h"
 
@@ -152,7 +152,7 @@ PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const 
   return status;
 }
 
-// The equations of sensitivity_stages.h: weights of z at the last stage, nu of all rows, and what these mean for
+// The equations of sensitivity_stages.h: weights of z at the last stage, nu of all rows, and their contributions by
 // slopes_i = sum_j w_ij (S_start - xp_j), w_ij = tau / h D_ij.
 PointStatus NonlinearAdjoint::step_back(const StageMethod& method, double h, const KeptPoint* points,
                                         const AdjointValues& values) {

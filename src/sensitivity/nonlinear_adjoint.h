@@ -1,4 +1,5 @@
-// Sensitivities of a nonlinear problem read backward: the transposed equations of nonlinear_sensitivities.h.
+// Adjoint sensitivities of a nonlinear problem, backward in time: the transposed equations of
+// nonlinear_sensitivities.h.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,7 +18,7 @@ namespace sfdae::core {
 
 class NonlinearAdjoint final : public AdjointSystem {
  public:
-  // As of NonlinearSensitivities.
+  // Arguments: as for NonlinearSensitivities.
   NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters);
 
   int unknowns() const override { return system_.unknowns(); }
@@ -40,7 +41,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   PointStatus linearize(AdjointPoint& at, const KeptPoint& point);
   PointStatus add_gradient(AdjointPoint& at, const KeptPoint& point, const AdjointPoint::Weights& weights,
                            View gradient);
-  // Of scaled unknowns, n x any number, and back.
+  // Converts weights to those of scaled unknowns, n x any number, and back.
   View scaled(ConstView weights);
   void to_user(ConstView scaled, View weights) const;
 
@@ -48,7 +49,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   RecordedProblem& problem_;
   ParameterSeries parameters_;
   SparseSensitivityStep sparse_step_;
-  // While steps are read back.
+  // Memory for backward steps.
   struct Work {
     Arena arena;
     std::vector<AdjointPoint> points = std::vector<AdjointPoint>(index(max_stages));  // one for each stage

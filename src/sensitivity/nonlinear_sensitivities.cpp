@@ -101,7 +101,7 @@ PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, con
 }
 
 bool NonlinearSensitivities::solve_ordinary(ConstView K, View z, ConstView guess) {
-  // Changes end at rounding errors; more iterations than these would cost more than new factors.
+  // Changes end at rounding errors; more iterations than these would cost more than a new factorization.
   constexpr double rounding = 1e-13;
   const int n = K.rows, most = std::min(8, n / (6 * count()));
   const View M = factors_.matrix.view().top(n);
@@ -142,7 +142,7 @@ PointStatus NonlinearSensitivities::linearize_stage(const Jet& jet, const double
 }
 
 PointStatus NonlinearSensitivities::keep(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
-  // The first stage decides for the step.
+  // The first stage decides the method for the step.
   if (i == 0) {
     if (xdot != nullptr && sparse_stages_.is_possible(method)) kept_ = StagesKept::sparse;
     else kept_ = stage_lanes_.begin(method.s) ? StagesKept::side_by_side : StagesKept::each;
@@ -166,7 +166,7 @@ PointStatus NonlinearSensitivities::keep_one(const StageMethod& method, int i, c
   return PointStatus::ok;
 }
 
-// Where that is not possible, one by one: what is wrong is then named, or found to be harmless.
+// If that is not possible, linearizes one by one, which reports the error, or finds it harmless.
 PointStatus NonlinearSensitivities::linearize_side_by_side(const StageMethod& method) {
   stages_.resize(method.s, unknowns(), extended_step_.num_states(), count());
   if (stage_lanes_.linearize(system_.analyzed_equations(), stages_)) return PointStatus::ok;
@@ -232,7 +232,7 @@ void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
     else std::copy_n(errors, size(), mapped);
     return;
   }
-  // Without the form errors are not smaller than with it.
+  // Errors without the form are not smaller than with it.
   if (point_.is_ordinary() || linearize_here() != PointStatus::ok) {
     std::copy_n(errors, size(), mapped);
     return;
@@ -286,7 +286,7 @@ std::unique_ptr<AdjointSystem> NonlinearSensitivities::adjoint() {
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
-// Whatever is evaluated once for a step only comes again.
+// Values that are evaluated once for a step are not archived.
 void NonlinearSensitivities::archive(Archive& archive) {
   AnalyzedEquations& equations = system_.analyzed_equations();
   archive.counts(linearizations_, factorizations_);
@@ -298,7 +298,7 @@ void NonlinearSensitivities::archive(Archive& archive) {
   if (factors_.are_kept) archive_factors(archive);
 }
 
-// As they are: where they were made, the equations may have been on another side of a kink.
+// Archives the factors themselves: where they were computed, the equations may have been on another side of a kink.
 void NonlinearSensitivities::archive_factors(Archive& archive) {
   const int n = unknowns();
   if (archive.is_reading()) {

@@ -19,7 +19,8 @@ namespace sfdae::core {
 
 class NonlinearSensitivities final : public SensitivitySystem {
  public:
-  // parameters: as of ParameterSeries. The system and the problem live longer. No components are free or prescribed.
+  // parameters: as for ParameterSeries. The system and the problem must outlive this object. No components are free or
+  // prescribed.
   NonlinearSensitivities(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters);
 
   int unknowns() const override { return system_.unknowns(); }
@@ -43,9 +44,9 @@ class NonlinearSensitivities final : public SensitivitySystem {
 
  private:
   PointStatus linearize(const Jet& jet, const double* xdot);
-  // At the current point of the system, unless that is where it was linearized last.
+  // Linearizes at the current point of the system, unless that is the last linearization.
   PointStatus linearize_here();
-  // By the minimal extension where that is possible.
+  // Uses the minimal extension if possible.
   PointStatus linearize_stage(const Jet& jet, const double* xdot);
   PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
   PointStatus keep_one(const StageMethod& method, int i, const Jet& jet, const double* xdot);
@@ -72,7 +73,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   ExtendedStageLanes stage_lanes_;
   bool has_stages_ = false;  // stages_ are those solved for last
   enum class StagesKept { each, sparse, side_by_side } kept_ = StagesKept::each;
-  // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
+  // K z = r of an ordinary point, r in z before: with the stored factors if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);
   struct Factors {
     Matrix matrix;

@@ -25,7 +25,7 @@ SensitivityEquations::SensitivityEquations(MinimalExtension& extension, Paramete
   if (formulas_.are_there()) list_varying();
 }
 
-// Of entries that vary all terms but those that are zero.
+// Lists all terms of varying entries except zeros.
 void SensitivityEquations::list_varying() {
   std::vector<char> varies(extension_.column().size(), 0);
   std::vector<int> terms(varies.size(), 0);
@@ -51,7 +51,7 @@ void SensitivityEquations::list_varying() {
   }
 }
 
-// From F_p_.
+// Copies the rows from F_p_.
 void SensitivityEquations::take_parameter_rows(SensitivityRows& rows) const {
   const std::size_t num_rows = index(extension_.num_rows()), n = index(extension_.n());
   const std::size_t length = n * index(extension_.highest_level() + 1);
@@ -68,7 +68,7 @@ void SensitivityEquations::take_parameters() {
   formulas_.take_parameters();
 }
 
-// coefficient: of a source.
+// coefficient: returns that of a source.
 template <class Coefficient>
 void SensitivityEquations::take_formulas(Coefficient coefficient, SensitivityRows& rows) const {
   if (rows.version != formulas_.version()) return take_all_formulas(coefficient, rows);
@@ -106,7 +106,7 @@ bool SensitivityEquations::linearize_by_formulas(const Jet& jet, SensitivityRows
   return true;
 }
 
-// Where formulas cannot be evaluated, others may be able to, or name what is wrong.
+// If formulas cannot be evaluated side by side, other methods may succeed, or report the error.
 CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& rows) {
   if (linearize_by_formulas(jet, rows)) return {};
   rows.version = -1;
@@ -123,7 +123,7 @@ CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& r
 
 CallbackError SensitivityEquations::linearize(const std::vector<Jet>& jets, int count,
                                               std::vector<SensitivityRows>& rows) {
-  // Eight points for one would be too many.
+  // Eight lanes for one point would be a waste.
   constexpr int fewest_side_by_side = 3;
   if (rows.size() < index(count)) rows.resize(index(count));
   if (count >= fewest_side_by_side && linearize_side_by_side(jets, count, rows)) return {};

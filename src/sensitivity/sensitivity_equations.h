@@ -3,8 +3,8 @@
 //
 //     sum_{j,l} (df_i^(k) / dx_j^(l)) S_j^(l) = -(df_i^(k) / dp),    k = 0, ..., c_i
 //
-// along a jet of x, one column for each parameter. For extensions of the equations as they are recorded: factors of
-// combinations may depend on p, and what they cancel is then not to be had from jets.
+// along a jet of x, one column for each parameter. Only for extensions of the equations as they are recorded: factors
+// of combinations may depend on p, and jets do not contain the terms that these cancel.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -28,13 +28,13 @@ struct SensitivityRows {
 
 class SensitivityEquations {
  public:
-  // Both live longer; numbers: of the parameters.
+  // Both arguments must outlive this object. numbers: of the parameters.
   SensitivityEquations(MinimalExtension& extension, ParameterSeries& parameters, const std::vector<int>& numbers);
-  // With the values that parameters have from now on.
+  // Uses the present values of parameters from now on.
   void take_parameters();
 
   CallbackError linearize(const Jet& jet, SensitivityRows& rows);
-  // The same at the first `count` jets, side by side where that is possible.
+  // Same at the first `count` jets, side by side if possible.
   CallbackError linearize(const std::vector<Jet>& jets, int count, std::vector<SensitivityRows>& rows);
   // Residuals of the total derivatives by t of all rows, with Taylor coefficients of S, n x (jet_order() + 2) for
   // each parameter, those above d_j zero; jet: of x, of one order more. r: num_rows() x count.
@@ -63,8 +63,8 @@ class SensitivityEquations {
   std::vector<std::size_t> first_row_;
   std::vector<int> row_;
   std::vector<int> slope_limits_;
-  // What is not the same everywhere: coefficient k of formula e, in `place` among all coefficients, is an entry, or a
-  // term of one, or minus one of a right-hand side.
+  // Source of a varying entry: coefficient k of formula e, in `place` among all coefficients, is an entry, or a term of
+  // one, or minus one of a right-hand side.
   struct Source {
     int to, e, k;
     std::size_t place;
@@ -84,18 +84,18 @@ class SensitivityEquations {
   JetLanes lanes_;
 };
 
-// Where the unknowns of steps are: slots as StateChoice has them, with x_j in place of x_j' for the states.
+// Places of the unknowns of steps: slots as in StateChoice, with x_j in place of x_j' for the states.
 class SensitivitySlots {
  public:
   void set(const MinimalExtension& extension, const StateChoice& choice);
-  // In the column of x_j, or of x_j', of a state j.
+  // Entry in the column of x_j, or of x_j', of a state j.
   struct Entry {
     int row, state;
     std::size_t entry;
   };
   const std::vector<Entry>& held() const { return held_; }
   const std::vector<Entry>& slopes() const { return slopes_; }
-  // Of x_j.
+  // Slot of x_j.
   int of_x(int j) const { return of_x_[index(j)]; }
 
  private:

@@ -9,8 +9,8 @@
 
 namespace sfdae::core {
 
-// Right-hand sides are transformed in one way, whether the matrices were eliminated here or before: bits are the same
-// once an integration goes on from a checkpoint.
+// Right-hand sides are always transformed in the same way, whether the matrices were eliminated here or before, so that
+// an integration continued from a checkpoint is identical bit by bit.
 PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
                                         Arena& arena) {
   const bool is_known = constant_matrices_ >= 0 && constant_matrices_ == equations.problem().constant_matrices();
@@ -41,7 +41,7 @@ PointStatus SensitivityPoint::eliminate(AnalyzedEquations& equations, ParameterS
   return status;
 }
 
-// With the matrices that were eliminated last.
+// Uses the matrices of the last elimination.
 PointStatus SensitivityPoint::transform(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
                                         Arena& arena) {
   data_.t = place.jet.t;
@@ -114,7 +114,7 @@ void SensitivityPoint::add_along_T2(ConstView q, View S, Arena& arena) const {
   multiply(1.0, Op::plain, form_.T2(), Op::plain, z, 1.0, S);
 }
 
-// The right-hand side of the form becomes that of parameter j.
+// Sets the right-hand side of the form to that of parameter j.
 void SensitivityPoint::take_column(int j, Arena& arena) {
   const double* f = f_.view().column(j);
   for (int k = 0; k <= data_.orders.f; ++k)

@@ -16,8 +16,8 @@ class SensitivityPoint final : public LinearizedPoint {
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
   void forget() { constant_matrices_ = -1; }
 
-  // The same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is
-  // no form. Not possible: see there.
+  // Same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is no
+  // form. Not possible: see there.
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, ExtendedSensitivityStep& extension,
                         const Place& place, Arena& arena);
 
@@ -25,7 +25,7 @@ class SensitivityPoint final : public LinearizedPoint {
   ConstView Zf() const { return Zf_; }  // d x count
   // S += T2 z with Z1^T E T2 z = q, E that of the jet.
   void add_along_T2(ConstView q, View S, Arena& arena) const;
-  // Contradiction of redundant equations, relative.
+  // Relative contradiction of redundant equations.
   double inconsistency() const { return inconsistency_; }
   // The constraints for column j.
   ConstrainedPoint constraints_of(int j, const Units& units, Arena& arena);

@@ -23,7 +23,7 @@ class SensitivityStages {
   void resize(int s, int n, int d, int count);
   void keep(int i, const SensitivityPoint& point);
   void keep_matrices(int i, const LinearizedPoint& point);
-  // Stage i of points that are not ordinary, to be filled by those who linearize in other ways.
+  // Stage i of points that are not ordinary, to be filled by callers with other linearizations.
   struct Parts {
     View xp, T2, L, B, b;
   };
@@ -33,10 +33,10 @@ class SensitivityStages {
   // The matrix of z alone; false if it is singular. Then right-hand sides for its transpose, s d x any number.
   bool factor(const StageMethod& method, double h, Arena& arena);
   void solve_transposed(View weights) const;
-  // Errors of the differential part at the last stage: T2 z with Z1^T E T2 z = Z1^T E e; scaled. False: that is
+  // Errors of the differential part at the last stage: T2 z with Z1^T E T2 z = Z1^T E e; scaled. False: Z1^T E T2 is
   // singular.
   bool map_errors(ConstView errors, View mapped, Arena& arena) const;
-  // Of stage i, scaled.
+  // S of stage i, scaled.
   void expand(int i, View S) const;
 
  private:

@@ -27,7 +27,7 @@ struct SensitivityStagesTask {
 class SensitivityStagesTogether {
  public:
   explicit SensitivityStagesTogether(const SensitivityEquations& equations) : equations_(equations) {}
-  // Other states from now on.
+  // Call when states change.
   void forget() { s_ = 0; }
   // unknowns: of all stages by slots, a block for each stage, a column for each parameter. False: singular.
   bool solve(const SensitivityStagesTask& task, const StateChoice& choice, const SensitivitySlots& slots,

@@ -1,5 +1,5 @@
 // The matrix of steps of sensitivities along the minimal extension: derivatives by x_j^(l), and c times those by x_j'
-// of the states in the columns of x_j. What is the same everywhere is copied once.
+// of the states in the columns of x_j. Constant entries are copied once.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,8 +14,8 @@ namespace sfdae::core {
 
 class SensitivityStepMatrix {
  public:
-  // varying: entries of the extension, as SensitivityEquations has them.
-  // accepted: as of PlannedLu.
+  // varying: entries of the extension, as in SensitivityEquations.
+  // accepted: as for PlannedLu.
   void set(const StateChoice& choice, const SensitivitySlots& slots, const std::vector<int>& varying,
            double accepted);
   // As RepeatedSystems::solve.

@@ -1,4 +1,4 @@
-// Radau steps of sensitivities of regular problems of strangeness index 0, where matrices are sparse.
+// Radau steps of sensitivities of regular problems of strangeness index 0 with sparse matrices.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensitivity/sparse_sensitivity_stages.h"
 
@@ -11,8 +11,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Entries of the matrix of all stages: more, or more of all that a full one has, are not worth trying. By judgement:
-// of a full matrix of which a third is set an elimination leaves little out.
+// Limits on entries of the matrix of all stages, as a number and as a part of a full one. By judgement: for a full
+// matrix with a third of its entries set, elimination has little advantage from zeros.
 constexpr double most_entries = 100000.0, most_of_all = 0.3;
 
 }  // namespace
@@ -118,7 +118,7 @@ void SparseSensitivityStages::set_right_hand_sides(const StageMethod& method, do
 
 bool SparseSensitivityStages::solve_system() {
   if (planned_.solve(values_.data(), right_.data(), parameters_.count(), solution_.data())) return true;
-  // Once: from the next step on there is another way.
+  // Used once: the next step has another method.
   SparseLu<double> lu;
   lu.analyze(pattern_);
   if (!lu.factor(values_.data())) return false;

@@ -1,4 +1,4 @@
-// Radau steps of sensitivities of regular problems of strangeness index 0, where matrices are sparse.
+// Radau steps of sensitivities of regular problems of strangeness index 0 with sparse matrices.
 //
 // At stage i x solves F(t_i, x_i, x_i', p) = 0, x_i' = sum_j D_ij (x_j - x) / h. Differentiated by p that is
 //
@@ -23,19 +23,18 @@ namespace sfdae::core {
 
 class SparseSensitivityStages {
  public:
-  // Both live longer.
+  // Both arguments must outlive this object.
   SparseSensitivityStages(RecordedProblem& problem, ParameterSeries& parameters)
       : problem_(problem), parameters_(parameters) {}
 
   void prepare(const IndexAnalysis& analysis);
-  // Reading: prepared for the values of the analysis as it was, pivots included. Throws DamagedArchive.
+  // Reading restores the prepared state for the values of the analysis, pivots included. Throws DamagedArchive.
   void archive(Archive& archive, const IndexAnalysis& analysis);
-  // Whether this is the way to solve the stages of the method: matrices are sparse, and pivots do not have to be
-  // chosen often.
+  // Returns whether this method can solve the stages: matrices are sparse, and pivots do not have to be chosen often.
   bool is_possible(const StageMethod& method) const;
   // x' = xdot, in the user's units.
   PointStatus keep(const StageMethod& method, int i, double t, const double* x, const double* xdot);
-  // Of a step h from S_start; S: one block for each stage. ok or singular.
+  // Solves a step h from S_start; S: one block for each stage. Returns ok or singular.
   PointStatus solve(const StageMethod& method, double h, const double* S_start, double* S);
   const CallbackError& callback_error() const { return callback_error_; }
 

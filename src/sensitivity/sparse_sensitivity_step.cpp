@@ -1,4 +1,4 @@
-// BDF steps of sensitivities of regular problems of strangeness index 0, where matrices are sparse.
+// BDF steps of sensitivities of regular problems of strangeness index 0 with sparse matrices.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensitivity/sparse_sensitivity_step.h"
 
@@ -36,8 +36,8 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   return is_possible_;
 }
 
-// Without sparse factors the array solves the same equations, but where constraints depend on x', which is
-// discretized here.
+// If there are no sparse factors, the derivative array solves the same equations, except constraints that depend on x',
+// which is discretized here.
 bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis, const Jet& jet) {
   if (prepare(analysis) || values_.empty()) return is_possible_;
   if (analysis.values.mu > 0 || (analysis.values.d < jet.n && parameters_.needs_slopes())) return false;

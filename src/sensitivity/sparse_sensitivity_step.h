@@ -1,12 +1,11 @@
-// BDF steps of sensitivities of regular problems of strangeness index 0, where matrices are sparse.
+// BDF steps of sensitivities of regular problems of strangeness index 0 with sparse matrices.
 //
-// x solves F(t, x, c x + w_rest, p) = 0 there (index_zero_step.h). Differentiated by p that is
+// x solves F(t, x, c x + w_rest, p) = 0 there (index_zero_step.h). The derivative by p is
 //
 //     (c F_x' + F_x) S = -F_p - F_x' rest,     S' = c S + rest,
 //
 // constraints included: rows of the left kernel of F_x' have no part of S'. Nothing is eliminated, and the matrix is
-// factored anew in each step, with pivots and operations known from earlier ones where they serve
-// (linalg/planned_lu.h).
+// refactored in each step, with earlier pivots and operations if they are suitable (linalg/planned_lu.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -24,27 +23,27 @@
 
 namespace sfdae::core {
 
-// A derivative that recorded equations have.
+// A derivative in recorded equations.
 struct RecordedEntry {
   int row, column;
   bool of_slope;  // of F_x', else of F_x
 };
-// All of them, in the order of gradient_entries.
+// All derivatives, in the order of gradient_entries.
 std::vector<RecordedEntry> recorded_entries(RecordedProblem& problem);
 
 class SparseSensitivityStep {
  public:
-  // Both live longer.
+  // Both arguments must outlive this object.
   SparseSensitivityStep(RecordedProblem& problem, ParameterSeries& parameters)
       : problem_(problem), parameters_(parameters) {}
 
-  // For the values that the analysis has found: whether this is the way to solve steps. It is not where the matrix is
-  // as well taken for a full one.
+  // For the values that the analysis has found: returns whether this method can solve steps. It is not used if the
+  // matrix is nearly full.
   bool prepare(const IndexAnalysis& analysis);
-  // The same, with the jet at which steps start: also small matrices that are not full.
+  // Same with the jet at which steps start: also for small matrices that are not full.
   bool prepare(const IndexAnalysis& analysis, const Jet& jet);
   bool is_possible() const { return is_possible_; }
-  // Reading: prepared for the values of the analysis as it was, pivots included. Throws DamagedArchive.
+  // Reading restores the prepared state for the values of the analysis, pivots included. Throws DamagedArchive.
   void archive(Archive& archive, const IndexAnalysis& analysis);
 
   // x' = xdot, rest: n x count; all in the user's units.
@@ -55,8 +54,8 @@ class SparseSensitivityStep {
     const double* rest;
   };
   PointStatus solve(const Step& step, double* S);
-  // The same transposed, rest apart: weights of S become those of rest. weights: n x q, gradient: count x q, to which
-  // is added.
+  // Same transposed, without rest: weights of S become those of rest. weights: n x q, gradient: count x q, to which is
+  // added.
   PointStatus solve_back(const Step& step, View weights, View gradient);
   const CallbackError& callback_error() const { return callback_error_; }
 

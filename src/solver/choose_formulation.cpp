@@ -1,4 +1,4 @@
-// The formulation that solves a problem from a point on.
+// Choice of the formulation that solves a problem from a point on.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/choose_formulation.h"
 
@@ -15,22 +15,22 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns of the derivative array from which on the extension is taken (docs/design/minimal_extension.md).
-// Where nothing has to be differentiated it is the equations as they are
+// Number of columns of the derivative array above which the minimal extension is used
+// (docs/design/minimal_extension.md). If no equation is differentiated it consists of the original equations
 // (docs/design/derivative_array.md).
 constexpr double least_array = 100.0, least_array_as_recorded = 20.0;
-// Derivative arrays fail, or may have failed, if units of unknowns are so far apart
-// (docs/design/scaling_and_units.md). By judgement.
+// Ratios of units of unknowns at which derivative arrays fail, or may have failed (docs/design/scaling_and_units.md).
+// By judgement.
 constexpr double far_apart = 65536.0, apart = 1024.0;
-// Unknowns (q, v, mu) of mechanical systems from which on sparse matrices are faster
+// Number of unknowns (q, v, mu) of mechanical systems above which sparse matrices are faster
 // (docs/design/multibody.md).
 constexpr int least_unknowns = 200;
-// Equations that contain more of all unknowns than this leave no use for sparse matrices: forces between all bodies.
+// Density of the equations above which sparse matrices do not pay off: forces between all bodies.
 constexpr double largest_density = 0.1;
 
-// The formulations that options, kind and size of a problem leave to choose from.
+// Formulations permitted by options, kind and size of a problem.
 struct Choice {
-  bool requires_extension = false;  // no other formulation will do
+  bool requires_extension = false;  // no other formulation is permitted
   bool may_extend = false;
   bool extends_first = false;
   bool has_others = true;  // if the extension fails
@@ -42,7 +42,7 @@ double density(const Record& record) {
   return entries / (static_cast<double>(record.m()) * record.n());
 }
 
-// The largest unit of the unknowns at the guess over the smallest one (docs/design/scaling_and_units.md).
+// Ratio of the largest to the smallest unit of the unknowns at the guess (docs/design/scaling_and_units.md).
 double distance_of_units(RecordedProblem& problem, const PointOfInterest& point) {
   Jet jet;
   jet.t = point.t;
@@ -62,21 +62,21 @@ double distance_of_units(RecordedProblem& problem, const PointOfInterest& point)
   }
 }
 
-// If some values have to stay, or to move less, only values near the guess will do: the extension may find others.
+// If some values are fixed or weighted, only values near the guess are useful: the extension may find others.
 bool units_are_apart(RecordedProblem& equations, const PointOfInterest& point, const ModelOptions& options,
                      double distance) {
   return options.consistency.kind == InitialValues::nearest && options.consistency.weights.empty() &&
          distance_of_units(equations, point) > distance;
 }
 
-// The number of its columns is bounded from above.
+// Upper bound on the number of columns of the array.
 bool is_array_large(RecordedProblem& equations) {
   const int bound = equations.structure()->offsets.index_bound();
   const double columns = static_cast<double>(equations.n()) * (bound + 1);
   return columns >= (bound == 0 ? least_array_as_recorded : least_array);
 }
 
-// Taylor series of the equations and of their derivatives by t can have the orders that the structure asks for.
+// Tests whether Taylor series of the equations can have the orders that the structural analysis requires.
 bool orders_are_possible(RecordedProblem& equations) {
   const std::vector<int>& c = equations.structure()->offsets.c;
   return *std::max_element(c.begin(), c.end()) + 1 <= series::highest_order;
@@ -99,7 +99,7 @@ void demand_dense(int n) {
                n, most_dense_unknowns));
 }
 
-// Throws Failure if the structure has to be used and cannot be.
+// Throws Failure if the structural analysis is required but not possible.
 void demand_structure(Formulations& all, const ModelOptions& options) {
   if (all.equations->shared_structure() == nullptr)
     throw Failure(SFDAE_RANK_UNCLEAR,
@@ -156,7 +156,7 @@ void analyze(Formulations& all, Model& model, const PointOfInterest& point, cons
   if (&model != all.extension.get() ||
       motion_stays(all.multibody->problem().sizes(), x, all.extension->accepted_point().x))
     return;
-  // Local coordinates are better.
+  // Local coordinates are better in this case.
   model.forget_system();
   throw Failure(SFDAE_RANK_UNCLEAR,
                 format("the equations with their derivatives are too badly conditioned at t = %.15g: values that are "
@@ -175,7 +175,7 @@ Model& analyze_extension(Formulations& all, const PointOfInterest& point, const 
   ExtensionModel& extension = *all.extension;
   analyze(all, extension, point, options, decisions);
   if (!options.for_sensitivities || extension.has_sensitivities()) return extension;
-  // Sensitivities of equations that were replaced need the whole array.
+  // Sensitivities of replaced equations require the complete derivative array.
   extension.forget_system();
   throw Failure(
       SFDAE_ILLEGAL_ARGUMENT,
@@ -183,7 +183,7 @@ Model& analyze_extension(Formulations& all, const PointOfInterest& point, const 
       "equations are replaced: these are computed with the whole derivative array.");
 }
 
-// The whole derivative array, or local coordinates.
+// Analyzes the complete derivative array, or local coordinates.
 Model& analyze_other(Formulations& all, const PointOfInterest& point, const ModelOptions& options,
                      std::vector<RankDecision>& decisions) {
   const bool is_array = options.for_sensitivities && all.has_array();
@@ -201,8 +201,9 @@ Model& analyze_other(Formulations& all, const PointOfInterest& point, const Mode
   return *all.array;
 }
 
-// Large arrays of uneven units may be beyond double precision where the few equations that structure asks for are
-// not. These have certificates of their own; without one the array's failure stands, with its decisions.
+// Large arrays with very different units may exceed double precision, unlike the few equations that the structural
+// analysis requires. The extension has its own certificates; without one the array's failure is reported, with its
+// decisions.
 Model* settle_doubt(Formulations& all, const PointOfInterest& point, const ModelOptions& options,
                     std::vector<RankDecision>& decisions) {
   std::vector<RankDecision> of_extension;

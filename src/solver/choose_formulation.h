@@ -1,9 +1,9 @@
-// The formulation that solves a problem from a point on.
+// Choice of the formulation that solves a problem from a point on.
 //
-// Each analysis chooses anew, by options, size and numbers. The minimal extension comes first if the options require
-// it, if the derivative array were large or the units of its unknowns far apart, and for large sparse mechanical
-// systems. If numbers do not confirm the structure, the whole derivative array or local coordinates are analyzed; if
-// an array leaves its ranks in doubt, the extension is asked once more
+// Each analysis chooses a formulation by options, size and numerical tests. The minimal extension comes first if the
+// options require it, if the derivative array were large or the units of its unknowns differ widely, and for large
+// sparse mechanical systems. If the structural analysis is not confirmed numerically, the whole derivative array or
+// local coordinates are analyzed. If the ranks of an array are in doubt, the minimal extension is tried
 // (docs/design/minimal_extension.md, docs/design/scaling_and_units.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace sfdae::core {
 
-// One of the formulations, which has been analyzed at the point. decisions: as of Model::analyze. Throws Failure.
+// Returns a formulation that has been analyzed at the point. decisions: see Model::analyze. Throws Failure.
 Model& choose_formulation(Formulations& formulations, const PointOfInterest& point, const ModelOptions& options,
                           std::vector<RankDecision>& decisions);
 

@@ -100,7 +100,7 @@ void FormulatedModel::forget_system() {
 }
 
 void FormulatedModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  // Comparisons take matrices of all derivatives; by judgement.
+  // Comparisons need dense matrices of all derivatives; by judgement.
   constexpr int most_compared = 1000;
   if (all_.has_source() && n() > most_compared) return;
   if (active_ == all_.own.get()) all_.own->demand_derivatives(point, options);
@@ -111,7 +111,7 @@ void FormulatedModel::demand_derivatives(const PointOfInterest& point, const Mod
 std::unique_ptr<SensitivitySystem> FormulatedModel::sensitivities(std::vector<int> parameters) {
   const int redundant = system()->analysis().values.u;
   if (all_.multibody == nullptr || redundant == 0) return active_->sensitivities(std::move(parameters));
-  // Forces are unknowns of the first-order equations, and have to be unique.
+  // Forces are unknowns of the first-order equations, and must be unique.
   throw Failure(
       SFDAE_ILLEGAL_ARGUMENT,
       format("there are no sensitivities with redundant constraints, whose forces are not unique: %d of them "
@@ -127,7 +127,7 @@ Jet FormulatedModel::accepted_point() const {
   return needs_x() ? active_->accepted_point() : all_.own->accepted_point();
 }
 
-// The point of the analysis needs no new search.
+// A search that stays at the point of the analysis starts from its values.
 template <class Find>
 ConsistentPoint FormulatedModel::with_consistent_motion(const PointOfInterest& point, const ModelOptions& options,
                                                         Find find) {

@@ -1,6 +1,5 @@
-// A problem with all its formulations, one of which is in use: each analysis chooses it (choose_formulation.h), and
-// everything else asks that one. Objects of the theory are those of the problem's own formulation, whichever is in
-// use.
+// A problem with all its formulations, one of which is active: each analysis chooses it (choose_formulation.h), and all
+// other functions use it. Matrices of the theory are those of the problem's own formulation, whichever is active.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,22 +15,22 @@ namespace sfdae::core {
 class FormulatedModel final : public Model {
  public:
   explicit FormulatedModel(Formulations formulations) : all_(std::move(formulations)), active_(all_.own.get()) {}
-  // Another one of the same recorded equations, with the values that parameters have now; the recording is shared.
+  // Another model of the same recorded equations, with the present parameter values; the recording is shared.
   std::unique_ptr<FormulatedModel> clone() const;
 
-  // The kind of problem: one of these, the others are null.
+  // The kind of problem: one of these is set, the others are null.
   LinearModel* linear() { return all_.linear; }
   NonlinearModel* nonlinear() { return all_.nonlinear; }
   MultibodyModel* multibody() { return all_.multibody; }
-  // Throws Failure where the structure has to be followed and there is none.
+  // Throws Failure if the structural analysis is required but not possible.
   void demand_structure(StructureUse wanted) const;
   bool has_structure() const { return all_.has_structure(); }
-  // The equations that have a structure, recorded ones or functions with patterns; else null.
+  // The equations with a structure, recorded ones or functions with patterns; otherwise null.
   TaylorEvaluator* structure_evaluator();
-  // Rows of the derivative array that structure does not ask for are left out.
+  // True if the derivative array omits rows that the structural analysis does not require.
   bool follows_structure() const;
-  // A model of the same problem, with equations that differ from its own within tolerances only, that is in use until
-  // the next analysis; it has been analyzed, or is to be restored. Null: the one before it is in use again.
+  // Uses another model of the problem, whose equations differ within tolerances only, until the next analysis; it has
+  // been analyzed, or will be restored. Null: returns to the previous model.
   void use_instead(FormulatedModel* other);
 
   Problem& problem() override { return all_.own->problem(); }
@@ -60,22 +59,22 @@ class FormulatedModel final : public Model {
   std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
   ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override;
   ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) override;
-  // None for mechanical systems: a report has the constraints instead.
+  // Empty for mechanical systems: their report has the constraints instead.
   std::optional<Extension> extension() override;
   Jet accepted_point() const override;
 
-  // The problem's own formulation, analyzed where the active one is. Throws Failure where it is too large, and the
-  // second where it has other characteristic values than those in use.
+  // The problem's own formulation, analyzed at the point of the active one. Both throw Failure if it is too large,
+  // same_whole() also if its characteristic values differ from those in use.
   WholeModel& whole();
   WholeModel& same_whole();
-  // The same of a mechanical system.
+  // The corresponding formulation of a mechanical system.
   MultibodyModel& local_coordinates();
   bool differentiate_jump(const MovingJump& moving, const ModelOptions& options, View after);
   // The constraints of a mechanical system at the point accepted last.
   ConstraintsReport constraints();
 
   bool fulfils_equations(const PointOfInterest& point) { return all_.own->fulfils_equations(point); }
-  // Returns whether consistent values are those of the motion of a mechanical system.
+  // True if consistent values are those of the motion of a mechanical system.
   bool has_consistent_motion() const { return all_.multibody != nullptr && active_ != all_.own.get(); }
 
  private:
@@ -86,8 +85,8 @@ class FormulatedModel final : public Model {
 
   Formulations all_;
   FormulatedModel* instead_ = nullptr;
-  Model* own_active_ = nullptr;        // without it
-  Model *active_, *before_ = nullptr;  // before: when a checkpoint is restored
+  Model* own_active_ = nullptr;        // active_ without instead_
+  Model *active_, *before_ = nullptr;  // before_: previous one while a checkpoint is restored
   ModelOptions options_;               // of the last analysis
 };
 
@@ -95,7 +94,7 @@ template <class Kind>
 std::unique_ptr<FormulatedModel> formulated(std::unique_ptr<Kind> model) {
   return std::make_unique<FormulatedModel>(Formulations(std::move(model)));
 }
-// Recorded equations that are linear become a linear model.
+// Linear recorded equations become a linear model.
 std::unique_ptr<FormulatedModel> make_model(std::shared_ptr<const Record> record);
 
 }  // namespace sfdae::core

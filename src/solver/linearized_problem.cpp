@@ -67,7 +67,7 @@ class Equations {
       evaluator_ = &first_order_->evaluator();
     }
   }
-  // Null where there are none.
+  // Null if there are none.
   const TaylorEvaluator* evaluator() const { return evaluator_; }
 
  private:
@@ -91,7 +91,7 @@ std::vector<int> numbers_of_parameters(const sfdae_linearization& choice, const 
   return numbers;
 }
 
-// x and x', order 1. Linear problems whose matrices are all that counts have none, which is 0.
+// x and x', order 1. Both are 0 for linear problems of which only the matrices matter.
 Jet point_of(Solver& solver, const sfdae_linearization& choice, bool solution_counts) {
   const std::size_t n = index(solver.model.n());
   Jet point;
@@ -115,7 +115,7 @@ Jet point_of(Solver& solver, const sfdae_linearization& choice, bool solution_co
   return solver.model.whole().jet_through(choice.t, x.data(), 0);
 }
 
-// Of the user's problem, not those that inputs may have become.
+// Prescribed unknowns of the user's problem, without those made inputs.
 const std::vector<int>& prescribed_of(const Solver& solver) {
   static const std::vector<int> none;
   if (solver.model.linear() != nullptr) return solver.model.linear()->problem().prescribed();
@@ -123,7 +123,7 @@ const std::vector<int>& prescribed_of(const Solver& solver) {
   return none;
 }
 
-// Unknowns with an equation of their own: those that are inputs, then prescribed ones that are held.
+// Unknowns with an additional equation: inputs, then prescribed ones that are held.
 std::vector<int> pinned_unknowns(const Solver& solver, const sfdae_linearization& choice) {
   std::vector<int> pinned(choice.input_unknowns, choice.input_unknowns + choice.num_input_unknowns);
   for (int j : prescribed_of(solver))

@@ -1,4 +1,4 @@
-// The descriptor system of a solver's problem at a point.
+// Descriptor system of a solver's problem at a point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace sfdae::core {
 
-// Throws Failure, also for what is wrong with the choice.
+// Throws Failure, also for an invalid choice.
 DescriptorSystem linearized(Solver& solver, const sfdae_linearization& choice);
 
 }  // namespace sfdae::core

@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Start values may be found otherwise.
+// Options for initial values do not apply here.
 ModelOptions plain(const ModelOptions& given) {
   ModelOptions options = given;
   options.consistency = ConsistencyRequest();

@@ -1,4 +1,4 @@
-// What a solver's model does where a solution cannot go on smoothly: at jumps of data, and at singular points.
+// Rules of a solver's model for jumps of data and for singular points.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 struct Solver;
 
-// The jumps of data at breakpoints: by impulses of the equations.
+// Jumps of data at breakpoints: by impulses of the equations.
 class JumpsOfModel final : public JumpRule {
  public:
   explicit JumpsOfModel(Solver& solver) : solver_(solver) {}
@@ -32,7 +32,7 @@ class JumpsOfModel final : public JumpRule {
   std::optional<Crossed> last_;
 };
 
-// What carries a solution across a singular point: the consistent values nearest to its smooth continuation.
+// Continuation across a singular point: the consistent values nearest to the smooth continuation.
 class ContinuationOfModel final : public ContinuationRule {
  public:
   explicit ContinuationOfModel(Solver& solver) : solver_(solver) {}

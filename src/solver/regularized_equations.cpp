@@ -49,7 +49,7 @@ std::shared_ptr<const Record> RegularizedEquations::regular(const TaylorEvaluato
 
 namespace {
 
-// The number, or the one that is read. It is archived so that no bit of it may be another one.
+// Archives a number, and returns it or the one read. The encoding has no redundant bits.
 std::size_t archived(Archive& archive, std::size_t number) {
   long after = static_cast<long>(number) + 1, unused = 0;
   archive.counts(after, unused);

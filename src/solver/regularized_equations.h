@@ -1,5 +1,5 @@
-// The equations of a solver, as a model of its own, with conditions that are continuous (regularized_conditions.h) and
-// terms that make them regular (flat_equations.h).
+// Regularized equations of a solver, as a separate model: with continuous conditions (regularized_conditions.h) and
+// regularizing terms (flat_equations.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,19 +17,19 @@
 
 namespace sfdae::core {
 
-// Changes of equations that are singular at some points, or lead back and forth at others.
+// Changes of equations that are singular at some points, or whose conditions lead back and forth at others.
 struct Regularization {
   std::vector<FlatEquation> terms;
   RegularizationRounds rounds;  // of conditions, in equations with these terms
   bool is_empty() const { return terms.empty() && rounds.empty(); }
   bool operator==(const Regularization&) const = default;
 };
-// Throws DamagedArchive where reading finds no such numbers.
+// Throws DamagedArchive if the data read are invalid.
 void archive_regularization(Archive& archive, Regularization& regularization);
 
 class RegularizedEquations {
  public:
-  // given: with conditions, and the values that parameters have. changed: as HeldConditions has it.
+  // given: with conditions, and the present parameter values. changed: see HeldConditions.
   RegularizedEquations(const TaylorEvaluator& given, Regularization its_parts, std::function<void()> changed);
 
   const Regularization& parts() const { return parts_; }

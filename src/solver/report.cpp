@@ -1,4 +1,4 @@
-// The diagnostics report as text.
+// Diagnostics report as text.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/report.h"
 
@@ -33,7 +33,7 @@ std::string matrix_name(const RankDecision& decision) {
   }
 }
 
-// Large systems have thousands of blocks: then those nearest to singular ones are shown.
+// Large systems have thousands of blocks: then only those nearest to singular ones are shown.
 std::string decision_table(std::vector<RankDecision> decisions) {
   constexpr std::size_t most = 60, shown = 20;
   const std::size_t count = decisions.size();
@@ -99,7 +99,7 @@ std::string constraints_report(const Solver& solver) {
   return text;
 }
 
-// The stages of a Radau step of odd order 2s - 1.
+// Name of the method; a Radau step of odd order 2s - 1 has s stages.
 std::string method_name(const Solver& solver, int order) {
   const bool automatic = solver.options.integration.method == Method::automatic;
   std::string name = "BDF";
@@ -109,7 +109,7 @@ std::string method_name(const Solver& solver, int order) {
   return automatic ? name + " (chosen automatically)" : name;
 }
 
-// Describes the equations that took the place of the problem's own ones.
+// Describes the equations that replaced the problem's own ones.
 std::string regularization_report(const Solver& solver) {
   if (!solver.regularized) return "";
   std::string text;
@@ -179,7 +179,7 @@ struct Upcoming {
   const char* kind;
 };
 
-// One more than are shown, if there are so many. By value, as searches leave their traces.
+// At most one more than is shown. Breakpoints are copied because a search changes them.
 std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double toward) {
   const double direction = toward < t ? -1.0 : 1.0;
   std::vector<Upcoming> list;
@@ -215,7 +215,7 @@ std::string breakpoints_report(const Solver& solver) {
   const std::size_t set = solver.breakpoints->num_times();
   if (!solver.integration) return set > 0 ? format("Breakpoints: %zu are set\n", set) : "";
   const double t = solver.integration->stepper().state().t;
-  constexpr double spans = 100.0;  // of interest
+  constexpr double spans = 100.0;  // intervals of interest
   const double toward = t + spans * solver.integration->direction() * solver.integration->span();
   const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, toward);
   std::string text;

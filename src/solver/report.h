@@ -1,4 +1,4 @@
-// The diagnostics report of a solver as text.
+// Diagnostics report of a solver as text.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,12 +8,11 @@
 
 namespace sfdae::core {
 
-// about_modes: of the hybrid system that the solver is a mode of; empty: of none.
+// about_modes: report on the hybrid system of which the solver is a mode; empty: none.
 std::string report_of(const Solver& solver, const std::string& about_modes);
-// The breakpoints that an integration under way is going to meet, and the jump crossed last; empty where there are
-// none.
+// The breakpoints ahead of the current integration, and the last jump; empty if there are none.
 std::string breakpoints_report(const Solver& solver);
-// The work of the adjoint for `count` parameters.
+// Work of the adjoint for `count` parameters.
 std::string report_of(int count, const AdjointWork& work);
 
 }  // namespace sfdae::core

@@ -20,10 +20,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Failures of an analysis that wrong derivatives may cause.
+// True for failures of an analysis that wrong derivatives may cause.
 bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
 
-// Failures of an analysis that another guess may lead past.
+// True for failures of an analysis that another initial guess may avoid.
 bool may_be_of_guess(int status) {
   return status == SFDAE_RANK_UNCLEAR || status == SFDAE_INDEX_TOO_HIGH || status == SFDAE_NO_CONSISTENT_VALUES ||
          status == SFDAE_NOT_FINITE || status == SFDAE_SINGULAR;
@@ -34,7 +34,7 @@ void demand_times(double t, double toward) {
     refuse_argument(format("t = %g, toward = %g: must be finite and different.", t, toward));
 }
 
-// x and xdot may be null where they are not asked for.
+// x and xdot may be null if they are not required.
 void demand_point(const PointOfInterest& point, int n) {
   demand_times(point.t, point.toward);
   if (point.x != nullptr && !all_finite(point.x, index(n))) refuse_argument("x contains NaN or Inf.");
@@ -77,7 +77,7 @@ void analyze_model(Solver& solver, const PointOfInterest& point) {
   solver.decisions = KeptDecisions(decisions);
 }
 
-// An analysis that is not to be trusted is forgotten.
+// An analysis with wrong derivatives is discarded.
 void demand_derivatives(Solver& solver, const PointOfInterest& point) {
   try {
     solver.model.demand_derivatives(point, solver.options.model);
@@ -94,7 +94,7 @@ CheckpointIdentity identity_of_integration(const Solver& solver) {
   return identity_of(solver.model, solver.options.model, solver.integration->chosen_method());
 }
 
-// A checkpoint begins with its identity, and with what makes its equations regular.
+// A checkpoint begins with its identity, and with the regularization of its equations.
 struct CheckpointStart {
   Regularization regularization;
   std::size_t length;  // in doubles
@@ -185,8 +185,8 @@ void Solver::forget_analysis() {
   initial_report.reset();
 }
 
-// Where a multibody system with callbacks fails, a look at its derivatives helps; where rows of the array are left out,
-// the whole array.
+// For multibody systems with callbacks it suggests a check of the derivatives; if rows of the array are omitted, the
+// complete array.
 const char* Solver::hint(int status) const {
   if (status == SFDAE_CHARACTERISTICS_CHANGED && model.follows_structure() && model.multibody() != nullptr)
     return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";
@@ -225,7 +225,7 @@ void Solver::set_options(SolverOptions fresh) {
       now.leading == old.leading && now.structure == old.structure;
   const bool goes_on = integration && same_analysis;
   if (goes_on) integration->set_options(fresh.integration);
-  // Nothing fails from here on.
+  // Nothing fails after this point.
   options = std::move(fresh);
   use_tolerances(model, options.integration.tolerances);
   if (!same_analysis) forget_analysis();
@@ -246,7 +246,7 @@ void Solver::set_parameter(const char* name, double value, bool goes_on) {
   changed = std::move(before);
 }
 
-// None where the solution cannot be evaluated there.
+// Empty if the solution cannot be evaluated there.
 std::optional<Solver::Changed> Solver::point_returned() {
   Changed found{integration->last_returned(), std::vector<double>(index(model.n())), model.shared_system(), nullptr};
   try {
@@ -260,7 +260,7 @@ std::optional<Solver::Changed> Solver::point_returned() {
   return found;
 }
 
-// As at a jump of data. If this throws, the next call tries it again.
+// Continues as after a jump of data. If this throws, the next call tries it again.
 void Solver::go_on_with_parameters(double tout) {
   Changed before = std::move(*changed);
   changed.reset();
@@ -330,7 +330,7 @@ void Solver::record(std::weak_ptr<SolutionPieces> pieces) {
   if (integration) integration->record(solution);
 }
 
-// Nothing is evaluated beyond the stop time or the first breakpoint, and differences stay on this side of the start.
+// No evaluations beyond the stop time or the first breakpoint; finite differences stay on this side of the start.
 void Solver::set_limits(double t, double toward_direction) {
   const double infinity = std::numeric_limits<double>::infinity();
   const double stop = options.integration.stop_time.value_or(toward_direction * infinity);
@@ -375,8 +375,7 @@ void Solver::make_analysis(PointOfInterest point) {
   direction = wanted;
 }
 
-// Returns whether the analysis has found other values than those given for the part of x that is differentiated, beyond
-// the tolerances.
+// True if the analysis has changed the differential part of x beyond the tolerances.
 bool Solver::moves_differentiated(const PointOfInterest& point) const {
   const Jet found = model.accepted_point();
   if (found.n == 0) return false;
@@ -387,9 +386,9 @@ bool Solver::moves_differentiated(const PointOfInterest& point) const {
 }
 
 // Users guess algebraic unknowns, and may guess values at which the equations have other ranks than on the solution:
-// the flow q = 0 in q |q| = h. Then the analysis fails, or differentiated unknowns would have to move, though users
-// know these. So other guesses of the algebraic unknowns are tried, and the first one counts with which the
-// differentiated unknowns stay.
+// the flow q = 0 in q |q| = h. Then the analysis fails, or differential unknowns would have to move, although users
+// know these. Therefore other guesses of the algebraic unknowns are tried, until one leaves the differential unknowns
+// unchanged.
 std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
   if (!model.needs_x() || model.has_consistent_motion() || !options.model.request_at(point.x).differentiated_stay()) {
     make_analysis(point);
@@ -404,7 +403,7 @@ std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
   } catch (const Failure& failure) {
     if (!may_be_of_guess(failure.status()) || model.fulfils_equations(point)) throw;
   }
-  // Unknowns are moved by these parts of max(|x|, 1). At last guesses are zero. (Chosen: 0.1 or 1 was enough for 140 of
+  // Unknowns are moved by these parts of max(|x|, 1); the last guess is zero. (Chosen: 0.1 or 1 was enough for 140 of
   // 148 starts that needed another guess.)
   for (const double move : {0.1, -0.1, 1.0, -1.0, 0.0}) {
     try {
@@ -412,17 +411,17 @@ std::vector<double> Solver::analyze_near(const PointOfInterest& point) {
       if (auto guess = analyze_beside(point, move, known, stays)) return std::move(*guess);
     } catch (const Failure& failure) {
       if (ends_everything(failure.status())) throw;
-    } catch (const std::runtime_error&) {  // of decompositions of what overflows
+    } catch (const std::runtime_error&) {  // of decompositions with overflow
     }
-    // Ranks are the same there: constraints move the differentiated unknowns.
+    // Ranks are the same there: constraints move the differential unknowns.
     if (system() && system()->analysis().values == known) break;
   }
   make_analysis(point);
   return {point.x, point.x + model.n()};
 }
 
-// stays: which unknowns are differentiated; if none, that is not known yet. If the analysis finds values only by moving
-// these, the algebraic unknowns that it has found are the next guess.
+// stays: flags of the differential unknowns; all 0 if not known yet. If the analysis only finds values by moving these,
+// its algebraic unknowns are the next guess.
 std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest& point, double move,
                                                           const std::optional<CharacteristicValues>& known,
                                                           std::vector<char>& stays) {
@@ -447,7 +446,7 @@ std::optional<std::vector<double>> Solver::analyze_beside(const PointOfInterest&
   if (system()->undetermined() > 0 || moves_differentiated(point)) return std::nullopt;
   const ConsistentPoint found = model.consistent_point(beside, options.model);
   if (found.value_change.is_beyond_tolerances()) return std::nullopt;
-  // The guess given was consistent, and what has been found there counts.
+  // The original guess was consistent, so its result is preferred.
   const std::vector<double> sizes = options.model.request_at(point.x).sizes();
   for (std::size_t i = 0; i < sizes.size(); ++i)
     if (std::fabs(found.x[i] - point.x[i]) > sizes[i]) return guess;
@@ -522,7 +521,7 @@ CallResult Solver::advance(double tout, bool one_step, double& t, double* x, dou
   };
   const long before = attempts();
   CallResult result = integration->advance(tout, one_step, t, x, xdot);
-  // A restart counts as an attempt: none of them is made for ever.
+  // A restart counts as an attempt, so that restarts are limited.
   for (long restarts = 1; result.status < 0 && goes_on_with_branches(tout, result); ++restarts) {
     if (attempts() - before + restarts > options.integration.max_steps)
       return result_of_many_steps(options.integration.max_steps, tout, integration->stepper().state().t);

@@ -1,4 +1,4 @@
-// Sensitivities of a solver: from the request to the integration that carries them.
+// Sensitivities of a solver: from the request to the integration that computes them.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <memory>
@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// At the time of the start: the derivatives of values at a time that moves, less what x' has done since.
+// Directions at the fixed time of the start: derivatives at the moving time, minus x' times the shift.
 std::vector<double> directions_at(const SensitivityRequest& wanted, const std::vector<double>& xdot) {
   std::vector<double> directions = wanted.directions;
   for (std::size_t j = 0; j < wanted.shifts.size(); ++j)

@@ -1,4 +1,4 @@
-// A solver where both branches of a condition lead back to its zero.
+// Continuation of a solver when both branches of a condition lead back to its zero.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -30,17 +30,17 @@ std::unique_ptr<RegularizedEquations> Solver::use(std::unique_ptr<RegularizedEqu
 
 namespace {
 
-// Integrations end with these where branches cannot be held, or lead back to where they come from.
+// Statuses of integrations that end because branches cannot be held, or lead back to their zeros.
 bool may_be_of_branches(int status) {
   return status == SFDAE_ZENO || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_SINGULAR;
 }
 
-// Integrations end with these at points where the equations have other ranks than nearby.
+// Statuses of integrations that end at points where ranks of the equations differ from those nearby.
 bool may_be_of_flat_equations(int status) {
   return may_be_of_branches(status) || status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_RANK_UNCLEAR;
 }
 
-// Returns the shortest of the times in which slopes lead across the width of a condition.
+// The shortest time in which slopes cross the width of a condition.
 double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditions& conditions, double t,
                    const ConsistentPoint& at) {
   std::vector<double> speeds(at.xdot);
@@ -54,7 +54,7 @@ double time_across(const std::vector<RegularizedCondition>& sliding, HeldConditi
 
 }  // namespace
 
-// Goes on with terms in the equations that are flat in an unknown.
+// Continues with additional terms in equations that are flat in an unknown.
 bool Solver::goes_on_with_terms(double tout, const CallResult& result) {
   if (!may_be_of_flat_equations(result.status) || integration->adjoint() != nullptr) return false;
   TaylorEvaluator* const equations = regularized ? regularized->model().evaluator() : equations_with_conditions();
@@ -95,7 +95,7 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   try {
     Regularization parts = regularized ? regularized->parts() : Regularization();
     parts.rounds.push_back(sliding);
-    // Each round has a surface that those before it have not.
+    // Each round adds a surface.
     if (parts.rounds.size() > conditions->count() + 1)
       throw Failure(SFDAE_ZENO, "conditions that are continuous by now still lead back to their zeros.");
     start_regularized(tout, std::move(parts), sliding);
@@ -110,7 +110,7 @@ bool Solver::goes_on_with_branches(double tout, CallResult& result) {
   }
 }
 
-// The surfaces that x moves along are renewed, or those that it has left are given up.
+// Updates the surfaces along which x moves, or removes those that it has left.
 bool Solver::goes_on_with_layers(double tout, CallResult& result) {
   try {
     Regularization parts = regularized->parts();
@@ -125,7 +125,7 @@ bool Solver::goes_on_with_layers(double tout, CallResult& result) {
   }
 }
 
-// If this throws, the integration stays what it was.
+// An exception leaves the integration unchanged.
 void Solver::start_regularized(double tout, Regularization parts, const std::vector<RegularizedCondition>& sliding) {
   const Stepper& stepper = integration->stepper();
   const double t = stepper.state().t;

@@ -24,7 +24,8 @@ void demand_exportable(const Solver& solver) {
     throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
 }
 
-// Where the solver is; x: zero for linear equations before a start. xdot: where known, as F = 0 may allow several.
+// The current point of the solver; x: zero for linear equations before a start. xdot: if known, because F = 0 may
+// permit several values.
 PointOfInterest present_point(Solver& solver, std::vector<double>& x, std::vector<double>& xdot) {
   double t = solver.system()->t();
   x.assign(index(solver.model.n()), 0.0);

@@ -1,4 +1,4 @@
-// Source text of the equations of a solver, where it is.
+// Source text of a solver's equations at its current point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

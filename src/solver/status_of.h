@@ -1,4 +1,4 @@
-// Failures of arguments, and what exceptions mean: the public status and the words of a call.
+// Argument failures, and the public status and message of a call for exceptions.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,8 +19,8 @@ namespace sfdae::core {
 
 inline constexpr const char* out_of_memory = "out of memory.";
 
-// What a body returns, SFDAE_OK if it returns nothing, or what an exception out of it means, goes to
-// say(status, text), which returns the status.
+// Passes the result of the body, SFDAE_OK if it is void, or that of its exception, to say(status, text), which returns
+// the status.
 template <class Body, class Say>
 int status_of(Body body, Say say) noexcept {
   try {

@@ -1,4 +1,4 @@
-// The structure in the diagnostics report.
+// Structural analysis in the diagnostics report.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/structure_report.h"
 
@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Equations of systems whose signature matrix is shown; blocks and states that are listed.
+// Maximum size of a system whose signature matrix is shown; maximum numbers of blocks and states listed.
 constexpr int most_equations = 12, most_blocks = 12, most_states = 12;
 
 std::string derivative(int unknown, int order) {
@@ -27,7 +27,7 @@ std::string listed(std::span<const Item> items, int most, Name name) {
   return items.size() > index(most) ? text + format(", ... (%zu)", items.size()) : text;
 }
 
-// sigma_ij, '*' behind those of the assignment; c_i at the right, d_j below.
+// sigma_ij, followed by '*' in the assignment; c_i at the right, d_j below.
 std::string signature_table(const Structure& structure, const Record& record) {
   constexpr int width = 6, name_width = 16;
   const int n = structure.signature.size();

@@ -1,4 +1,4 @@
-// What the diagnostics report says of the structure of recorded equations that are solved by their minimal extension.
+// Structural analysis in the diagnostics report, for recorded equations solved by their minimal extension.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -11,9 +11,8 @@ namespace sfdae::core {
 // SFDAE_NOT_UNIQUE or SFDAE_OK.
 CallResult warning_of(const DaeSystem& system);
 
-// The same for initial values: the first of SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED and SFDAE_NOT_UNIQUE that
-// applies, with the words of all that do. What makes results doubtful comes first, then what concerns this call, then
-// what is known of the problem.
+// Warning about initial values: the first applicable one of SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED and
+// SFDAE_NOT_UNIQUE, with the messages of all that apply. The order is: doubtful results, this call, the problem.
 CallResult warning_of(const DaeSystem& system, const ConsistentPoint& point);
 
 }  // namespace sfdae::core

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// The search may succeed from another start.
+// True if the search may succeed from another start.
 bool depends_on_start(const Failure& failure) {
   return failure.status() == SFDAE_NOT_FINITE || failure.status() == SFDAE_CALLBACK_FAILED ||
          failure.status() == SFDAE_NO_CONSISTENT_VALUES;
@@ -44,7 +44,7 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
   Jet& jet = point.jet;
   const int level = std::max(points_.front().level, 0);
   if (jet.order > level) {
-    // The highest coefficients are determined in part; the others are what they were guessed.
+    // The highest coefficients are determined in part; the rest are as guessed.
     const std::vector<double> highest(jet.column(level + 1), jet.column(level + 1) + jet.n);
     jet.set_order(level);
     jet.shift(t - jet.t);
@@ -59,8 +59,8 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
   return point;
 }
 
-// Polynomials of stiff problems lead far off within a short time: derivatives of fast components are large where these
-// are not at rest. x alone is a better start there.
+// Polynomials of stiff problems lead far off within a short time: derivatives of fast components are large unless these
+// are at rest. x alone is a better start then.
 const Jet& ConsistentJets::jet_at(double t, int level) {
   Point& point = point_at(t);
   if (&point == &points_.front()) {
@@ -87,7 +87,7 @@ void ConsistentJets::solve(Point& point, int level) {
   if (&point == &points_.front()) solver.set_fixed(fixed_);
   solver.keep_differentiated(sizes_);
   while (point.level < level) {
-    Jet next = point.jet;  // where there is none of the next level, that of this one stays
+    Jet next = point.jet;  // stays as it is if the next level has none
     solver.solve(next, point.level + 1);
     point.jet = std::move(next);
     ++point.level;

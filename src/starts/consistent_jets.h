@@ -1,4 +1,4 @@
-// Jets of a nonlinear problem that fulfil its derivative array F_l = 0, at any t, found from one guess of x.
+// Jets of a nonlinear problem that satisfy its derivative array F_l = 0, at any t, found from one initial guess of x.
 //
 // At such a jet (t, x, y) the Taylor coefficients of F_x' and -F_x play the roles of E_k and A_k of a linear problem:
 // the Jacobian of F_l is the array [M | -N] of elimination.h, so that index analysis works on it unchanged.
@@ -17,15 +17,15 @@
 
 namespace sfdae::core {
 
-// Taylor coefficients along consistent jets through a guess: what the index analysis evaluates.
+// Taylor coefficients along consistent jets through a guess, evaluated by the index analysis.
 class ConsistentJets final : public CoefficientSource {
  public:
   // fixed: components of x at t that must not change (n flags, or empty).
   ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed);
 
-  // What is differentiated stays if it can; sizes: of changes of x that count as one, n of them.
+  // Keeps differential variables if possible; sizes: n changes of x that count as one.
   void keep_differentiated(std::vector<double> sizes) { sizes_ = std::move(sizes); }
-  // x' at t: the jet there is looked for near it.
+  // x' at t: the jet there is searched for near it.
   void guess_derivative(const double* xdot);
 
   int m() const override { return problem_.m(); }
@@ -34,7 +34,7 @@ class ConsistentJets final : public CoefficientSource {
   bool is_constant() const override { return false; }
   bool checks_next_level() const override { return true; }
   bool is_along_jet() const override { return true; }
-  // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
+  // Makes the jet at t consistent up to the highest order requested. Throws Failure as JetSolver::solve does.
   CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override;
@@ -51,7 +51,7 @@ class ConsistentJets final : public CoefficientSource {
     bool is_unshifted = false;  // it started from x at the first point
   };
   Point& point_at(double t);
-  // Up to the level.
+  // Solves up to the level.
   void solve(Point& point, int level);
 
   NonlinearProblem& problem_;

@@ -46,7 +46,7 @@ Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse
   return result;
 }
 
-// Candidates that have given values in components J: T2_J z = x_J - xp_J; N spans what they leave open.
+// Candidates with given values in components J: T2_J z = x_J - xp_J; N spans the directions that remain.
 Candidates with_components(const NullSpaceForm& form, const std::vector<int>& components, const Vector& missing,
                            Matrix& J) {
   const int count = static_cast<int>(components.size());
@@ -61,7 +61,7 @@ Candidates with_components(const NullSpaceForm& form, const std::vector<int>& co
           to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank))};
 }
 
-// The fixed components, and those that are prescribed, for the given x. Throws Failure if fixed ones do not fit.
+// Candidates with the fixed and the prescribed components of the given x. Throws Failure if fixed ones do not fit.
 Candidates satisfy_fixed(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& x) {
   const NullSpaceForm& form = point.form;
   std::vector<int> components;
@@ -77,7 +77,7 @@ Candidates satisfy_fixed(const ConstrainedPoint& point, const ConsistencyRequest
   Vector residual(missing);
   if (!components.empty()) multiply(-1.0, Op::plain, J, candidates.z0.data(), 1.0, residual.data());
   for (int row = 0; row < J.rows(); ++row) {
-    // Relative to what was added up in this component.
+    // Relative to the terms of this component.
     const int i = components[index(row)];
     if (request.kind != InitialValues::fixed || request.fixed[index(i)] == 0) continue;
     double size = std::max({std::fabs(x[index(i)]), std::fabs(form.xp()[i]), request.least_size});
@@ -91,7 +91,7 @@ Candidates satisfy_fixed(const ConstrainedPoint& point, const ConsistencyRequest
   return candidates;
 }
 
-// In scaled unknowns.
+// Sizes of the scaled unknowns.
 Vector scaled_sizes(const ConsistencyRequest& request, const Units& units) {
   Vector sizes = request.sizes();
   for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] /= units[i];
@@ -113,7 +113,7 @@ Vector with_differentiated_kept(const ConstrainedPoint& point, const Consistency
   const bool is_known = form.u == 0 || candidates.N.cols() == form.unknowns();
   const ChangeMeasure measure{scaled_sizes(request, units), is_known ? kernel.basis.cols() - form.u : 0,
                               least_cosine(n, point.kept)};
-  // Once more where digits were cancelled: values may be given that are far too large.
+  // Once more if digits were cancelled: given values may be far too large.
   bool has_cancellation = true;
   for (int pass = 0; pass < 2 && has_cancellation; ++pass) {
     const Vector dx = least_change({base.data(), directions}, kernel, measure, x.data());
@@ -128,8 +128,8 @@ Vector with_differentiated_kept(const ConstrainedPoint& point, const Consistency
   return x;
 }
 
-// z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
-// these are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
+// z0: E1 (xp + T2 z0 - x) = 0; N spans the free directions that remain. With Z1 spanning the range of E T2 these are
+// the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
 Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x) {
   const int n = form.n, m = form.m, unknowns = form.unknowns(), u = form.u;
   Matrix E = to_matrix(data.E(0));
@@ -146,7 +146,7 @@ Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, 
   return {least_squares(rows, target, 0.0), to_matrix(form.Uz())};
 }
 
-// The fixed components exactly as they are given: what is solved for holds them to rounding.
+// Fixed components exactly as given: the solution holds them to roundoff only.
 Vector with_fixed(const ConsistencyRequest& request, const Vector& given, Vector x) {
   if (request.kind == InitialValues::fixed)
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -218,9 +218,9 @@ Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyReq
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const Vector& given, const Vector& found) {
   if (!request.differentiated_stay()) return {};
-  // Errors of the directions times what is added up in the constraints of x_i are no change of x_i; two digits of room
-  // (chosen). Directions that are those of unknowns have no errors, but sums have roundoff. The largest of all unknowns
-  // is no measure: it may be a current of amperes beside charges of picocoulombs.
+  // Errors of the directions times the terms in the constraints of x_i are no change of x_i; two digits of room
+  // (chosen). Directions along unknowns have no errors, but sums have roundoff. The largest unknown is no measure: it
+  // may be a current of amperes among charges of picocoulombs.
   constexpr double room = 1e2, most_rounding = 1e-8, few_roundings = 4.0 * unit_roundoff;
   const Units& units = point.units;
   const int n = point.form.n;

@@ -1,4 +1,4 @@
-// Consistent values where the constraints are A2 x + f2 = 0: of linear problems, and of linearized ones.
+// Consistent values under constraints A2 x + f2 = 0: of linear problems, and of linearized ones.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,11 +22,11 @@ struct ConstrainedPoint {
   const Units& units;
   int rank_E;
   double kept;  // smallest relative value that the decisions behind T2 kept
-  // Components that have to have the values given, as far as the form does not know of them; null: none.
+  // Components that must have the given values but are unknown to the form; null: none.
   const std::vector<int>* prescribed = nullptr;
   // An orthonormal basis of ker E; empty: not known.
   ConstView known_kernel = {};
-  // Of E, found once.
+  // The kernel of E, found once.
   const LeadingKernel& kernel() const {
     if (!found_kernel) found_kernel = std::make_shared<const LeadingKernel>(data.E(0), rank_E, known_kernel);
     return *found_kernel;
@@ -41,20 +41,19 @@ struct ConstrainedPoint {
 std::vector<double> consistent_point(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const std::vector<double>& x);
 
-// What a change dx of x, in the user's units, means for E x: least_change.h.
+// The part of a change dx of x, in the user's units, that changes E x: least_change.h.
 std::vector<double> differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                           const std::vector<double>& dx);
 
-// The largest change among what was to stay, from the values given to those found; none where the request does not ask
-// for that, or rounding errors explain it.
+// The largest change of values that were to stay, from those given to those found; none if the request does not ask for
+// that, or if rounding errors explain it.
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const std::vector<double>& given, const std::vector<double>& found);
 
 // (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
 std::vector<double> violation(const NullSpaceForm& form, const std::vector<double>& x);
 
-// largest_change and component of the result; what is more than tolerances allow is refused for
-// InitialValues::accept.
+// Sets largest_change and component of the result; InitialValues::accept refuses changes beyond the tolerances.
 void report_change(const ConsistencyRequest& request, double t, const std::vector<double>& given,
                    const std::vector<double>& consistent, ConsistencyResult& result);
 

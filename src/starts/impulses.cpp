@@ -1,4 +1,4 @@
-// What a change of equations leaves as it is.
+// Jump from values of other equations to consistent ones, by impulses.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/impulses.h"
 
@@ -17,16 +17,16 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of the largest pivot, columns of length 1: below it a direction is not determined by these data. Well-posed problems
-// in balanced units have 1e-6 and more. (Chosen.)
+// Least pivot relative to the largest one, columns of length 1: below it a direction is not determined by these data.
+// Well-posed problems in balanced units have 1e-6 and more. (Chosen.)
 constexpr double least_pivot = 1e-13;
-// Of what is added up in an equation: rounding errors leave less. (Chosen.)
+// Relative to the sum of terms of an equation: rounding errors leave less. (Chosen.)
 constexpr double impulse_contradiction = 1e-7;
 
-// Of the largest of theta: what is added up in an equation is measured by that at least. (Chosen.)
+// Least sum of terms of an equation, relative to the largest theta. (Chosen.)
 constexpr double negligible_part = 1e-4;
 
-// The unknowns: z, then those of theta_1, ..., theta_mu that are no inputs.
+// The unknowns: z, then those of theta_1, ..., theta_mu that are not inputs.
 struct Unknowns {
   explicit Unknowns(const ImpulseEquations& of) : z(of.point.form.unknowns()) {
     const std::vector<int>& inputs = of.inputs.components;

@@ -24,10 +24,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double tiny = 1e-300;
 // Residuals whose squares could overflow in a sum count as infinite.
 constexpr double largest_residual = 1e150;
-// y may change this much more easily than x: x is what was guessed, y has no better start than 0. Chosen, not
-// measured.
+// y may change this much more easily than x: x was guessed, y has no better start than 0. Chosen, not measured.
 constexpr double ease_of_y = 1e3;
-// Likewise for unknowns that are in no equation with their derivative, where those that are have to stay.
+// Likewise for unknowns whose derivatives are in no equation, if the others have to stay.
 constexpr double ease_of_algebraic = 1e3;
 
 double length(const double* v, std::size_t count) {
@@ -93,7 +92,7 @@ JetEquations::Trial JetEquations::try_change(const Jet& jet, const Vector& chang
   return trial;
 }
 
-// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise.
+// Pivots that vanish at consistent jets do not vanish here: values below the residuals count as noise.
 double JetEquations::residual_noise() const {
   // Larger residuals would hide all pivots; chosen, not measured.
   constexpr double most = 1e-4;
@@ -103,7 +102,7 @@ double JetEquations::residual_noise() const {
 const RankSequence& JetEquations::eliminate_staged(NoiseModel model, double noise) {
   const Arena::Frame frame(arena_);
   data_.residual_noise = noise;
-  // Rows of errors that are carried along have no place in a stored elimination: ranks are found before.
+  // A stored elimination has no place for rows of errors that are carried along: ranks are found before.
   RankSequence known;
   Judge::Settings judging{0.0, false, model, nullptr};
   if (model == NoiseModel::carried) {
@@ -122,7 +121,7 @@ const RankSequence& JetEquations::eliminate_staged(NoiseModel model, double nois
   return ranks_;
 }
 
-// In scaled unknowns.
+// Change of x in scaled unknowns.
 Vector JetEquations::change_of_kept() {
   const LeadingKernel kernel(data_.E(0), rank_E_);
   ChangeMeasure measure{sizes_, kernel.basis.cols() - form_.u, least_cosine(data_.n, kept_)};
@@ -149,7 +148,7 @@ bool JetEquations::staged_change(bool keep, Vector& change) {
 }
 
 bool JetEquations::is_negligible(const Jet& jet, const Vector& change) const {
-  // Of a size that counts as one, and of x: chosen, not measured.
+  // Relative to a size that counts as one, and to x: chosen, not measured.
   constexpr double little = 1e-3, rounding = 1e-9;
   if (!keeps_differentiated()) return true;
   Vector buffer(index(jet.n));
@@ -204,8 +203,8 @@ bool JetEquations::damped_change(const Jet& jet, double damping, Vector& change)
 }
 
 bool JetEquations::dense_change(const Jet& jet, double most_dropped, Vector& change) const {
-  // Singular values below are rounding errors of the array; what the residuals may change in it is dropped with some
-  // room. Both are chosen, not measured.
+  // Singular values below are roundoff of the derivative array; those that the residuals may change are dropped with
+  // some room. Both are chosen, not measured.
   constexpr double rounding = 1e-12, room = 10.0;
   const Vector unit = unit_changes(jet);
   const Matrix J = scaled_array(data_, level_, unit);
@@ -220,8 +219,8 @@ bool JetEquations::dense_change(const Jet& jet, double most_dropped, Vector& cha
 bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
   const int m = data_.m, n = data_.n;
   double power = 1.0;
-  // Where nothing was added up, constants cancel: their size is that of the coefficients, but not of those of other
-  // rows that derivatives far off have made large.
+  // Without such terms, constants cancel: their size is that of the coefficients, but not of those of other rows that
+  // derivatives far off have made large.
   Vector size(index(m) * index(level_ + 1), 0.0), least(size.size(), data_.norm(0));
   const Vector zeros(index(m), 0.0);
   for (int k = 0; k <= level_ + 1; ++k) {
@@ -249,7 +248,7 @@ bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
 
 void JetEquations::give_up(const Jet& jet) const {
   constexpr int most_named = 4;
-  // Figures beyond say no more than that.
+  // Larger figures are not informative.
   constexpr double largest_named = 1e6;
   const int m = problem_.m(), count = m * (level_ + 1);
   std::vector<int> order(index(count));

@@ -15,26 +15,25 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Against endless searches; steps that reduce the residuals well do not count: of an exponential a Newton step takes
-// one power of e, and guesses may be hundreds of them away. There are limits for these, too: residuals that are
-// measured anew, in other units, after each step may be large again. Chosen, not measured.
+// Limits of searches. Steps that reduce the residuals well do not count: with an exponential a Newton step gains one
+// power of e, and guesses may be hundreds of them away. These steps have a limit, too: residuals that are measured in
+// new units after each step may be large again. Chosen, not measured.
 constexpr int max_iterations = 200, max_good_steps = 1000;
 // A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
 constexpr double good_reduction = 0.5;
-// At a jet that counts as consistent the iteration goes on as long as it reduces them to this. Chosen, not measured.
+// At a jet that counts as consistent the iteration continues while it reduces them to this. Chosen, not measured.
 constexpr double still_gaining = 0.9;
-// Residuals relative to what was added up in them, of a jet that counts as consistent: what ill-conditioned arrays
-// leave is below, what users notice is above. Chosen, not measured.
+// Residuals, relative to their terms, of a jet that counts as consistent: above what ill-conditioned arrays leave,
+// below what users notice. Chosen, not measured.
 constexpr double consistent_residual = 1e-9;
-// Damped steps get below any residual in time, where derivatives run away to make up for constraints that x does not
-// fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors
-// (docs/design/consistent_initialization.md).
+// Damped steps eventually get below any residual if derivatives run away to make up for constraints that x violates.
+// Consistency shows in undamped steps, or in residuals at roundoff (docs/design/consistent_initialization.md).
 constexpr double consistent_after_damping = 1e-12;
 
-// Some hundred roundings of what is added up in a residual.
+// About a hundred units of roundoff of the terms of a residual.
 constexpr double rounding = 1e-14;
 
-// Further components are fixed while this lives.
+// Fixes further components during its lifetime.
 class FixedForNow {
  public:
   FixedForNow(JetEquations& equations, std::vector<char> fixed) : equations_(equations), before_(equations.fixed()) {
@@ -48,7 +47,7 @@ class FixedForNow {
   JetEquations& equations_;
   std::vector<char> before_;
 };
-// Another step may lead where the equations can be evaluated.
+// True if another step may lead to where the equations can be evaluated.
 bool is_recoverable(const Failure& failure) {
   return failure.status() == SFDAE_NOT_FINITE || failure.status() == SFDAE_CALLBACK_FAILED;
 }
@@ -59,14 +58,14 @@ void JetSolver::solve(Jet& jet, int level) {
   if (jet.order < level + 1) jet.set_order(level + 1);
   find(jet, level);
   if (!equations_.E0_was_rounding()) return;
-  // Derivatives so large that rounding errors times them make up for equations that x does not fulfil.
+  // Derivatives are so large that their rounding errors make up for equations that x violates.
   std::fill(jet.x.begin() + jet.n, jet.x.end(), 0.0);
   find(jet, level);
 }
 
 void JetSolver::find(Jet& jet, int level) {
   const Jet start = jet;
-  // False where steps lead out of the domain of the equations.
+  // False if steps lead out of the domain of the equations.
   const auto succeeds = [&](auto step) {
     try {
       return step();
@@ -75,20 +74,20 @@ void JetSolver::find(Jet& jet, int level) {
       return false;
     }
   };
-  // Where x is consistent it must not move, though y is far off.
+  // A consistent x must not move, even if y is far off.
   if (succeeds([&] { return solve_for_derivatives(jet, level); })) return;
   jet = start;
   try {
     search(jet, level, false);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
-    // What has no derivative may be far off alone: forces have other units.
+    // Only algebraic variables may be far off: forces have other units.
     jet = start;
     if (succeeds([&] { return stays_near(jet, level); })) return;
     jet = start;
     search(jet, level, true);
   }
-  // Then all equations together may lead anywhere else, a pendulum to the other side of its support.
+  // All equations together may then lead elsewhere, a pendulum to the other side of its support.
   if (!has_moved_far(start, jet)) return;
   Jet near = start;
   const double time_scale = equations_.time_scale();
@@ -96,7 +95,7 @@ void JetSolver::find(Jet& jet, int level) {
   else equations_.linearize(jet, level, time_scale);
 }
 
-// With forces where they have to be before all equations together are solved.
+// Solves for algebraic variables, such as forces, before all equations together are solved.
 bool JetSolver::stays_near(Jet& jet, int level) {
   const Jet start = jet;
   if (!solve_for_algebraic(jet, level)) return false;
@@ -112,7 +111,7 @@ bool JetSolver::stays_near(Jet& jet, int level) {
   return !has_moved_far(start, jet);
 }
 
-// What is differentiated, where it is to stay; from there on steps along the constraints do not lead back.
+// True if differential variables that are to stay have moved far: steps along the constraints do not lead back.
 bool JetSolver::has_moved_far(const Jet& from, const Jet& to) const {
   constexpr double far = 0.1, little = 1e-6;  // of a value, and of the largest one; chosen, not measured
   if (!equations_.keeps_differentiated()) return false;
@@ -127,7 +126,7 @@ bool JetSolver::has_moved_far(const Jet& from, const Jet& to) const {
   return false;
 }
 
-// The jet after the trial, with the equations linearized there; false, and all as it was, where they cannot be.
+// The jet becomes that of the trial, with the equations linearized there; if they cannot be, false without a change.
 bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
   const double time_scale = equations_.time_scale();
   try {
@@ -141,12 +140,12 @@ bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
   return true;
 }
 
-// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
-// fulfil the equations near points that are not consistent. Where x must not change rounding of x stays in residuals,
-// which stiff equations amplify: it is enough that the jet counts as consistent.
+// Changes y alone: true if then F_level = 0 to machine precision, and no change of x is required. Large y alone may
+// satisfy the equations near inconsistent points. If x must not change, rounding errors of x stay in residuals, which
+// stiff equations amplify: then the jet only has to count as consistent.
 bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
-  // Of what was multiplied in a change of x: some thousand roundings.
+  // Change relative to x: some thousand units of roundoff.
   constexpr double negligible = 1e-12;
   equations_.linearize(jet, level, 0.0);
   const std::size_t n = index(jet.n);
@@ -177,7 +176,7 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   return equations_.norm() == 0.0;
 }
 
-// y and those components of x change whose derivatives are in no equation: true if F_level = 0 then.
+// Changes y and those components of x whose derivatives are in no equation: true if then F_level = 0.
 bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   constexpr int most = 8;
   // Products of unknowns that are far off make residuals grow at first. Chosen, not measured.
@@ -208,11 +207,9 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
 }
 
-// Which ranks are right shows in what they achieve. of_most_ranks: where to write the first trial without noise, or
-// null.
+// Tries several ranks and judges them by their results. of_most_ranks: receives the first trial without noise, or null.
 JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks) {
-  // Larger residuals than this part of the coefficients tell nothing about which singular values vanish. Chosen, not
-  // measured.
+  // Residuals larger than this part of the coefficients do not tell which singular values vanish. Chosen, not measured.
   constexpr double most_dropped = 1e-4;
   Vector change;
   Trial best;
@@ -233,7 +230,7 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks)
     for (const Attempt& attempt :
          {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
           Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
-      // Where only rounding errors are left, other ranks remove no more of them.
+      // If only rounding errors are left, other ranks do not reduce them.
       if (is_at_rounding && best.valid && (!keep || best.moved <= 1.0)) return best;
       const RankSequence& ranks = equations_.eliminate_staged(attempt.model, attempt.noise);
       if (std::find(tried.begin(), tried.end(), ranks) != tried.end()) continue;
@@ -243,21 +240,21 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, Trial* of_most_ranks)
       if (keep) trial.moved = equations_.moved_by_last_change();
       const bool is_first_of_them = of_most_ranks != nullptr && attempt.noise == 0.0 && !of_most_ranks->valid;
       if (is_first_of_them) *of_most_ranks = trial;
-      // Ranks that mislead move what could stay.
+      // Wrong ranks move variables that could stay.
       const bool is_better = keep && is_good(best) ? is_good(trial) && trial.moved < best.moved
                                                    : trial.valid && (!best.valid || trial.norm < best.norm);
       if (is_better) best = std::move(trial);
       if (is_good(best) && (!keep || best.moved <= 1.0)) return best;
     }
-    // Where what is differentiated has to go far, the smallest change may do better.
+    // If differential variables have to move far, the smallest change may do better.
     if (!keep || is_good(best)) break;
   }
   return best;
 }
 
-// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
-// how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
-// lead nowhere.
+// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: this is
+// how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they do
+// not succeed.
 bool JetSolver::search_undamped(Jet& jet, int level, Trial trial, double too_far) {
   // Chosen so that the pendulum does.
   constexpr int most = 5;
@@ -273,7 +270,7 @@ bool JetSolver::search_undamped(Jet& jet, int level, Trial trial, double too_far
   return false;
 }
 
-// Part of an undamped step that led out of the domain of the equations, or enormously far: not valid if none reduces
+// Part of an undamped step that led out of the domain of the equations, or enormously far: not valid if no part reduces
 // the residuals.
 JetSolver::Trial JetSolver::shortened_trial(const Jet& jet) {
   // 2^-10 of a step is shorter than what damping would make of it. Chosen, not measured.
@@ -297,7 +294,7 @@ JetSolver::Trial JetSolver::shortened_trial(const Jet& jet) {
   return {};
 }
 
-// A damped step that reduces the residuals, however little: where the damping is too strong, less of it follows.
+// A damped step that reduces the residuals, however little: damping that is too strong is reduced afterwards.
 // Not valid if none is found.
 JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
   // 8^30 = 1e27: steps vanish before.
@@ -316,13 +313,13 @@ JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
 }
 
 void JetSolver::search(Jet& jet, int level, bool may_grow) {
-  // Of the damping relative to the squared norm of the array. Chosen, not measured.
+  // Damping relative to the squared norm of the derivative array. Chosen, not measured.
   constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
-  // Residuals so much larger that exponentials have run away. Chosen, not measured.
+  // Growth of residuals by exponentials that have run away. Chosen, not measured.
   constexpr double enormous = 1e6;
   // The first one is chosen so that the pendulum below its support finds its force.
   constexpr double too_far = 1e4, too_far_with_all_ranks = 1e12;
-  // Undamped steps that gain little, where others have reduced the residuals to this part before
+  // Undamped steps with little gain that are allowed once the residuals have been reduced to this part
   // (docs/design/consistent_initialization.md).
   constexpr int most_slow = 2;
   constexpr double near = 1e-3;
@@ -338,7 +335,7 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   for (int iteration = 0; iteration < max_iterations && steps < max_good_steps; ++steps) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
-    // An undamped step first; it is the last one if rounding lets it gain nothing.
+    // An undamped step first; it is the last one if roundoff prevents a gain.
     Trial trial, of_most_ranks;
     if (is_undamped) trial = undamped_trial(jet, may_grow ? &of_most_ranks : nullptr);
     const bool converged = is_converged(jet, is_undamped);
@@ -349,14 +346,14 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
         return;
       }
       if (converged) return;
-      // Near a solution one that gains little may be followed by one that gains much, where damped ones creep for good.
+      // Near a solution a step with little gain may be followed by one with much, while damped ones creep forever.
       if (trial.valid && trial.norm < before && before <= near * first && slow_steps < most_slow) {
         ++slow_steps;
         if (accept(jet, std::move(trial), level)) continue;
       }
       const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
       if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial), too_far)) continue;
-      // What is small beside the residuals of other equations may be all that constraints have.
+      // Values that are small relative to the residuals of other equations may be all that constraints have.
       if (of_most_ranks.valid && search_undamped(jet, level, std::move(of_most_ranks), too_far_with_all_ranks))
         continue;
       trial.valid = false;

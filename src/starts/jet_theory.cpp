@@ -1,4 +1,4 @@
-// The theory's objects of a nonlinear problem at a jet.
+// Objects of the theory for a nonlinear problem at a jet.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/jet_theory.h"
 
@@ -25,7 +25,7 @@ TaylorData linearize(NonlinearProblem& problem, const Units& units, double time_
   return data;
 }
 
-// Ranks that fit what is known, with v^ as it is found where that is not.
+// Ranks that fit the known values; if v^ is unknown, it is taken as found.
 std::optional<RankSequence> fitting_ranks(const TaylorData& data, const AnalysisSettings& settings,
                                           IndexAnalysis& known) {
   const int mu = known.values.mu;

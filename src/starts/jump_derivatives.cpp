@@ -1,4 +1,4 @@
-// How values after a jump by impulses move.
+// Derivatives of the values after a jump by impulses.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/jump_derivatives.h"
 
@@ -18,8 +18,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of what is added up in an equation, or of what moves: rounding errors, and errors of what moves, leave less where
-// the jump moves as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
+// Residual relative to the terms of an equation, or to the values that move: rounding errors, and errors of these
+// values, leave less if the jump moves as its equations say. (Chosen, as for factors in nonlinear_jump.cpp.)
 constexpr double jump_contradiction = 1e-6;
 // Changes of x after the jump, relative, that count as none.
 constexpr double converged_derivative = 1e-10;
@@ -53,7 +53,7 @@ JumpDerivatives::JumpDerivatives(RecordedProblem& problem, std::vector<int> para
       series_(problem, parameters_),
       formulas_(problem.evaluator(), parameters_) {}
 
-// From values after the jump that are known, to rounding.
+// Solves the jump to machine precision, starting from known values after it.
 bool JumpDerivatives::solve_jump(const LinearizedConstraints::Known& known, const MovingJump& moving,
                                  LinearizedConstraints& constraints, Solution& solution) {
   const int n = problem_.n(), mu = known.analysis.values.mu;
@@ -87,7 +87,7 @@ bool JumpDerivatives::find_slopes(const LinearizedConstraints::Known& known, con
   if (!formulas_.evaluate(problem_.evaluator(), at.data, known.units, at.theta, at.jet.x.data(), slopes.by_x,
                           slopes.by_parameters.view().columns(0, static_cast<int>(parameters_.size()))))
     return false;
-  // What there is along the jet, less what comes from x.
+  // Derivative along the jet, less the part due to x.
   const double tau = at.data.time_scale;
   for (int p = 0; p <= mu; ++p) {
     double* const to = slopes.by_time.data() + index(p * m);
@@ -103,8 +103,7 @@ bool JumpDerivatives::find_slopes(const LinearizedConstraints::Known& known, con
   return true;
 }
 
-// dx for z = 0. Along t the jet of the solution is shifted, and the derivative array not fulfilled by that corrected
-// for.
+// dx for z = 0. Along t the jet of the solution is shifted, and the residual of the derivative array corrected.
 bool JumpDerivatives::find_particular(const Solution& at, const MovingJump& moving,
                                       LinearizedConstraints& constraints, View dx) {
   const int m = problem_.m(), n = problem_.n(), count = moving.directions(), mu = at.theta.cols() - 1;
@@ -137,7 +136,7 @@ bool JumpDerivatives::find_particular(const Solution& at, const MovingJump& movi
 
 namespace {
 
-// What is left of the equations of impulses that move, relative: the worst.
+// Differentiated equations of impulses; worst_of() gives their worst relative residual.
 struct Left {
   const TaylorData& data;
   const Matrix& by_x;
@@ -176,7 +175,7 @@ double worst_of(const Left& equations, int mu, ConstView dx, ConstView dtheta, c
 
 }  // namespace
 
-// With the coefficients of a jet with other derivatives, and between the values before the jump and after it.
+// Tests with the coefficients of a jet with other derivatives, between the values before and after the jump.
 bool JumpDerivatives::holds_aside(const LinearizedConstraints::Known& known, const Solution& at,
                                   const MovingJump& moving, const Motion& motion) {
   constexpr double part = 0.37, weakest = 1e-7, weaker = 1e-3;
@@ -205,7 +204,7 @@ bool JumpDerivatives::find(const LinearizedConstraints::Known& known, const Jet&
                            View after) {
   const int m = problem_.m(), n = problem_.n(), mu = known.analysis.values.mu, count = moving.directions();
   const bool moves_in_time = std::any_of(moving.shifts, moving.shifts + count, [](double dt) { return dt != 0.0; });
-  // Then not all orders are there that t has to be differentiated with.
+  // Some orders required for derivatives by t are not available then.
   if (moves_in_time && problem_.counts_are_given()) return false;
   series_.take_parameters();
   Solution solution;

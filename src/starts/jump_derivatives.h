@@ -1,4 +1,4 @@
-// How values after a jump by impulses move with those before it, with its time and with parameters.
+// Derivatives of the values after a jump by impulses with respect to those before it, its time and parameters.
 //
 // With theta as in impulses.h the jump is F_mu(t, x, y) = 0 and R_p = sum_{j >= p} (E_{j-p} + A_{j-p-1} / j) theta_j
 // = 0, theta_0 = x - x-. Along a direction (dt, dp, dx-)
@@ -6,9 +6,9 @@
 //     dx = xp + x' dt + T2 z,   sum_{j >= p} (E_{j-p} + A_{j-p-1} / j) dtheta_j + R_p,x dx + R_p,p dp + R_p,t dt = 0,
 //       dtheta_0 = dx - dx-
 //
-// with xp of the derivative array differentiated: one least squares problem for z, dtheta_1, ..., dtheta_mu, all
-// directions being its right-hand sides. What follows from it has to hold with the coefficients of other jets, too,
-// as the jump itself has to (nonlinear_jump.h).
+// with xp of the differentiated derivative array: one least squares problem for z, dtheta_1, ..., dtheta_mu, with all
+// directions as right-hand sides. The result has to hold with the coefficients of other jets, too, as the jump itself
+// has to (nonlinear_jump.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -27,9 +27,9 @@ class JumpDerivatives {
   JumpDerivatives(RecordedProblem& problem, std::vector<int> parameters);
 
   const std::vector<int>& parameters() const { return parameters_; }
-  // after: of the values after it, n x directions. at: a jet consistent up to level mu with these values. False where
-  // no derivative is certain to be right. Throws Failure where the equations cannot be evaluated, or the jump cannot
-  // be solved for.
+  // after: derivatives of the values after it, n x directions. at: a jet consistent up to level mu with these values.
+  // False if no derivative is certain to be right. Throws Failure if the equations cannot be evaluated, or the jump
+  // cannot be solved for.
   bool find(const LinearizedConstraints::Known& known, const Jet& at, const MovingJump& moving, View after);
 
  private:

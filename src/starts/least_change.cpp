@@ -1,4 +1,4 @@
-// The change of values that makes them consistent and moves what is differentiated as little as possible.
+// The change of values that makes them consistent and moves the differential variables as little as possible.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/least_change.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Orthonormal basis of the range of A and, as far as it has columns, of what is orthogonal to that.
+// Orthonormal basis of the range of A and, if there are further columns, of its orthogonal complement.
 Matrix orthonormal(ConstView A, int columns) {
   Arena arena;
   Matrix factors = to_matrix(A), basis(A.rows, columns);
@@ -68,7 +68,7 @@ Matrix with_rows_divided(ConstView A, const Vector& sizes) {
   return divided;
 }
 
-// The constraints G dx = g, those first that the kernel can fulfil: rank of them, R1 in the columns `order`.
+// The constraints G dx = g, first those that the kernel can satisfy: `rank` of them, R1 in the columns `order`.
 struct SplitConstraints {
   Matrix G;
   Vector g;
@@ -102,12 +102,12 @@ SplitConstraints split(const ConsistentSet& set, const LeadingKernel& kernel, co
   return result;
 }
 
-// Constraints that the kernel cannot fulfil: the least change in the norm of the sizes.
+// Satisfies constraints that the kernel cannot, by the least change in the norm of the sizes.
 Vector change_of_differentiated(const SplitConstraints& constraints, const LeadingKernel& kernel,
                                 const Vector& sizes) {
   const int n = constraints.G.cols(), first = constraints.rank, count = constraints.G.rows() - first;
   Matrix B = to_matrix(constraints.G.view().block(first, 0, count, n));
-  // B K = 0 but for rounding errors, which sizes that differ would magnify.
+  // B K = 0 except for rounding errors, which different sizes would magnify.
   const Matrix BK = product(B, kernel.basis);
   multiply(-1.0, Op::plain, BK, Op::transposed, kernel.basis, 1.0, B);
   Vector dx = least_norm(with_scaled_columns(B, sizes), Vector(constraints.g.begin() + first, constraints.g.end()));
@@ -115,7 +115,7 @@ Vector change_of_differentiated(const SplitConstraints& constraints, const Leadi
   return dx;
 }
 
-// Adds to dx the least change K c with R1 c = what remains of the other constraints.
+// Adds to dx the least change K c such that R1 c is the remainder of the other constraints.
 void add_change_of_kernel(const SplitConstraints& constraints, const LeadingKernel& kernel, const Vector& sizes,
                           Vector& dx) {
   const int rank = constraints.rank, k = kernel.basis.cols();

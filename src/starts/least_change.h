@@ -1,4 +1,4 @@
-// The change of values that makes them consistent and moves what is differentiated as little as possible.
+// The change of values that makes them consistent and moves the differential variables as little as possible.
 //
 // With K spanning ker E, consistent points x + dx, Q^T dx = r (Q orthonormal: the normals of the constraints):
 //
@@ -6,8 +6,9 @@
 //     dx_1 = least |dx|, B dx = b     E x moves by E dx_1, as little as it can
 //     dx = dx_1 + K c             least |K c| with R1 c = what remains
 //
-// Which constraints are which does not depend on the units of the unknowns where K consists of unit vectors: unknowns
-// whose derivative does not occur. |dx| is measured in the sizes given (docs/design/consistent_initialization.md).
+// The separation of the constraints does not depend on the units of the unknowns if K consists of unit vectors:
+// unknowns whose derivative does not occur. |dx| is measured in the given sizes
+// (docs/design/consistent_initialization.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,13 +18,13 @@
 
 namespace sfdae::core {
 
-// The kernel of E of the rank given: unit vectors where unknowns have no derivative, then what else there is.
+// The kernel of E of the given rank: unit vectors for unknowns without a derivative, then the rest.
 struct LeadingKernel {
   // known: an orthonormal basis of it, or empty.
   LeadingKernel(ConstView E, int rank, ConstView known = {});
   Matrix basis;  // K, orthonormal
   int num_unit_vectors = 0;
-  // Every unknown is differentiated by itself, or not at all.
+  // True if every unknown is differentiated by itself, or not at all.
   bool is_coordinates() const { return num_unit_vectors == basis.cols(); }
 };
 
@@ -35,26 +36,26 @@ struct ConsistentSet {
 
 struct ChangeMeasure {
   std::vector<double> sizes;  // a change of x_j by sizes_j counts as one; positive
-  // The kernel fulfils at least so many constraints: its dimension less u, as it has u directions in common with the
-  // set, which the rank of E T2 tells. Cosines of angles between kernel and constraints depend on units; they find
-  // what ranks do not tell.
+  // Least number of constraints that the kernel satisfies: its dimension less u, as it has u directions in common with
+  // the set, by the rank of E T2. Cosines of angles between kernel and constraints depend on units; they find further
+  // ones.
   int least_fulfilled;
   double noise;  // cosines below it count as zero
 };
 
 // Error of the directions that satisfy constraints, relative, if the decisions behind them kept values of this size.
 double error_of_directions(int n, double kept);
-// What counts as zero then.
+// Cosine that counts as zero then.
 double least_cosine(int n, double kept);
 
 // dx such that x + dx is in the set.
 std::vector<double> least_change(const ConsistentSet& set, const LeadingKernel& kernel, const ChangeMeasure& measure,
                                  const double* x);
 
-// What is added up of x in the constraints of x_i: row i of |I - T2 T2^T| |x|, T2 the directions of the set.
+// Sum of the terms of x in the constraints of x_i: row i of |I - T2 T2^T| |x|, T2 the directions of the set.
 double size_in_constraints(const ConsistentSet& set, int i, const double* x);
 
-// What moves E x: the part of dx that is orthogonal to the kernel in the norm of the sizes.
+// The part of dx that moves E x: orthogonal to the kernel in the norm of the sizes.
 std::vector<double> differentiated_part(const LeadingKernel& kernel, const std::vector<double>& sizes,
                                         const std::vector<double>& dx);
 

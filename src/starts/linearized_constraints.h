@@ -26,11 +26,11 @@ class LinearizedConstraints {
 
   // Throws Failure: errors of callbacks.
   void linearize(const Jet& jet);
-  // For changes of the jet.
+  // The constraints for changes of the jet.
   ConstrainedPoint point() const {
     return {form_, data_, units_, rank_E_, kept_, follows_inputs_ ? &problem_.prescribed() : nullptr};
   }
-  // Prescribed components go to the values in the target.
+  // Moves prescribed components to the values in the target.
   void follow_inputs() { follows_inputs_ = !problem_.prescribed().empty(); }
   bool has_known_ranks() const { return has_known_ranks_; }
 
@@ -41,13 +41,13 @@ class LinearizedConstraints {
   double move_by(std::vector<double> dx, Jet& jet);
 
   // A change of x within the constraints with other right-hand sides, (mu + 1) m x count, all scaled; the last one is
-  // that of the point afterwards. sizes: what x moves by in each column, which rounding errors are relative to. False
-  // where redundant equations contradict each other.
+  // that of the point afterwards. sizes: moves of x in each column, the reference of rounding errors. False if
+  // redundant equations contradict each other.
   bool find_particular(ConstView f, const double* sizes, View dx);
 
   // The least change of x that fulfils the linearized constraints.
   std::vector<double> violation() const;
-  // What is added up in the constraints of x_i, in units of x_i.
+  // Sum of the terms in the constraints of x_i, in units of x_i.
   double size_beside(int i, const Jet& jet) const;
   // The largest component in the units of the equations.
   double size_of(const Jet& jet) const;
@@ -66,7 +66,7 @@ class LinearizedConstraints {
   bool has_known_ranks_ = true, follows_inputs_ = false;
 };
 
-// The values given, prescribed components as the user's function has them at t.
+// The given values, with prescribed components from the user's function at t.
 std::vector<double> with_inputs(NonlinearProblem& problem, double t, const std::vector<double>& given);
 
 }  // namespace sfdae::core

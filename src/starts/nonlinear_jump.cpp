@@ -20,11 +20,11 @@ using Vector = std::vector<double>;
 // Changes of the iteration relative to x: it converges quadratically, and ends with the second of them.
 constexpr double converged_change = 1e-7, no_change = 1e-14;
 constexpr int most_jump_iterations = 50;
-// Changes that grow by more are overshoots: a part of the last one is made instead, a quarter of it first, down to
-// this one. (Chosen.)
-constexpr double most_growth = 2.0, shortest = 1e-3;
-// Of what is added up in an equation at another point: its factors are not the same there. Iterations leave less.
+// Changes that grow by more are overshoots: a part of the last one is made instead, first a quarter, down to this part.
 // (Chosen.)
+constexpr double most_growth = 2.0, shortest = 1e-3;
+// Residual relative to the terms of an equation at another point: its factors differ there if it is larger. Iterations
+// leave less. (Chosen.)
 constexpr double same_factors = 1e-6;
 
 struct Found : JumpPoint {
@@ -38,7 +38,7 @@ Vector jump_from(const Vector& a, const double* b) {
   return result;
 }
 
-// Relative to x, in the units of the equations.
+// Change relative to x, in the units of the equations.
 double relative_change(const Vector& dx, const LinearizedConstraints& constraints, const Jet& jet,
                        const Units& units) {
   const double size = constraints.size_of(jet);
@@ -111,7 +111,7 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
           start.t));
 }
 
-// False where the equations cannot be evaluated there.
+// False if factors differ, or if the equations cannot be evaluated there (row = -1).
 bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found,
                       const Jet& jet, int& row) {
   const int mu = known.analysis.values.mu;
@@ -130,7 +130,7 @@ bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Kn
   return false;
 }
 
-// What jumps beyond rounding.
+// True if something jumps beyond roundoff.
 bool has_jumped(const Found& found, const Units& units) {
   const double largest = units.largest(found.jet.x.data(), found.jet.n);
   return max_abs(found.theta) > std::max(1e-10 * largest, found.rounding);

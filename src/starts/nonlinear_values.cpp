@@ -1,4 +1,4 @@
-// Consistent initial values of a nonlinear problem: x is moved along the constraints toward what was given.
+// Consistent initial values of a nonlinear problem: x is moved along the constraints toward the given values.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/nonlinear_values.h"
 
@@ -16,8 +16,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The iteration leaves out the curvature of the constraints and converges linearly where x is far from them: accurate
-// to this it is as near as anybody wants. Chosen, not measured.
+// The iteration ignores the curvature of the constraints and converges linearly if x is far from them: this accuracy is
+// sufficient. Chosen, not measured.
 constexpr double accuracy = 1e-8;
 
 // weights: empty, or units of the components, whose squares may overflow.
@@ -40,7 +40,7 @@ Vector difference(const Vector& a, const double* b) {
   return result;
 }
 
-// How far a jet is from the values given: what is least first, and then.
+// Distance of a jet from the given values: the part that is minimized first, and the whole.
 struct Distance {
   double of_differentiated = 0.0, whole = 0.0;
 };
@@ -52,11 +52,10 @@ Distance distance_between(const ConstrainedPoint& point, const ConsistencyReques
   return {length(differentiated_change(point, request, dx), request.sizes()), length(dx, request.sizes())};
 }
 
-// By more than what the accuracy of the iteration leaves open: of what is differentiated, or, where that makes no
-// difference, altogether.
+// True if the distance is larger by more than the accuracy of the iteration: of differential variables or, if these do
+// not differ, of all.
 bool is_farther(const ConsistencyRequest& request, const Distance& one, const Distance& other) {
-  // By weights: iterations that are slow where constraints are bent end at a minimum only if every step is one toward
-  // it.
+  // With weights, slow iterations at curved constraints end at a minimum only if every step leads toward it.
   if (request.is_weighted()) return one.whole >= other.whole;
   constexpr double nearer = 1.01, negligible = 1e-3;  // in tolerances
   if (one.of_differentiated > nearer * other.of_differentiated + negligible) return true;
@@ -81,12 +80,12 @@ Jet between(const Jet& from, const Jet& to, double part) {
   return jet;
 }
 
-// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones. The
-// first component that would have to change; -1: none.
+// Derivatives far off may make up for constraints that x violates, as the linearized ones show. The first component
+// that would have to change; -1: none.
 int violated_component(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
-  // Of a component, of what is added up in its constraints, or of what is largest in the units of the equations, to
-  // which that may be nothing; consistent jets are better by orders of magnitude. Chosen: one of 6000 random starts
-  // had 0.1.
+  // Relative to a component, to the terms in its constraints, or to the largest value in the units of the equations,
+  // compared with which it may be nothing; consistent jets are better by orders of magnitude. Chosen: one of 6000
+  // random starts had 0.1.
   constexpr double consistent = 1e-6, beside = 1e-8, rounding = 1e-14;
   Vector tolerances = request.tolerances;
   tolerances.resize(index(jet.n), 0.0);
@@ -111,16 +110,16 @@ void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet
                        jet.t, violated, constraints.violation()[index(violated)]));
 }
 
-// The change of a consistent jet toward the values wanted.
+// The change of a consistent jet toward the target.
 class Approach {
  public:
   Approach(JetSolver& solver, LinearizedConstraints& constraints, const ConsistencyRequest& request,
            const Vector& target)
       : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
 
-  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds at a point of the ranks
-  // known and, if it has to, brings it nearer; the constraints are those of the jet that results. False, and the jet
-  // as it was, if no part of the way does.
+  // Goes from the jet toward `full` and back to the constraints, as far as that succeeds at a point with the known
+  // ranks and, if required, brings it nearer; the constraints are then those of the resulting jet. False, with the jet
+  // unchanged, if no part of the way succeeds.
   bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
     // Chosen, not measured.
     const double shortest = request_.is_weighted() ? 1.0 / 1024.0 : 1.0 / 32.0;
@@ -169,9 +168,9 @@ class Approach {
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Units& units, const ConsistencyRequest& request,
                                           const ConsistentJetStart& start) {
-  // A few roundings of x: there is nothing to change.
+  // A few units of roundoff of x: there is nothing to change.
   constexpr double no_change = 1e-15;
-  // Iterations: those with shortened steps may be slow. Chosen, not measured.
+  // Limits of iterations: those with shortened steps may be slow. Chosen, not measured.
   const bool keeps = request.differentiated_stay() || request.is_weighted();
   const int most = request.is_weighted() ? 300 : keeps ? 100 : 30;
   const bool may_move = request.kind == InitialValues::nearest || request.kind == InitialValues::fixed;
@@ -191,7 +190,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   "the characteristic values known (" + describe(analysis.values) +
                       format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
-  // A jet that was found with other values of parameters may be nearer than any that is consistent.
+  // A jet that was found with other values of parameters may be nearer than any consistent one.
   const bool begins_nearer = keeps && violated_component(constraints, result.jet, request) < 0;
   for (int iteration = 0; iteration < most; ++iteration) {
     Jet full = result.jet;

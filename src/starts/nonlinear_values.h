@@ -22,13 +22,13 @@ struct ConsistentJetStart {
 struct ConsistentJetResult {
   Jet jet;  // consistent up to level mu
   ConsistencyResult change;
-  ValueChange value_change;  // of what was to stay
+  ValueChange value_change;  // of values that were to stay
 };
 
-// The solver changes x in the way that is asked for, as far as one step at a time can.
+// Lets the solver change x as requested, as far as one step at a time can.
 void prepare(JetSolver& solver, const ConsistencyRequest& request);
 
-// The consistent jet that is chosen for the values given as requested. Throws Failure: SFDAE_INCONSISTENT_VALUES,
+// The consistent jet chosen as requested for the given values. Throws Failure: SFDAE_INCONSISTENT_VALUES,
 // SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors of callbacks.
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Units& units, const ConsistencyRequest& request,

@@ -1,4 +1,4 @@
-// Ranks of the derivative array against the structure of the equations.
+// Ranks of the derivative array compared with the structural analysis.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "starts/structural_contradiction.h"
 

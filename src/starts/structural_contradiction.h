@@ -1,8 +1,8 @@
-// Where ranks of the derivative array and the structure of the equations say different things.
+// Contradictions between ranks of the derivative array and the structural analysis.
 //
-// Ranks tell what is small beside what is large, and a moment of inertia of 1e-20 kg m2 is: an array drops it, and
-// values that are free are taken for determined. Where every block of the system Jacobian is regular the structure
-// knows how many are free [P01].
+// Ranks depend on relative sizes: the derivative array neglects a moment of inertia of 1e-20 kg m2, and free values are
+// taken for determined. If every block of the system Jacobian is nonsingular, the structural analysis gives the number
+// of free values [P01].
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -16,10 +16,9 @@
 
 namespace sfdae::core {
 
-// What they disagree about, "" where they do not: where nothing is said against the array, or where an entry of it is
-// so small beside what units of equations and unknowns suggest that it may be a rounding error of a zero
-// (docs/design/scaling_and_units.md). jet: consistent. values: by the array. rank_tol: the user's, who has decided
-// then.
+// Describes the contradiction; "" if there is none, or if an entry of the derivative array is so small for the units of
+// equations and unknowns that it may be a rounding error of a zero (docs/design/scaling_and_units.md). jet: consistent.
+// values: from the derivative array. rank_tol: if positive, the user has decided.
 std::string contradiction_of_structure(NonlinearProblem& problem, const Jet& jet, const CharacteristicValues& values,
                                        double rank_tol);
 

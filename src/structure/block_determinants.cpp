@@ -33,8 +33,7 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
   return is_constant;
 }
 
-// Flags of the equations: some entry of the system Jacobian varies. Equations that were replaced count as ones that
-// vary.
+// Flags of the equations: some entry of the system Jacobian varies. Replaced equations count as varying.
 std::vector<char> varying_equations(const Structure& structure, const TaylorEvaluator& evaluator) {
   const Tape& tape = evaluator.tape();
   const std::vector<char> is_constant = constant_targets(tape, evaluator.record());

@@ -1,5 +1,5 @@
-// Determinants of the blocks of the system Jacobian: where one vanishes along a solution, the structure misleads
-// there, and the characteristic values are other ones.
+// Determinants of the blocks of the system Jacobian. If one vanishes along a solution, the structural analysis fails
+// there, and the characteristic values differ.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,31 +14,31 @@
 
 namespace sfdae::core {
 
-// All entries of the system Jacobian are numbers, which do not depend on the point: what has been decided about its
-// blocks holds until parameters change.
+// True if all entries of the system Jacobian are numbers that do not depend on the point: decisions on its blocks then
+// hold until parameters change.
 bool has_constant_blocks(const Structure& structure, const TaylorEvaluator& evaluator);
 
 class BlockDeterminants {
  public:
-  // All live longer. jacobian: where entries are evaluated.
+  // All have to outlive this object. jacobian: evaluates the entries.
   BlockDeterminants(const Structure& structure, SystemJacobian& jacobian, TaylorEvaluator& evaluator);
 
-  // Blocks some entry of which depends on t, x or x'; others keep their determinants.
+  // Number of blocks with an entry that depends on t, x or x'; other blocks have constant determinants.
   int count() const { return static_cast<int>(blocks_.size()); }
-  // The number of a block of these in the structure.
+  // The number in the structure of block k of these.
   int number(int k) const { return blocks_[index(k)].number; }
 
-  // Its number of unknowns.
+  // Number of unknowns of block k.
   int size(int k) const { return size(blocks_[index(k)]); }
 
   struct Value {
     int sign = 0;  // 0: singular to working precision
     double log2 = 0.0;
   };
-  // Of the jets wanted.
+  // Order of the jets required.
   int jet_order() const { return jacobian_.jet_order(); }
-  // At t and x, x', ... (one column each) of a jet of that order, at least; count() values. False: the equations
-  // cannot be evaluated there.
+  // Measures at t and x, x', ... (one column each) of a jet of that order, at least; count() values. False if the
+  // equations cannot be evaluated there.
   bool measure(double t, const double* jet, std::vector<Value>& values);
 
  private:
@@ -46,7 +46,7 @@ class BlockDeterminants {
     int number;
     std::vector<int> entries;  // of the system Jacobian, by columns of the block
     std::vector<int> places;   // of small blocks: of these in a full matrix
-    // Of others; factors where the list does not serve, ordered when they are needed first.
+    // Other blocks: pattern, list, and factors if the list fails, ordered when first needed.
     SparsePattern pattern;
     std::unique_ptr<ListedFactors> list;
     std::unique_ptr<SparseLu<double>> lu;

@@ -1,5 +1,5 @@
-// Strongly connected components [T72], without recursion: an equation points to those that its unknowns are assigned
-// to. Components are complete when all that they point to are, so that they come in the order wanted.
+// Blocks as strongly connected components [T72], without recursion: an equation points to those that its unknowns are
+// assigned to. A component is complete when all that it points to are, so that they come in the order required.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/blocks.h"
 

@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 class Blocks {
  public:
-  // The finest ones; in such an order that a block needs those before it only.
+  // The finest blocks, in an order in which a block needs only those before it.
   Blocks(const Signature& signature, const Transversal& transversal, const Offsets& offsets);
 
   int count() const { return static_cast<int>(first_.size()) - 1; }

@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Of pivots of independent equations, see ColumnBasis; of parts of sums that are rounding errors.
+// Least pivot of independent equations, see ColumnBasis; relative size of parts of sums that are roundoff.
 constexpr double clear_pivot = 1e-7, negligible = 1e-12;
 
 // One column for each equation of the block, one row for each of its unknowns.
@@ -67,7 +67,7 @@ class TransposedBlock {
   std::vector<double> largest_;  // of rows
 };
 
-// Solves A_B y = A_p in the rows that are independent.
+// Solves A_B y = A_p in the independent rows.
 class Basis {
  public:
   Basis(const TransposedBlock& block, const ColumnBasis& basis) : block_(block), place_(index(block.size()), -1) {
@@ -103,7 +103,7 @@ class Basis {
     return lu_.factor(values.data());
   }
 
-  // Refined twice: errors of one solution would be those of sums that are to cancel.
+  // Refined twice: errors of one solution would be as large as those of sums that are to cancel.
   void solve(int dependent) {
     std::fill(y_.begin(), y_.end(), 0.0);
     for (int solution = 0; solution < 3 && !columns_.empty(); ++solution) {
@@ -115,8 +115,7 @@ class Basis {
     }
   }
 
-  // Parts that are rounding errors beside the dependent equation are left out, rows being measured by their largest
-  // entry.
+  // Leaves out parts that are roundoff compared with the dependent equation; rows are measured by their largest entry.
   DependentEquation parts(int dependent) const {
     DependentEquation result{block_.equation(dependent), {}};
     const double least = negligible * block_.size_of(dependent);
@@ -135,7 +134,7 @@ class Basis {
     }
   }
   const TransposedBlock& block_;
-  std::vector<int> columns_, place_;  // basic columns; of rows in the square matrix, or -1
+  std::vector<int> columns_, place_;  // basic columns; places of rows in the square matrix, or -1
   std::vector<double> y_, r_;
   std::vector<std::pair<int, double>> sorted_;
   SparseLu<double> lu_;

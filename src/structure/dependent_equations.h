@@ -1,5 +1,5 @@
-// Which equations of a diagonal block of the system Jacobian depend on which others there, rows being those of
-// equations.
+// Dependent equations of a diagonal block of the system Jacobian, and the equations that they depend on there; rows are
+// those of equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,7 +20,7 @@ struct DependentEquation {
   std::vector<Part> parts;
 };
 
-// None where ranks are not clear. jacobian: evaluated.
+// None if ranks are unclear. jacobian: evaluated.
 std::vector<DependentEquation> dependent_equations(const Structure& structure, const SystemJacobian& jacobian,
                                                    int block);
 

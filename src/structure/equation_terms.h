@@ -1,7 +1,7 @@
 // Equations that take the place of recorded ones: f^_i = sum of factor D^order f_k over terms, D the total derivative
 // by t, factors constant; f_i is among the terms, as it stands.
 //
-// As the other equations stay, they have the solutions of the recorded ones [TNP17].
+// As the other equations stay, the system has the solutions of the recorded one [TNP17].
 //
 // [TNP17] G. Tan, N. S. Nedialkov, J. D. Pryce: Conversion methods for improving structural analysis of
 //         differential-algebraic equation systems. BIT 57 (2017), 845-865.
@@ -27,7 +27,7 @@ struct EquationTerm {
 
 class EquationTerms {
  public:
-  // Of one equation. Pointers into it live no longer than it does.
+  // Terms of one equation. Pointers into it are valid during its lifetime only.
   class Terms {
    public:
     explicit Terms(int recorded) : recorded_{recorded, 0, 1.0} {}
@@ -40,13 +40,13 @@ class EquationTerms {
     const std::vector<EquationTerm>* replaced_ = nullptr;
   };
 
-  // Every equation is that recorded.
+  // All equations are those recorded.
   explicit EquationTerms(int n) : n_(n) {}
 
   Terms of(int i) const { return is_replaced(i) ? Terms(replaced_[index(place_[index(i)])]) : Terms(i); }
   bool is_replaced(int i) const { return !place_.empty() && place_[index(i)] >= 0; }
   int num_replaced() const { return static_cast<int>(replaced_.size()); }
-  // Of D, in all terms.
+  // Highest order of D in all terms.
   int highest_order() const { return highest_order_; }
 
   void replace(int i, std::vector<EquationTerm> terms) {
@@ -61,13 +61,13 @@ class EquationTerms {
 
  private:
   int n_;
-  std::vector<int> place_;  // in replaced_, or -1; empty where nothing is replaced
+  std::vector<int> place_;  // in replaced_, or -1; empty if nothing is replaced
   std::vector<std::vector<EquationTerm>> replaced_;
   int highest_order_ = 0;
 };
 
-// A Taylor coefficient of a derivative of f_k by x_j or x_j', times a factor: part of the derivative of D^order f_k
-// by x_j^(s). order of the coefficient: -1 where there is none.
+// A Taylor coefficient of a derivative of f_k by x_j or x_j', times a factor: part of the derivative of D^order f_k by
+// x_j^(s). order of the coefficient: -1 if there is none.
 struct SeriesTerm {
   int order;
   double factor;

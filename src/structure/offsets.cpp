@@ -11,8 +11,8 @@ int Offsets::freedom() const {
   return std::accumulate(d.begin(), d.end(), 0) - std::accumulate(c.begin(), c.end(), 0);
 }
 
-// Where every unknown occurs differentiated in the end, the last differentiation serves the highest derivatives,
-// which are not asked for.
+// If every unknown finally occurs differentiated, the last differentiation only gives the highest derivatives, which
+// are not needed.
 int Offsets::index_bound() const {
   if (c.empty()) return 0;
   const int highest = *std::max_element(c.begin(), c.end());
@@ -24,7 +24,7 @@ bool Offsets::leaves_out_rows() const {
   return std::any_of(c.begin(), c.end(), [bound](int count) { return count < bound; });
 }
 
-// d_j raised raises c of the equation it is assigned to, that raises d of the unknowns of this equation, and so on.
+// Raising d_j raises c of the equation it is assigned to, which raises d of the unknowns of this equation, and so on.
 // As no transversal has a larger value, this ends.
 Offsets canonical_offsets(const Signature& signature, const Transversal& transversal) {
   const std::size_t n = index(signature.size());

@@ -17,15 +17,15 @@ struct Offsets {
   bool is_leading(int i, const Signature::Entry& entry) const {
     return d[index(entry.unknown)] - c[index(i)] == entry.order;
   }
-  // Free initial values, if the system Jacobian is regular: sum d - sum c.
+  // Number of free initial values, if the system Jacobian is nonsingular: sum d - sum c.
   int freedom() const;
-  // The derivative array up to that index has rows that are not needed.
+  // True if the derivative array up to that index has rows that are not needed.
   bool leaves_out_rows() const;
-  // Not below the strangeness index, if the system Jacobian is regular.
+  // Upper bound of the strangeness index, if the system Jacobian is nonsingular.
   int index_bound() const;
 };
 
-// The transversal exists.
+// The transversal has to exist.
 Offsets canonical_offsets(const Signature& signature, const Transversal& transversal);
 
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
-// Combinations of equations in place of those that depend on others.
+// Combinations of equations that replace those that depend on others.
 //
-// With u^T J = 0, u_p = 1 and c_p the least of the offsets of u's equations, f^_p = sum u_i D^(c_i - c_p) f_i
-// contains no highest derivative any more; the value of the transversal becomes smaller each time, so that this ends.
+// With u^T J = 0, u_p = 1 and c_p the least of the offsets of u's equations, f^_p = sum u_i D^(c_i - c_p) f_i no longer
+// contains a highest derivative; the value of the transversal decreases each time, so that this ends.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/replacement.h"
 
@@ -19,13 +19,12 @@ namespace sfdae::core {
 
 namespace {
 
-// Relative to what is added up: sums that are rounding errors, and sums that are none. What is between is not decided.
+// Relative to the sum of terms: sums that are roundoff, and sums that are not. Sums in between remain undecided.
 constexpr double cancelled = 1e-12, present = 1e-9;
-// Beyond it equations would be differentiated more often than numbers bear.
+// Beyond it equations would be differentiated more often than double precision permits.
 constexpr int highest_order = 8;
 
-// d f^ / d x_unknown^(order) at a point: its value, and that of its derivative along a jet; beside them, what was
-// added up.
+// d f^ / d x_unknown^(order) at a point: its value and its derivative along a jet; sums of the absolute terms of both.
 struct Derivative {
   int unknown, order;
   double value, slope, size, size_of_slope;
@@ -37,7 +36,7 @@ struct Derivative {
 // Derivatives of the recorded equations as series along a jet.
 class Gradients {
  public:
-  // False: the equations cannot be evaluated there. jet: of one order more.
+  // False if the equations cannot be evaluated there. jet: of one order more.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet, int order) {
     tape_ = &evaluator.tape();
     length_ = index(order + 1);
@@ -46,7 +45,7 @@ class Gradients {
     return evaluator.entries(t, jet, order, limits, coefficients_.data());
   }
 
-  // Of the sum of these terms, by unknowns, the highest first.
+  // Derivatives of the sum of these terms, by unknowns, the highest first.
   std::vector<Derivative> of(std::span<const EquationTerm> terms) const {
     std::vector<Derivative> parts;
     for (const EquationTerm& term : terms)
@@ -87,7 +86,7 @@ class Gradients {
   std::vector<double> coefficients_;
 };
 
-// Each derivative of an equation once; those that cancel are left out.
+// Merges terms with the same derivative of an equation; those that cancel are left out.
 std::vector<EquationTerm> merged(std::vector<EquationTerm> terms) {
   std::stable_sort(terms.begin(), terms.end(), [](const EquationTerm& a, const EquationTerm& b) {
     return a.equation != b.equation ? a.equation < b.equation : a.order < b.order;
@@ -128,11 +127,11 @@ class Replacement {
   TaylorEvaluator& evaluator_;
   const Neighbourhood& neighbourhood_;
   std::vector<Sample> samples_;
-  int order_ = -1;  // of D that samples are enough for
+  int order_ = -1;  // of D that samples suffice for
   EquationTerms terms_{0};
 };
 
-// Chosen at random: of functions that vanish there, few do not vanish everywhere.
+// Random points: few functions that vanish there do not vanish everywhere.
 void Replacement::choose_jets(int order) {
   constexpr int count = 2;
   constexpr double near = 0.01;
@@ -200,7 +199,7 @@ std::shared_ptr<const Structure> Replacement::replaced(const Structure& recorded
   return structure;
 }
 
-// Whether some equation of the block was replaced.
+// Replaces dependent equations of the block; true if there are any.
 bool Replacement::replace_in(const Structure& structure, const SystemJacobian& jacobian, int block) {
   const std::vector<DependentEquation> dependent = dependent_equations(structure, jacobian, block);
   const std::vector<int>& c = structure.offsets.c;
@@ -217,7 +216,7 @@ bool Replacement::replace_in(const Structure& structure, const SystemJacobian& j
   return !dependent.empty();
 }
 
-// Null: whether some entry is there cannot be decided.
+// Null if it cannot be decided whether some entry is present.
 std::optional<Signature> Replacement::signature(const Signature& before) const {
   std::vector<std::vector<Signature::Entry>> rows;
   for (int i = 0; i < before.size(); ++i) {

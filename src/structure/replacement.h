@@ -1,6 +1,6 @@
-// Equations that depend on others in the system Jacobian, whatever t and x, so that structure misleads: combinations
-// with constant coefficients take their place until structure tells the truth, or nothing is left to be combined
-// [TNP17].
+// Replacement of equations that depend on others in the system Jacobian for all t and x, so that the structural
+// analysis fails: combinations with constant coefficients take their place until it succeeds, or nothing is left to be
+// combined [TNP17].
 //
 // [TNP17] G. Tan, N. S. Nedialkov, J. D. Pryce: Conversion methods for improving structural analysis of
 //         differential-algebraic equation systems. BIT 57 (2017), 845-865.
@@ -15,7 +15,7 @@
 
 namespace sfdae::core {
 
-// Where equations are looked at: near x, n values, as far as its sizes.
+// Points at which equations are evaluated: near x, n values, within its sizes.
 struct Neighbourhood {
   double t;
   const double* x;
@@ -23,19 +23,19 @@ struct Neighbourhood {
 };
 
 struct ReplacedStructure {
-  // Null: no block is singular there, or structure cannot be made to agree with the numbers by such combinations.
-  // Else all blocks of the structure found are regular.
+  // Null if no block is singular there, or if such combinations do not make all blocks nonsingular. Otherwise all
+  // blocks of the structure found are nonsingular.
   std::shared_ptr<const Structure> structure;
-  // Of the structure as it was given, where that stays, for those who judge it next.
+  // Ordered blocks of the given structure, if that stays, for the next judge.
   std::shared_ptr<OrderedBlocks> ordered;
 };
 
-// Entries that cancel are those that do so at several points chosen at random.
+// Entries count as cancelled if they cancel at several random points.
 ReplacedStructure structure_with_replacements(const Structure& structure, TaylorEvaluator& evaluator,
                                               const Neighbourhood& neighbourhood);
 
-// Entries that have cancelled where equations were replaced still do so at that point. jet: as certify_structure()
-// wants it.
+// True if entries that cancelled when equations were replaced still cancel at that point. jet: as for
+// certify_structure().
 bool still_cancel(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet);
 
 }  // namespace sfdae::core

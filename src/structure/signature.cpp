@@ -16,7 +16,7 @@ Signature::Signature(const Record& record) {
     row.clear();
     for (const sfdae::core::Entry& entry : record.entries(i))
       row.emplace_back(entry.unknown, entry.derivative ? 1 : 0);
-    // Of x_j and x'_j the latter stays.
+    // If x_j and x'_j both occur, x'_j stays.
     std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) {
       return a.unknown != b.unknown ? a.unknown < b.unknown : a.order > b.order;
     });

@@ -1,7 +1,7 @@
-// The signature matrix: which derivative of which unknown an equation contains, the highest one, by rows.
+// The signature matrix: the highest derivative of each unknown in each equation, by rows.
 //
-// Folder structure: what recorded equations tell by the unknowns they contain: signature matrix, transversal, offsets,
-// blocks, and whether numbers agree with them.
+// Folder structure: structural analysis of recorded equations by the unknowns they contain (signature matrix,
+// transversal, offsets, blocks), and its numerical confirmation.
 //
 // [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -18,8 +18,8 @@ namespace sfdae::core {
 
 class Signature {
  public:
-  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row. In one word:
-  // recorded equations have orders up to 1, those that take their place some more.
+  // Equation i contains x_j^(order), and no higher derivative of x_j; an unknown occurs once in a row. Packed in one
+  // word: recorded equations have orders up to 1, replaced ones some more.
   struct Entry {
     Entry() : Entry(0, 0) {}
     Entry(int j, int its_order) : unknown(static_cast<unsigned>(j) & 0xffffff), order(its_order & 0xff) {}
@@ -30,7 +30,7 @@ class Signature {
 
   // As many unknowns as rows.
   explicit Signature(const std::vector<std::vector<Entry>>& rows);
-  // Of as many equations as unknowns.
+  // record: as many equations as unknowns.
   explicit Signature(const Record& record);
 
   int size() const { return static_cast<int>(first_.size()) - 1; }

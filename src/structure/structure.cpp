@@ -1,4 +1,4 @@
-// The system Jacobian at a point.
+// Certificates of the structural analysis at a point.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/structure.h"
 
@@ -41,7 +41,7 @@ double inverse_power(double size) {
   return size > 0.0 ? std::exp2(std::min(-std::round(std::log2(size)), largest)) : 1.0;
 }
 
-// Entries of one size in rows and columns, as far as that can be had: a few sweeps of maxima, as more change little.
+// Scales entries to one size in rows and columns, as far as possible, by a few sweeps of maxima: more change little.
 void equilibrate(View a) {
   constexpr int sweeps = 3;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -72,7 +72,7 @@ class DiagonalBlocks {
     return J;
   }
 
-  // What `nearby`, values of all entries as well, differ by.
+  // Differences of the entries to `nearby`, values of all entries as well.
   Matrix changes_of_block(int number, const std::vector<double>& nearby) {
     Matrix changes(size(number), size(number));
     if (nearby.empty()) return changes;
@@ -82,7 +82,7 @@ class DiagonalBlocks {
     return changes;
   }
 
-  // Of a block of one equation.
+  // The entry of a block of one equation.
   double only_entry(int number) {
     double entry = 0.0;
     entries_.for_each(number, [&](int, int, int e) { entry = values_[index(e)]; });
@@ -110,7 +110,7 @@ RankDecision decision_on(const double* R, int size, double t, double rank_tol) {
   return decision;
 }
 
-// The same without a matrix: semi-discretized equations have thousands of such blocks.
+// Judges a block of one equation without a matrix: semi-discretized equations have thousands of such blocks.
 RankDecision judge(double J, double t, double rank_tol) {
   const View block{&J, 1, 1, 1};
   equilibrate(block);
@@ -127,12 +127,12 @@ RankDecision judge(Matrix J, double t, double rank_tol) {
   return decision_on(J.data(), size, t, rank_tol);
 }
 
-// Larger blocks are factored as sparse matrices: an estimate of the condition says as much where it is good. Else the
-// dense factorization has the last word, up to a size that takes seconds.
+// Larger blocks are factored as sparse matrices: a good estimate of the condition is sufficient. Otherwise the dense
+// factorization decides, up to a size that takes seconds.
 constexpr int largest_dense_block = 100, largest_in_doubt = 1500;
 constexpr double good_condition = 1e-9;
 
-// As if it were factored for the first time: what is decided depends on nothing before.
+// Judges as if the matrix were factored for the first time: decisions depend on nothing before.
 RankDecision judge_sparse(SparseLu<double>& lu, const SparsePattern& pattern, const std::vector<double>& values,
                           double t) {
   lu.forget_pivots();
@@ -165,7 +165,7 @@ std::vector<double> moved_by_rounding(const CertifiedPoint& point, std::size_t c
 
 class OrderedBlocks {
  public:
-  double noise = 0.0;  // of entries; what is regular to an estimate of the condition is regular beyond it
+  double noise = 0.0;  // of entries; a good estimate of the condition is sufficient beyond it
 
   // nearby: entries at a point moved by its rounding errors.
   RankDecision judge_block(DiagonalBlocks& diagonal, int block, const std::vector<double>& nearby, double t,

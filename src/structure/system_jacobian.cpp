@@ -43,7 +43,7 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
   values_.resize(unknown_.size());
 }
 
-// As a rule, where nothing is replaced.
+// Notes places if each entry is one coefficient: as a rule, if nothing is replaced.
 void SystemJacobian::note_places() {
   std::vector<char> is_met(unknown_.size(), 0);
   for (const EntryTerm& term : terms_)
@@ -54,7 +54,7 @@ void SystemJacobian::note_places() {
   terms_.clear();
 }
 
-// Series are not known to VaryingEntries.
+// VaryingEntries does not support series.
 void SystemJacobian::expect_many_points() {
   if (varying_ || order_ > 0) return;
   std::vector<char> is_wanted(num_coefficients_, 0);

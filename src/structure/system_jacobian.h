@@ -1,5 +1,5 @@
-// The system Jacobian J_ij = d f_i / d x_j^(d_j - c_i) where equation i contains that derivative, else 0 [P01];
-// sparse, by rows.
+// The system Jacobian [P01], sparse, by rows: J_ij = d f_i / d x_j^(d_j - c_i) if equation i contains that derivative,
+// else 0.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -17,19 +17,19 @@ class SystemJacobian {
  public:
   SystemJacobian(const Structure& structure, const Tape& tape);
 
-  // Of the jets wanted; 1 unless equations were replaced.
+  // Order of the jets required; 1 unless equations were replaced.
   int jet_order() const { return order_ + 1; }
-  // False: the equations cannot be evaluated there. jet: of jet_order(), at least.
+  // False if the equations cannot be evaluated there. jet: of jet_order(), at least.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet);
 
-  // Entries that do not depend on the point are not evaluated again before parameters change, nor are derivatives
-  // that are no entries: worth a list of its own where points are many. The evaluator is the same one from now on.
+  // Until parameters change, constant entries, and derivatives that are not entries, are not evaluated again: this is
+  // worth a list of its own if there are many points. The evaluator has to be the same one from now on.
   void expect_many_points();
 
-  // Until they are evaluated the next time, there are no values, and there is no memory for them.
+  // Frees the memory of the values until they are evaluated again.
   void forget_values();
 
-  // Entries that differ from these by more than a part of them become zero.
+  // Sets entries to zero that differ from these by more than a fraction.
   void drop_changes_from(const std::vector<double>& values);
 
   // The entries of equation i are first()[i], ..., first()[i + 1] - 1.
@@ -43,21 +43,21 @@ class SystemJacobian {
   int order_;
   std::vector<int> first_{0}, unknown_;
   std::vector<int> limits_;            // of the coefficients of each recorded equation
-  std::vector<EntryTerm> terms_;       // none where each entry is one coefficient,
+  std::vector<EntryTerm> terms_;       // empty if each entry is one coefficient,
   std::vector<std::uint32_t> places_;  // and where that is
   std::size_t num_coefficients_ = 0;
   std::vector<double> coefficients_, values_;
-  std::optional<VaryingEntries> varying_;  // where many points are expected
+  std::optional<VaryingEntries> varying_;  // if many points are expected
 };
 
 // Entries of the diagonal blocks.
 class BlockEntries {
  public:
-  // Both live longer.
+  // Both have to outlive this object.
   BlockEntries(const Structure& structure, const SystemJacobian& jacobian)
       : structure_(structure), jacobian_(jacobian), place_(index(structure.signature.size()), -1) {}
 
-  // action(row, column, entry), row after row: in the block, entry: of the values of the system Jacobian.
+  // action(row, column, entry), row after row: row and column in the block, entry of the system Jacobian.
   template <class Action>
   void for_each(int block, Action action) {
     const auto equations = structure_.blocks.equations(block), unknowns = structure_.blocks.unknowns(block);

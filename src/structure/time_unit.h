@@ -1,6 +1,5 @@
-// The unit of time of equations: that in which x and x' of the sizes of x matter to them as much as each other.
-// Searches that weigh or choose derivatives use it, as what they find must not depend on the unit that the user has
-// chosen.
+// The unit of time of equations in which x and x', in the sizes of x, have the same effect on them. Searches that weigh
+// or choose derivatives use it, so that results do not depend on the user's unit.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,15 +9,15 @@
 
 namespace sfdae::core {
 
-// Where equations are looked at: jet: x and x', 2 n values; sizes: n changes of x that matter alike.
+// Point of evaluation. jet: x and x', 2 n values; sizes: n changes of x that matter equally.
 struct PointOfUnits {
   double t;
   const double* jet;
   const std::vector<double>& sizes;
 };
 
-// The mean of the equations that contain both, of logarithms; 1 where there is none. In units of t; powers up to that
-// order neither overflow nor vanish.
+// Logarithmic mean over the equations that contain both; 1 if there are none. In units of t; powers up to that order
+// neither overflow nor underflow.
 double time_unit(TaylorEvaluator& evaluator, const PointOfUnits& point, int highest_order);
 
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
-// Shortest augmenting paths, in phases: every phase finds the distance from the equations without unknown to the
-// nearest unknown that is free, changes the prices by it, and takes as many paths of that length as do not meet
-// [HK73; BDM09]. Costs are M - sigma; where prices are u_i + v_j = cost the entry is tight, and paths run along tight
-// entries.
+// Highest-value transversal by shortest augmenting paths, in phases. Every phase finds the distance from the equations
+// without an unknown to the nearest free unknown, changes the prices by it, and takes as many paths of that length as
+// do not meet [HK73; BDM09]. Costs are M - sigma; an entry with prices u_i + v_j = cost is tight, and paths run along
+// tight entries.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "structure/transversal.h"
 
@@ -79,7 +79,7 @@ Transversal Search::run() {
   return result_;
 }
 
-// False where a row is empty.
+// False if a row is empty.
 bool Search::set_first_prices() {
   for (int i = 0; i < n_; ++i)
     for (const Entry& entry : signature_.row(i)) {
@@ -102,7 +102,7 @@ void Search::assign_tight_entries() {
       if (is_free_row(i) && owner(entry.unknown) < 0 && is_tight(i, entry)) assign(i, entry.unknown);
 }
 
-// From the free rows to all rows and columns that are nearer than the nearest free column, or as near; returns its
+// Distances from the free rows to all rows and columns that are at most as far as the nearest free column; returns its
 // distance. Costs are small numbers, so that rows wait in lists by distance.
 int Search::find_distances() {
   row_distance_.assign(index(n_), unreached);
@@ -143,7 +143,7 @@ void Search::change_prices(int distance) {
     if (column_distance_[index(j)] < distance) column_price_[index(j)] -= distance - column_distance_[index(j)];
 }
 
-// Along tight entries, shortest paths first; false if there is none.
+// Augments along tight entries, shortest paths first; false if there is none.
 bool Search::augment() {
   if (!set_levels()) return false;
   std::fill(position_.begin(), position_.end(), 0);
@@ -208,8 +208,8 @@ bool Search::augment_from(int row) {
   return false;
 }
 
-// What can be reached from an equation that is left over: its unknowns, the equations they are assigned to, and so on.
-// None of these unknowns is free, or there would be a path.
+// The part reached from an unassigned equation: its unknowns, the equations they are assigned to, and so on. None of
+// these unknowns is free, or there would be a path.
 Overdetermined Search::overdetermined() const {
   Overdetermined result;
   for (int i = 0; i < n_; ++i)

@@ -19,12 +19,12 @@ struct Overdetermined {
 };
 
 struct Transversal {
-  std::vector<int> unknown_of, equation_of;  // each the inverse of the other; -1 where there is none
+  std::vector<int> unknown_of, equation_of;  // each the inverse of the other; -1: none
   Overdetermined overdetermined;             // empty if there is a transversal
   bool exists() const { return overdetermined.equations.empty(); }
 };
 
-// The time grows as the number of entries, nearly, where orders are small.
+// The time is nearly proportional to the number of entries if orders are small.
 Transversal highest_transversal(const Signature& signature);
 
 }  // namespace sfdae::core

@@ -1,8 +1,8 @@
-// What the driver of adjoints sees of a problem: the equations of sensitivities (sensitivity_system.h), transposed.
+// Interface of a problem for the driver of adjoints: the equations of sensitivities (sensitivity_system.h), transposed.
 //
-// A step computes S from earlier ones and from F_p by linear equations. Read backward these turn weights of S into
-// weights of the earlier ones, and add what F_p contributes to the gradient: as exact as the sensitivities of the
-// same steps, at a cost that hardly depends on the number of parameters [CLPS03 have this for index 0 and 1].
+// A step computes S from earlier ones and from F_p by linear equations. Read backward, these equations turn weights of
+// S into weights of the earlier ones and add the contribution of F_p to the gradient. The result is as exact as the
+// sensitivities of the same steps, at a cost that hardly depends on the number of parameters [CLPS03: index 0 and 1].
 //
 // [CLPS03] Y. Cao, S. Li, L. Petzold, R. Serban: Adjoint sensitivity analysis for differential-algebraic equations:
 // the adjoint
@@ -23,13 +23,13 @@
 
 namespace sfdae::core {
 
-// A point of x that steps were made to, with what linearizes the equations there once more.
+// A point of x that steps were made to, with the data needed to linearize the equations there again.
 struct KeptPoint {
   Jet jet;
   std::vector<double> xdot;  // as discretized, where the equations need it
 };
 
-// Weights of S, n x any number in the user's units, and the gradient, count x the same number, to which is added.
+// Weights of S, n x columns in the user's units, and the gradient, count x columns, which contributions are added to.
 struct AdjointValues {
   View weights, gradient;
 };
@@ -42,7 +42,7 @@ struct TangentSpace {
   bool is_whole() const { return basis.cols() == 0 && coordinates.cols() == 0; }
 };
 
-// A system of x, and what is kept of the points that it is moved to.
+// A system of x, and the data stored of the points that it is moved to.
 class PointKeeper {
  public:
   virtual ~PointKeeper() = default;
@@ -52,12 +52,12 @@ class PointKeeper {
   virtual KeptPoint stage(const StageMethod& method, int i, const double* xdot) const = 0;
 };
 
-// A system of x beside the one of an integration, for steps that are made again. It stops where that one is asked to.
+// A second system of x for steps that are repeated. It stops where the system of the integration is asked to.
 class SystemTwin : public PointKeeper {
  public:
-  // As the other system was when it was archived. Throws DamagedArchive.
+  // Restores the archived state of the other system. Throws DamagedArchive.
   virtual void restore(Archive& archive) = 0;
-  // These become the last two points that were accepted. Throws Failure.
+  // Makes these the last two points that were accepted. Throws Failure.
   virtual void stand_between(const KeptPoint& from, const KeptPoint& to) = 0;
   virtual bool stop_is_requested() const = 0;
 };
@@ -66,22 +66,22 @@ class AdjointSystem : public PointKeeper {
  public:
   virtual int unknowns() const = 0;
   virtual int count() const = 0;
-  // Of the system of x; to be restored before it is used.
+  // The twin of the system of x, which has to be restored before it is used.
   virtual std::unique_ptr<SystemTwin> twin() = 0;
-  // Else S fulfils none, and what is interpolated stays as it is.
+  // False: S has no constraints to fulfill, and interpolated values stay as they are.
   virtual bool has_constraints() const = 0;
 
-  // Of a step that solved F1 with S' = c S + rest, and F2: the weights become those of rest.
+  // For a step that solved F1 with S' = c S + rest, and F2: the weights become those of rest.
   virtual PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) = 0;
-  // Of stages of a step h, weights of S at its end: they become those of S at its start. points: one for each stage.
+  // For the stages of a step h: weights of S at its end become those of S at its start. points: one for each stage.
   virtual PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
                                 const AdjointValues& values) = 0;
-  // Of S with F2 = 0 and the differential part of a guess: the weights become those of the guess.
+  // For S with F2 = 0 and the differential part of an initial guess: the weights become those of the guess.
   virtual PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) = 0;
 
-  // No steps are read back for now: memory for that is given back.
+  // No steps are read back for now: memory for that is released.
   virtual void forget_work() = 0;
-  // Where the equations are linearized as they are at the point.
+  // Uses the equations linearized as they are at the point.
   virtual PointStatus find_tangent_space(const KeptPoint& point, TangentSpace& space) = 0;
 
   virtual const CallbackError& callback_error() const = 0;

@@ -10,9 +10,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Differences that are nearly parallel say the same: a second one that keeps less than this of its length, squared,
-// when the first is taken off is left out. And larger factors are no interpolation of what has been seen. Chosen, not
-// measured.
+// A second difference is left out if less than this part of its squared length remains after the first is projected
+// out: it is nearly parallel. Larger factors would extrapolate instead of interpolating. Chosen, not measured.
 constexpr double least_share = 1e-6, largest_factor = 4.0;
 
 double dot(const std::vector<double>& a, const double* b) {

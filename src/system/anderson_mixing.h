@@ -1,7 +1,7 @@
-// Anderson's method for an iteration z := z + d(z): the change is made better by what the last two have done [WN11].
+// Anderson's method for an iteration z := z + d(z): the last two changes improve the next one [WN11].
 //
-// For errors e := G e that few eigenvalues of G dominate, such as a pair +-sqrt(q) where x and its derivatives correct
-// each other in turn, three changes are enough to see these.
+// If few eigenvalues of G dominate the errors e := G e, such as a pair +-sqrt(q) where x and its derivatives correct
+// each other alternately, three changes suffice to identify them.
 //
 // [WN11] H. F. Walker, P. Ni: Anderson Acceleration for Fixed-Point Iterations. SIAM J. Numer. Anal. 49 (2011),
 //        1715-1735.
@@ -15,15 +15,15 @@ namespace sfdae::core {
 
 class AndersonMixing {
  public:
-  // Of iterations for `size` unknowns.
+  // Memory for iterations with `size` unknowns.
   void resize(std::size_t size);
   // An iteration begins.
   void begin() { count_ = 0; }
-  // d: of the iteration that has come to z; z + d + correction is where it goes on. False: with z + d.
+  // d: change at z. True: the iteration continues with z + d + correction; false: with z + d.
   bool correct(const double* d, double* correction);
 
  private:
-  // Of the last iterations, the newest first: how z has changed, and how d has.
+  // Differences of z and d between the last iterations, the newest first.
   struct Difference {
     std::vector<double> z, d;
   };
@@ -31,7 +31,7 @@ class AndersonMixing {
   int count_ = 0;  // changes seen
   Difference differences_[2];
   std::vector<double> d_;     // the last change
-  std::vector<double> step_;  // and what z was changed by
+  std::vector<double> step_;  // and the last change of z with its correction
 };
 
 }  // namespace sfdae::core

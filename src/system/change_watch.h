@@ -1,4 +1,4 @@
-// Changes of the characteristic values along the way, as an integration asks for them.
+// Interface for changes of the characteristic values during an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,13 +14,13 @@ struct LocatedChange {
   double t_before = 0.0;  // the values known still hold here
   double t = 0.0;
   CharacteristicValues new_values;
-  // Of t; more than nothing: a step that is so short about t has to confirm it.
+  // Uncertainty of t, positive: a step that short around t has to confirm the change.
   double uncertainty = 0.0;
   SingularPart part = SingularPart::unknown;
 };
 
-// What a search of the points of a step has come to. Not complete: some of them could not be evaluated, and a change
-// may have been missed.
+// Result of a search of the points of a step. Not complete: some of them could not be evaluated, and a change may have
+// been missed.
 struct StepSearch {
   std::optional<LocatedChange> change;
   bool is_complete = true;
@@ -29,7 +29,7 @@ struct StepSearch {
 class ChangeWatch {
  public:
   virtual ~ChangeWatch() = default;
-  // False: nothing can change, whatever the point.
+  // False: the characteristic values cannot change at any point.
   virtual bool may_find() const { return true; }
   // The current point of the system is the first one of an integration in the given direction.
   virtual void start(double direction) = 0;
@@ -40,11 +40,11 @@ class ChangeWatch {
   virtual void accept() = 0;
   // Looks for the change between left, where the values known hold, and right, where others do.
   virtual std::optional<LocatedChange> locate(double left, double right) = 0;
-  // After a step of size h that failed for want of a solution: what it may have met.
+  // After a step of size h that failed for lack of a solution: the change that it may have met.
   virtual std::optional<LocatedChange> find_ahead(double) { return std::nullopt; }
-  // Whether no step from the point accepted last succeeds because a change is met there.
+  // The change that makes every step from the point accepted last fail; none if there is none.
   virtual std::optional<LocatedChange> find_beyond() { return std::nullopt; }
-  // Of an integration in the given direction.
+  // For an integration in the given direction.
   virtual void archive(Archive& archive, double direction) = 0;
 };
 

@@ -1,4 +1,4 @@
-// When a chord iteration is good enough, too slow, or of no use.
+// Criteria of a chord iteration: converged, too slow, or of no use.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/chord_iteration.h"
 
@@ -8,16 +8,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Changes that are as good as none, whatever the rate: a billionth of what the tolerances allow.
+// Changes below this are negligible at any rate: a billionth of the tolerances.
 constexpr double negligible_correction = 1e-9;
-// A matrix that needs more iterations, or contracts less, is renewed for the next point: the same work as a new one,
-// about, for the problems of the test set.
+// A matrix that needs more iterations, or contracts less, is refactored for the next point: about as much work as a new
+// one for the problems of the test set.
 constexpr int many_iterations = 3;
 constexpr double slow_rate = 0.3;
-// Before a rate is measured, that of the last point counts, but for no less than this.
+// Before a rate is measured, the rate of the last point is used, but at least this.
 constexpr double least_first_rate = 0.05;
 constexpr double largest_rate = 0.99;
-// Changes that stop becoming smaller this far below the target are rounding errors.
+// Changes that stop decreasing this far below the target are rounding errors.
 constexpr double far_below = 0.1;
 
 }  // namespace

@@ -1,8 +1,8 @@
-// Chord iterations, Newton's method with a matrix that is kept: when they are good enough, too slow, or of no use.
+// Chord iterations, Newton's method with a matrix that is reused: criteria for converged, too slow, or of no use.
 //
-// The error left after a change is rate / (1 - rate) times that change, the rate being that of the last two changes
-// [HW96, IV.8]. Norms are in units of the tolerance; what rounding errors contribute has been subtracted. The matrix
-// is not trusted for that: a point is accepted only if residuals say the same (residual_test.h).
+// The error left after a change is rate / (1 - rate) times that change, where rate is the ratio of the last two changes
+// [HW96, IV.8]. Norms are in units of the tolerance; the contribution of rounding errors has been subtracted. The
+// matrix alone is not trusted: a point is accepted only if residuals confirm it (residual_test.h).
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -17,21 +17,21 @@
 
 namespace sfdae::core {
 
-// Slower contractions are given up [HW96 recommends to stop at 1; beyond 0.7 renewing the matrix is cheaper].
+// Slower contractions are abandoned [HW96 recommends to stop at 1; beyond 0.7 refactoring the matrix is cheaper].
 inline constexpr double slowest_contraction = 0.7;
-// With the matrix of a guess, residuals become smaller by a factor of e with each change where an exponential is far
-// too large (docs/design/steps.md, section 5).
+// With the matrix of an initial guess, each change reduces residuals by a factor of e where an exponential is far too
+// large (docs/design/steps.md, section 5).
 inline constexpr double largest_ratio_from_guess = 0.1;
 
 // The target of an iteration.
 struct ChordTarget {
   double tolerance;  // of the error left
-  // A measured rate is not taken for less: the next one may be larger.
+  // Lower bound of measured rates: the next one may be larger.
   double least_rate;
   // The first change may be small by chance: at least two are made unless it is negligible.
   bool needs_two = false;
   int most_iterations = 12;
-  // Every second change may be hardly smaller than the one before.
+  // Every second change may be hardly smaller than the one before it.
   bool alternates = false;
   // The largest ratio of a residual to the one before (residual_test.h).
   double largest_ratio = slowest_contraction;
@@ -45,25 +45,25 @@ class ChordIteration {
   //     PointStatus evaluate(double* rows)      residuals at the present values, times -1
   //     double change(const double* rows)       solves with the matrix, changes the values; the norm of the change
   //     void add(RowSums kind, double* rows)    see ResidualTest
-  //     bool may_end(int iteration)             false: it has to go on
+  //     bool may_end(int iteration)             false: the iteration has to continue
   //
   // Ok: the values are those after the last change.
   template <class Equations>
   PointStatus solve(const ChordTarget& target, Equations& equations);
 
   void begin() { is_slow_ = false; }
-  // After the change of the given norm; before: that of the last one, which counts from the second iteration on.
+  // Called after a change of the given norm; before: norm of the last one, which counts from the second iteration on.
   bool has_converged(const ChordTarget& target, int iteration, double norm, double before);
   static bool is_too_slow(int iteration, double norm, double before) {
     return iteration > 1 && norm > slowest_contraction * before;
   }
 
-  // The matrix is that of a guess, where entries may be larger by orders of magnitude than at any solution.
+  // The matrix is that of an initial guess, whose entries may be larger by orders of magnitude than at any solution.
   void doubt_matrix(bool is_in_doubt) { is_in_doubt_ = is_in_doubt; }
   // A new matrix will pay for the next point.
   bool is_slow() const { return is_slow_; }
   void set_slow(bool is_slow) { is_slow_ = is_slow; }
-  // The largest ratio of two changes in the last iteration; with another matrix nothing is known of it.
+  // The largest ratio of two changes in the last iteration; unknown for another matrix.
   double rate() const { return rate_; }
   void set_rate(double rate) { rate_ = rate; }
   void forget_rate() { rate_ = 1.0; }
@@ -78,7 +78,7 @@ class ChordIteration {
   ResidualTest test_;
 };
 
-// As long as it lives the matrix is in doubt.
+// During its lifetime the matrix is in doubt.
 class DoubtedMatrix {
  public:
   explicit DoubtedMatrix(ChordIteration& chord, bool is_in_doubt = true) : chord_(chord) {
@@ -100,8 +100,8 @@ PointStatus ChordIteration::evaluate(Equations& equations) {
   return PointStatus::ok;
 }
 
-// Residuals are evaluated once more after the change that is to be accepted; if they refuse it, they are those of the
-// next iteration.
+// Residuals are evaluated once more after the change that is to be accepted; if they reject it, the next iteration uses
+// them.
 template <class Equations>
 PointStatus ChordIteration::solve(const ChordTarget& target, Equations& equations) {
   begin();

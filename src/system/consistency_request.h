@@ -1,4 +1,4 @@
-// What is asked of initial values, and what was done for it.
+// Request for consistent initial values, and its outcome.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -9,33 +9,35 @@
 
 namespace sfdae::core {
 
-// keep_differential: x changes in the null space of E1 = Z1^T E only, Z1 the range of E T2 with rows as the user
-// scaled them; exactly one such point is consistent where u = 0, and at least one always, as E1 T2 has full row rank.
+// keep_differential: x changes in the null space of E1 = Z1^T E only, where Z1 spans the range of E T2 with rows as the
+// user scaled them. Exactly one such point is consistent if u = 0, and at least one otherwise, as E1 T2 has full row
+// rank.
 enum class InitialValues { nearest, fixed, accept, keep_differential };
 
 struct ConsistencyRequest {
   InitialValues kind = InitialValues::nearest;
   std::vector<char> fixed;      // kind fixed: n flags
   std::vector<double> weights;  // empty or n positive weights
-  // nearest, fixed: unknowns whose derivative occurs move only where the others cannot make x consistent. Weights
-  // take precedence.
+  // nearest, fixed: unknowns whose derivative occurs move only if the others cannot make x consistent. Weights take
+  // precedence.
   bool keeps_differentiated = false;
   bool differentiated_stay() const {
     return keeps_differentiated && weights.empty() &&
            (kind == InitialValues::nearest || kind == InitialValues::fixed);
   }
-  // The sum of all changes, weighted, is to be least.
+  // The weighted sum of all changes is minimized.
   bool is_weighted() const {
     return !weights.empty() && (kind == InitialValues::nearest || kind == InitialValues::fixed);
   }
-  // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
+  // Changes of the differential variables are reported, except with fixed components: there the user has chosen what
+  // stays.
   bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
-  // Changes that count as one where differentiated_stay(): the tolerances. If digits are trusted, as they are until
-  // that leads beyond what they explain, absolute parts count a millionth: published values are off by their last
-  // digit. Where neither a value nor its tolerance says anything the largest size has to do.
+  // Changes that count as one where differentiated_stay(): the tolerances. While digits are trusted, which ends when
+  // they cannot explain the changes, absolute parts count a millionth: published values are off by their last digit. If
+  // neither a value nor its tolerance gives a size, the largest size is used.
   bool trusts_digits = false;
   std::vector<double> sizes() const;
-  // The same request for values whose digits are trusted. Its tolerances are what their last digits explain.
+  // The same request for values whose digits are trusted. Its tolerances are changes that their last digits explain.
   ConsistencyRequest trusting_digits(const double* x) const;
   // Fixed components fit the constraints if the rest is small against this.
   double least_size = 0.0;

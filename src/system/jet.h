@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 // x_k, k = 0..order, at t.
 struct Jet {
-  // n x (order + 1). First, as members are copied in order: where there is no memory for them the sizes stay, too.
+  // n x (order + 1). Declared first, as members are copied in order: without memory for them the sizes stay, too.
   std::vector<double> x;
   double t = 0.0;
   int n = 0, order = 0;

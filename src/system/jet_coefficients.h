@@ -1,4 +1,4 @@
-// Taylor coefficients along one jet of a nonlinear problem, as it is.
+// Taylor coefficients along one unmodified jet of a nonlinear problem.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

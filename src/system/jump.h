@@ -17,7 +17,7 @@ struct Jump {
 struct MovingJump {
   double t, toward;
   const double *before, *after;  // n values
-  std::vector<int> parameters;   // for each direction that of this number moves by 1, -1: none
+  std::vector<int> parameters;   // number of the parameter that each direction moves by 1, -1: none
   const double* shifts;          // of t
   ConstView moved;               // of the values before, n x directions
   int directions() const { return moved.cols; }

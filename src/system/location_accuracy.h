@@ -1,11 +1,11 @@
-// How accurately the points are located at which something vanishes: changes between steps, and singular points.
+// Accuracy of located points at which something vanishes: changes between steps, and singular points.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 namespace sfdae::core {
 
-// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
-// Ranks by a tolerance above a tenth would mean nothing.
+// Values up to this multiple of the smallest one kept at the located point count as zero there, as the point is not hit
+// exactly. Ranks by a tolerance above a tenth would mean nothing.
 inline constexpr double vanishing_factor = 30.0;
 inline constexpr double largest_rank_tolerance = 0.1;
 

@@ -1,4 +1,4 @@
-// What is asked of a problem of any kind.
+// Functions shared by models of all kinds.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/model.h"
 

@@ -1,4 +1,4 @@
-// A problem with its system: analysis, consistent values, and what else is asked of a problem of any kind.
+// A problem with its system: analysis, consistent values, and further requests to problems of any kind.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -28,8 +28,8 @@
 
 namespace sfdae::core {
 
-// Of recorded equations: the whole derivative array, the rows that their structure asks for where numbers agree, or a
-// failure where they do not.
+// Structural analysis of recorded equations: off: the full derivative array; automatic: the rows selected by it, if
+// confirmed numerically; required: failure if not confirmed.
 enum class StructureUse { off, automatic, required };
 
 struct ModelOptions : Acceptance {
@@ -42,7 +42,7 @@ struct ModelOptions : Acceptance {
   bool for_sensitivities = false;  // the system has to be one that sensitivities can be asked of,
   bool for_adjoint = false;        // or their adjoint
 
-  // What is asked of values near x.
+  // The request for consistent values near x.
   ConsistencyRequest request_at(const double* x) const {
     ConsistencyRequest request = consistency;
     request.set_tolerances(tolerances, x);
@@ -55,8 +55,8 @@ struct ModelOptions : Acceptance {
   }
 };
 
-// x: n values, or null where none are known. toward: in the direction of integration. xdot: a guess, or null; of
-// nonlinear problems it chooses among the derivatives that F(t, x, x') = 0 allows.
+// x: n values, or null if none are known. toward: in the direction of integration. xdot: initial guess or null; for
+// nonlinear problems it selects among the derivatives that F(t, x, x') = 0 allows.
 struct PointOfInterest {
   double t, toward;
   const double* x;
@@ -64,8 +64,7 @@ struct PointOfInterest {
   double direction() const { return toward < t ? -1.0 : 1.0; }
 };
 
-// Toward where nobody says where to: one unit of time away, or far from 0 a millionth of t, which rounding of t does
-// not disturb.
+// Default for toward: one unit of time away, or far from 0 a millionth of t, which rounding of t does not disturb.
 inline double time_beside(double t, double direction) { return t + direction * std::max(1.0, 1e-6 * std::fabs(t)); }
 
 struct ConsistentPoint {
@@ -73,12 +72,12 @@ struct ConsistentPoint {
   std::vector<double> x, xdot;
   std::vector<double> difference_errors;  // of x, see DaeSystem; empty: not asked for, or none
   ConsistencyResult change;
-  ValueChange value_change;  // of what was to stay; none where the request did not ask for that
+  ValueChange value_change;  // of the values that were to stay; none if the request did not ask for it
   bool derivative_exact = false;
-  bool has_contradiction = false;  // of redundant equations, and is to be ignored
+  bool has_contradiction = false;  // of redundant equations; it is to be ignored
 };
 
-// Calls of the user's functions.
+// Calls of user-supplied functions.
 struct EvaluationCounts {
   long E = 0, A = 0, f = 0;
   long F = 0, linearizations = 0;
@@ -95,57 +94,57 @@ class Model {
   // The analysis is that of a solution, and needs x.
   virtual bool needs_x() const = 0;
   virtual EvaluationCounts evaluations() const = 0;
-  // Of recorded equations, else null; parameters_changed() is due after a change there.
+  // Recorded equations, else null; call parameters_changed() after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
   virtual void parameters_changed() {}
-  // Of recorded equations: all that their inputs are in.
+  // Recorded equations: all evaluators that contain their inputs.
   virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
     const TaylorEvaluator* const only = evaluator();
     return only != nullptr ? std::vector<const TaylorEvaluator*>{only} : std::vector<const TaylorEvaluator*>{};
   }
 
-  // Adds what is known of the equations and tells them apart: recorded ones, patterns, what is prescribed; not the
-  // values of parameters.
+  // Adds known properties of the equations that distinguish them: recorded equations, patterns, prescribed components;
+  // not the values of parameters.
   virtual void add_equations(WordHash& hash) {
     if (const TaylorEvaluator* known = evaluator()) core::add_equations(known->record(), hash);
   }
 
-  // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
+  // Index analysis: creates the system. decisions: all that were made, also on Failure; then there is no system.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
                        std::vector<RankDecision>& decisions) = 0;
   // Compares derivatives that callbacks supply with their functions, after an analysis or after one that failed. Throws
   // SFDAE_WRONG_DERIVATIVES.
   virtual void demand_derivatives(const PointOfInterest&, const ModelOptions&) {}
-  // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
-  // Throws DamagedArchive or Failure, and nothing has changed then.
+  // Restores the system as it was when it was archived; the replaced one is stored until one of the other two functions
+  // is called. Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;
-  // Of the system that is to be restored, which may be one that sensitivities can be asked of; false where there are
-  // none of that form.
+  // Sets the form of the system to be restored, which may have to support sensitivities; false if this model does not
+  // have that form.
   virtual bool expect(SystemForm form, bool /*for_sensitivities*/) { return form == SystemForm::reduced; }
   virtual void undo_restore() = 0;
   virtual void finish_restore() = 0;
   // Null before an analysis.
   virtual DaeSystem* system() = 0;
   virtual void forget_system() = 0;
-  // The same, for what outlives the analysis: steps that are kept.
+  // The same for users that outlive the analysis, such as stored steps.
   virtual std::shared_ptr<const DaeSystem> shared_system() = 0;
-  // A certificate for the ranks of the analysis: the smallest relative change of the data that gives others, about.
-  // Throws Failure: SFDAE_RANK_UNCLEAR where it does not confirm them.
+  // A certificate for the ranks of the analysis: approximate smallest relative change of the data that changes them.
+  // Throws Failure: SFDAE_RANK_UNCLEAR if it does not confirm them.
   virtual double certify() = 0;
-  // Null where x is needed, which is known at points of an integration only.
+  // Null if x is needed, which is known at points of an integration only.
   virtual std::unique_ptr<ChangeWatch> change_watch() { return nullptr; }
 
-  // By parameters of these numbers, see ParameterSeries, along x of the system, which was analyzed for that; null
-  // where this kind of model has none. Throws Failure where these equations have none.
+  // Sensitivities to parameters of these numbers, see ParameterSeries, along x of the system, which was analyzed for
+  // that; null if this kind of model has none. Throws Failure if these equations have none.
   virtual std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int>) { return nullptr; }
 
   // Consistent values near x, x' in the direction toward `toward`; the system is at that point afterwards. Throws
   // Failure.
   virtual ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) = 0;
-  // With a copy of the system, so that an integration is not disturbed.
+  // Uses a copy of the system, so that an integration is not disturbed.
   virtual ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) = 0;
 
-  // Of recorded equations that are solved by their minimal extension: what it looks like.
+  // Dimensions of the minimal extension that recorded equations are solved by.
   struct Extension {
     const Structure* structure;  // lives as long as the system
     int rows, columns;
@@ -158,10 +157,10 @@ class Model {
   virtual Jet accepted_point() const { return {}; }
 };
 
-// A model that knows the whole theory: by the derivative array, or local coordinates of a mechanical system.
+// A model with the full theory: by the derivative array, or local coordinates of a mechanical system.
 class WholeModel : public Model {
  public:
-  // demand_derivatives() where another model of these equations has been analyzed, along the jet that it has found.
+  // demand_derivatives() along the jet found by the analysis of another model of these equations.
   virtual void demand_derivatives_along(const Jet&, const PointOfInterest& point, const ModelOptions& options) {
     demand_derivatives(point, options);
   }
@@ -169,15 +168,15 @@ class WholeModel : public Model {
   // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis;
   // nothing of an integration is disturbed. Throws Failure.
   virtual Jump jump(const PointOfInterest& point, const ModelOptions& options) = 0;
-  // How the values after such a jump move, n x directions, by its equations. False where they do not say it: then
-  // jumps that are moved have to. Throws Failure.
+  // Derivatives of the values after such a jump, n x directions, by its equations. False if the equations do not
+  // determine them: jumps with shifted data are needed then. Throws Failure.
   virtual bool differentiate_jump(const MovingJump&, const ModelOptions&, View /*after*/) { return false; }
 
-  // Returns whether some x' fulfils the equations at these values of x; true where that is not known.
+  // True if some x' fulfills the equations at these values of x, or if that is not known.
   virtual bool fulfils_equations(const PointOfInterest&) { return true; }
 
-  // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is
-  // disturbed. All throw Failure, and all but the array need an analysis.
+  // The theory's objects, of the equations linearized at a jet (derivative_array.h); no integration is disturbed. All
+  // throw Failure, and all but the array need an analysis.
   // The jet with F_level = 0, order level + 1, through x.
   virtual Jet jet_through(double t, const double* x, int level) = 0;
   virtual DerivativeArray derivative_array(const Jet& jet, int level) = 0;
@@ -188,7 +187,7 @@ class WholeModel : public Model {
   virtual int level_of_jets(bool) { return system()->analysis().values.mu; }
 };
 
-// What all kinds of models have in common.
+// Common parts of all kinds of models.
 template <class System, class Base = WholeModel>
 class ModelOf : public Base {
  public:
@@ -226,7 +225,7 @@ class ModelOf : public Base {
   std::shared_ptr<System> system_, replaced_;
 };
 
-// x' of the point into it; `system` is there. Throws Failure if it is not finite.
+// Writes x' of the point; `system` stands there. Throws Failure if it is not finite.
 void add_derivative(DaeSystem& system, double direction, ConsistentPoint& point);
 // Throws Failure if the system could not be moved to t.
 void demand_point(const DaeSystem& system, PointStatus status, double t, const char* advice);

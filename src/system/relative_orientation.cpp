@@ -1,4 +1,4 @@
-// Whether a basis has kept its orientation from one point to another.
+// Relative orientation of a basis at two points.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/relative_orientation.h"
 
@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Of |now S - then|_F^2, far enough below 2 for columns that are orthonormal to rounding only.
+// Bound of |now S - then|_F^2, far enough below 2 for columns that are orthonormal only up to roundoff.
 constexpr double near = 1.5;
 
 // |now S - then|_F^2, or more than `most`, with the signs S of columns that make it least; sign: of det S.
@@ -41,7 +41,7 @@ int relative_orientation(ConstView then, ConstView now, Arena& arena) {
   return determinant_sign(transposed_product(then, now, arena), arena);
 }
 
-// That is the smallest singular value of then^T now, which is no less than the least x^T then^T now S x.
+// The smallest singular value of then^T now, which is at least the smallest x^T then^T now S x.
 double cosine_between(ConstView then, ConstView now, double enough, Arena& arena) {
   int sign;
   const double bound = 1.0 - 0.5 * least_distance(then, now, 2.0 - 2.0 * enough, sign);

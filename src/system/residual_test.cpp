@@ -9,11 +9,11 @@ namespace sfdae::core {
 
 namespace {
 
-// Rounding errors relative to what is added up: some fifty roundings (docs/design/steps.md, section 5).
+// Rounding errors relative to the sums of terms: about fifty roundings (docs/design/steps.md, section 5).
 constexpr double noise_of_sums = 1e-14;
-// Rows whose residuals are at most that many times their noise say nothing.
+// Rows whose residuals are at most this multiple of their noise do not count.
 constexpr double clear_of_noise = 4.0;
-// Parts of the tolerances that are as good as 0: with entries too large by 1e19 x is still right to 40 of them.
+// Negligible parts of the tolerances: with entries too large by 1e19 x is still right to 40 of them.
 constexpr double near_zero_part = 1e-18;
 // Relative errors of entries of a matrix with which an iteration converges as fast as with the right one.
 constexpr double harmless_errors = 1e-2;
@@ -31,8 +31,8 @@ void ResidualTest::note() {
   for (double r : now_) largest_ = std::max(largest_, std::fabs(r));
 }
 
-// change: sum_j |M_ij dx_j|, or 0 where it is not known. A residual that was 0 and is not has no ratio. Comparisons are
-// such that NaN is no.
+// change: sum_j |M_ij dx_j|, or 0 if unknown. A residual that was 0 and no longer is has no ratio. Comparisons are such
+// that NaN fails them.
 bool ResidualTest::is_small(const Allowed& allowed, std::size_t row, double change) const {
   const double r = now_[row], before = before_[row], size = std::fabs(before);
   if (r == 0.0) return true;

@@ -1,13 +1,13 @@
 // The test of residuals that an iteration has to pass before its last change is accepted.
 //
-// A matrix M that is too large by a factor g, as one that is kept from where the problem was much stiffer, makes
-// changes too small by g: they look converged. Residuals become smaller by the factor 1 - 1/g then. Let r- be the
-// residual before a change dx, r+ the one after it, and rho_i = r+_i / r-_i in row i. The error that is left is
-// rho_i / (1 - rho_i) times the part of dx that row i determines, |r-_i| / sum_j |M_ij dx_j|: rho_i near 1 says that
-// the change was far too small, rho_i < 0 that it was too large.
+// A matrix M that is too large by a factor g, such as one reused from a point where the problem was much stiffer, makes
+// changes too small by g: they look converged. Residuals then decrease by the factor 1 - 1/g only. Let r- be the
+// residual before a change dx, r+ the one after it, and rho_i = r+_i / r-_i in row i. The error that is left is rho_i /
+// (1 - rho_i) times the part of dx that row i determines, |r-_i| / sum_j |M_ij dx_j|: rho_i near 1 means that the
+// change was far too small, rho_i < 0 that it was too large.
 //
-// Rows say nothing where r+ is roundoff, or |r+_i| <= 1e-2 sum_j |M_ij dx_j|: what F changes by along dx is M dx, but
-// for errors of the entries of M that are as small [OP64] (docs/design/steps.md, section 5).
+// Rows are ignored if r+ is roundoff, or |r+_i| <= 1e-2 sum_j |M_ij dx_j|: F changes along dx by M dx, except for
+// errors of the entries of M of that relative size [OP64] (docs/design/steps.md, section 5).
 //
 // [OP64] W. Oettli, W. Prager: Compatibility of approximate solution of linear equations with given error bounds for
 //        coefficients and right-hand sides. Numer. Math. 6 (1964), 405-409.
@@ -24,8 +24,8 @@
 
 namespace sfdae::core {
 
-// Sums over the terms of each row, sum_j |M_ij| size_j: of what is added up in the residual, as large as the unknowns
-// are or as their tolerances; and of the last change.
+// Sums over the terms of each row, sum_j |M_ij| size_j: for the terms of the residual, where the sizes are those of the
+// unknowns or their tolerances, and for the last change.
 enum class RowSums { of_values, of_tolerances, of_change };
 
 class ResidualTest {
@@ -35,21 +35,21 @@ class ResidualTest {
     count_ = 0;
     has_moved_ = false;
   }
-  // Rows of the residuals that are evaluated next, for the caller to fill: `count` numbers.
+  // Rows of the residuals to be evaluated next, for the caller to fill: `count` numbers.
   double* next(std::size_t count);
   // After they were filled.
   void note();
   const double* residuals() const { return now_.data(); }
-  // Each row has to say that the change between the last two residuals, whose norm is given, leaves an error of at most
-  // the tolerance, with rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms and is called where they
-  // matter. is_trusted is false with the matrix of a guess: it is right where it was made, and trusted until values
-  // move.
+  // Each row has to confirm that the change between the last two residuals, whose norm is given, leaves an error of at
+  // most the tolerance, with rho_i <= largest_ratio. add(RowSums, double* rows) adds sums of terms and is called only
+  // if they matter. is_trusted is false with the matrix of an initial guess: it is right where it was made, and trusted
+  // until values move.
   struct Allowed {
     double tolerance, norm, largest_ratio;
   };
   template <class Add>
   bool allows(const Allowed& allowed, bool is_trusted, Add add) {
-    const QuietArithmetic quiet;  // entries of the matrix of a guess may be so large that sums overflow
+    const QuietArithmetic quiet;  // entries of the matrix of an initial guess may be so large that sums overflow
     std::fill(open_.begin(), open_.end(), 0.0);
     if (!leaves_open([&](std::size_t i, double) { return is_small(allowed, i, 0.0); })) return true;
     if (is_trusted || !has_moved_) {
@@ -64,8 +64,8 @@ class ResidualTest {
 
  private:
   static constexpr double settled = -std::numeric_limits<double>::infinity();
-  // True if some row has been settled neither by settles(row, its sum) nor by an earlier call. Sums that overflow say
-  // nothing.
+  // True if some row has been settled neither by settles(row, its sum) nor by an earlier call. Sums that overflow are
+  // ignored.
   template <class Settles>
   bool leaves_open(Settles settles) {
     bool any = false;

@@ -1,4 +1,4 @@
-// What the driver of sensitivities S = dx/dp sees of a problem: the strangeness-free system of S, linear, along x.
+// Interface of a problem for the driver of sensitivities S = dx/dp: the linear strangeness-free system of S along x.
 //
 // The derivative array of F(t, x, x', p) = 0 differentiated by p has the matrices of its linearization: S solves
 //
@@ -41,27 +41,27 @@ class SensitivitySystem {
   int count() const { return static_cast<int>(parameters().size()); }
   std::size_t size() const { return index(unknowns()) * index(count()); }
 
-  // Parameters of the equations have other values than at the start.
+  // The parameters of the equations have changed since the start.
   virtual void parameters_changed() = 0;
 
-  // All of what follows is about the current point of the system of x, which has converged there.
-  // F1 with S' = c S + rest, and F2; xdot: D_h x. S comes with a guess.
+  // Everything below refers to the current point of the system of x, which has converged there.
+  // F1 with S' = c S + rest, and F2; xdot: D_h x. On entry S is an initial guess.
   virtual PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) = 0;
   // Stage i of the step that the system of x has solved last, or of one whose stages it has been moved to, one by
   // one. xdot: x' there, as discretized or true.
   virtual PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) = 0;
   virtual PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) = 0;
-  // Of a step h from S_start; S: one block for each stage. ok or singular.
+  // Solves a step h from S_start; S: one block for each stage. ok or singular.
   virtual PointStatus solve_kept_stages(const StageMethod& method, double h, const double* S_start, double* S) = 0;
-  // S with F2 = 0 whose differential part is that of the guess.
+  // S with F2 = 0 whose differential part is that of the initial guess.
   virtual PointStatus restore(const double* guess, double* S) = 0;
-  // What an error of the differential part means for S; at the point or at the end of the stages that were solved for
+  // Maps errors of the differential part to errors of S; at the point or at the end of the stages that were solved for
   // last.
   virtual void error_in_S(const double* errors, double* mapped) = 0;
-  // S' of sensitivities restored here, or of a stage kept here. It comes with the value of S' of a polynomial, which
-  // is corrected where the derivative array does not determine it.
+  // S' of sensitivities restored here, or of a stage stored here. On entry it is S' of a polynomial, which is corrected
+  // where the derivative array does not determine it.
   virtual PointStatus derivative(const double* S, double* Sdot) = 0;
-  // The S nearest to the directions given, as the request measures changes of x. Throws Failure where there is none.
+  // The S nearest to the directions given, as the request measures changes of x. Throws Failure if none exists.
   virtual void start(const ConsistencyRequest& request, const double* directions, double* S) = 0;
 
   // The same equations transposed, for the same parameters, along the same system of x.
@@ -72,7 +72,8 @@ class SensitivitySystem {
   virtual const CallbackError& callback_error() const = 0;
   virtual SensitivityCounts counts() const = 0;
 
-  // What later steps depend on beside the system of x and S. Reading: in place of start(). Throws DamagedArchive.
+  // State that later steps depend on, apart from the system of x and S. Reading: in place of start(). Throws
+  // DamagedArchive.
   virtual void archive(Archive& archive) = 0;
 };
 

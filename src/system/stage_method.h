@@ -1,4 +1,4 @@
-// An implicit Runge-Kutta method of collocation type, as the systems see it that solve its stages.
+// An implicit Runge-Kutta method of collocation type: interface for the systems that solve its stages.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

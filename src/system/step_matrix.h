@@ -1,5 +1,5 @@
-// The matrix of a step, factored: c tau G - B with the rows of the free directions below, for one point or,
-// decoupled, for the stages of a Runge-Kutta step. It is kept as long as the linearization holds and c stays.
+// The matrix of a step, factored: c tau G - B with the rows of the free directions below, for one point or, decoupled,
+// for the stages of a Runge-Kutta step. It is reused while the linearization holds and c stays.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -23,7 +23,7 @@ class StepMatrix {
   // Another linearization holds from now on.
   void forget();
 
-  // Steps of one size differ in their last bits, as times are rounded: c of the matrix kept serves those, too.
+  // Steps of one size differ in their last bits, as times are rounded: the stored matrix is used for their c, too.
   bool is_for(double c) const {
     constexpr double rounding_of_steps = 1e-13;
     return std::fabs(c - c_) <= rounding_of_steps * std::fabs(c);
@@ -35,7 +35,7 @@ class StepMatrix {
   // Form: has unknowns() and step_matrix() as NullSpaceForm.
   template <class Form>
   bool factor(const Form& form, double tau, double c, long& count);
-  // The further ones of the stages, for the c of the last factor(), gamma / h. Those that are known are kept.
+  // Factors the remaining matrices of the stages, for the c of the last factor(), gamma / h. Known factors are reused.
   template <class Form>
   bool factor_stages(const Form& form, double tau, const StageMethod& method, long& count) {
     return stages_.factor(form, tau, method, c_, count);

@@ -1,4 +1,4 @@
-// What integrators see of a problem: its strangeness-free system.
+// Interface of a problem for integrators: its strangeness-free system.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/strangeness_free_system.h"
 
@@ -7,9 +7,9 @@
 namespace sfdae::core {
 
 double cost_of_reduced_stages(int unknowns, int stage_size, int s) {
-  // A reduction in units of n^3 operations, about (counted: 12 to 16 for an index up to 2).
+  // Cost of a reduction in n^3 operations (counted: 12 to 16 for an index up to 2).
   constexpr double reduction_cost = 15.0;
-  // What the stages of one step have in common beside their reductions, in units of n^2. (Estimated.)
+  // Common cost of the stages of one step apart from their reductions, in units of n^2. (Estimated.)
   constexpr double small_matrix_cost = 20.0;
   const double n = unknowns, q = stage_size, small_matrix = small_matrix_cost * n * n;
   return s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) + 2.0 * s * s * q * q * n;

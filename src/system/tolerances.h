@@ -1,4 +1,4 @@
-// What users accept: tolerances of the components, and contradictions of redundant equations.
+// Accuracy requirements of users: tolerances of the components, and contradictions of redundant equations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace sfdae::core {
 
-// A number for each component, which takes no memory where it is the same for all.
+// A number for each component, stored once if it is the same for all.
 class PerComponent {
  public:
   PerComponent() = default;
@@ -57,7 +57,7 @@ struct Tolerances {
   bool operator==(const Tolerances&) const = default;
 };
 
-// Of consistent values and of an integration alike.
+// For consistent values and for integrations.
 struct Acceptance {
   Tolerances tolerances;
   bool ignore_inconsistency = false;

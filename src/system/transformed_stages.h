@@ -1,4 +1,4 @@
-// The stages of an implicit Runge-Kutta step decoupled, where one form holds for all of them.
+// The stages of an implicit Runge-Kutta step, decoupled if one form holds for all of them.
 //
 // The s (d + u) equations  tau/h sum_j D_ij [G; Uz^T] z_j - [B; 0] z_i = r_i  become, transformed by T, one real
 // system and (s-1)/2 complex ones of order d + u [HW96, IV.8].
@@ -21,8 +21,8 @@
 
 namespace sfdae::core {
 
-// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column
-// for each stage. solve(x) and solve_pair(k, omega): of these systems, in place. r and z may be the same; omega: of q
+// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column for
+// each stage. solve(x) and solve_pair(k, omega) solve these systems in place. r and z may be the same; omega has q
 // numbers.
 template <class Solve, class SolvePair>
 void solve_decoupled(const StageMethod& method, ConstView r, View rho, View z, std::complex<double>* omega,

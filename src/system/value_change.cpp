@@ -1,4 +1,4 @@
-// The largest change of what was to stay as given.
+// The largest change of values that were to stay as given.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/value_change.h"
 
@@ -25,10 +25,10 @@ ValueChange largest_change(const double* given, const double* changes, const std
 
 namespace {
 
-// Of the largest entry of a row of [E A]: what is smaller is what users' arithmetic leaves of zeros. (Chosen.)
+// Relative to the largest entry of a row of [E A]: smaller ones are rounding errors of the user's arithmetic. (Chosen.)
 constexpr double few = 1e-10;
 
-// Entries of row i of E that are larger are not 0.
+// Entries of row i of E that are larger are nonzero.
 double largest_zero(const TaylorData& data, int i) {
   const ConstView E = data.E(0), A = data.A(0);
   double size = 0.0;

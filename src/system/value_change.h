@@ -1,4 +1,4 @@
-// The largest change of what was to stay as given: unknowns whose derivative occurs.
+// The largest change of values that were to stay as given: unknowns whose derivative occurs.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +13,7 @@ struct ValueChange {
   int component = -1;  // i, -1: nothing changed
   double from = 0.0, to = 0.0;
   double in_tolerances = 0.0;  // |to - from| over the tolerance of x_i
-  // Not x_i itself was to stay, but combinations of unknowns: to - from is the part that the change of these has in it.
+  // Not x_i itself was to stay, but combinations of unknowns: to - from is its part in the change of these.
   bool is_part = false;
 
   bool is_beyond_tolerances() const { return in_tolerances > 1.0; }
@@ -26,8 +26,8 @@ ValueChange largest_change(const double* given, const double* changes, const std
 
 // Sets the flags of unknowns (n) with derivatives in the equations.
 void mark_differentiated(const TaylorData& data, char* flags);
-// A change dx of x as far as it changes E x: the largest of |E_i dx| over |E_i| |tolerances|, E_i the rows of E. dx,
-// tolerances: n values.
+// A change dx of x measured by its effect on E x: the largest of |E_i dx| over |E_i| |tolerances|, E_i the rows of E.
+// dx, tolerances: n values.
 double differentiated_change(const TaylorData& data, const Units& units, const double* dx, const double* tolerances);
 
 }  // namespace sfdae::core

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Higher ones multiply rounding and errors of steps by too much outside of the nodes. (Chosen.)
+// Higher degrees amplify roundoff and step errors too much outside the nodes. (Chosen.)
 constexpr std::size_t highest_degree = 6;
 
 }  // namespace

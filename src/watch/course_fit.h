@@ -1,4 +1,4 @@
-// Least-squares polynomials through points of a solution, to be extrapolated a little.
+// Least-squares polynomials through points of a solution, for extrapolation over a short distance.
 //
 // [F57] G. E. Forsythe: Generation and use of orthogonal polynomials for data-fitting. J. SIAM 5 (1957) 74-88.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -13,18 +13,18 @@ namespace sfdae::core {
 
 class CourseFit {
  public:
-  // Through these nodes, at least three at different times.
+  // Fits these nodes, at least three at different times.
   explicit CourseFit(const std::vector<const Trail::Node*>& nodes);
 
-  int degree() const { return static_cast<int>(alpha_.size()) - 1; }  // the highest
-  // Where the fit of component i is of the degree that predicts best at t: that degree, and the error expected there:
-  // what the next coefficient amounts to, and what the deviations of the nodes do.
+  int degree() const { return static_cast<int>(alpha_.size()) - 1; }  // the highest degree
+  // Degree of the fit of component i that predicts best at t, and the error expected there: the next coefficient's
+  // contribution plus that of the deviations of the nodes.
   struct Accuracy {
     int degree = 0;
     double error = 0.0;
   };
   Accuracy accuracy(std::size_t i, double t) const;
-  // Of component i, of this degree.
+  // Value and slope of component i by the fit of this degree.
   struct Value {
     double x, xdot;
   };

@@ -1,4 +1,4 @@
-// The values of event functions in a search, with the time for which they have been determined last.
+// Event function values in a search, with the time at which they were determined last.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -11,7 +11,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Halvings beyond those that are asked for, where a function might dip through zero between two points. (Chosen.)
+// Halvings beyond the requested ones, if a function might dip through zero between two points. (Chosen.)
 constexpr int more_halvings = 8;
 
 }  // namespace
@@ -43,8 +43,8 @@ void EventIntervals::pass() {
   --num_pending_;
 }
 
-// Between two points of one sign a parabola with second difference `bend` over twice the interval comes closer to
-// zero by bend / 8 than its ends do; the factor of 4 is for what is no parabola.
+// Between two points of one sign a parabola with second difference `bend` over twice the interval comes closer to zero
+// by bend / 8 than its ends do; the factor of 4 is a margin for functions that are not parabolas.
 bool EventIntervals::must_split(const EventSigns& signs, int depth) const {
   const EventSample& to = pending_[num_pending_ - 1];
   const double middle = from_.t + 0.5 * (to.t - from_.t);

@@ -1,4 +1,4 @@
-// Intervals of a search for events that are halved where functions might come down to zero within them.
+// Intervals of an event search, halved where event functions might reach zero inside.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,7 +19,7 @@ class EventIntervals {
  public:
   explicit EventIntervals(int functions);
 
-  // One interval, from t to end; the values at its end are up to the caller.
+  // Starts with one interval, from t to end; the caller sets the values at its end.
   void start(double t, const std::vector<double>& g, double end);
   bool is_empty() const { return num_pending_ == 0; }
   bool has_one() const { return num_pending_ == 1; }
@@ -29,12 +29,12 @@ class EventIntervals {
 
   bool must_split(const EventSigns& signs, int depth) const;
   void split(DeterminedValues& values);
-  // The first interval begins later, or at its end: that is, goes on with the next one.
+  // Moves the start of the first interval, or removes the interval: then the next one is the first.
   void begin_at(double t, const std::vector<double>& g);
   void pass();
 
  private:
-  // Right ends at a time: the depths of the search and what comes on top of them fit by far (5 + 8).
+  // Maximum of right ends at a time; a search halves intervals at most 12 + 8 times.
   static constexpr int max_pending = 24;
 
   EventSample from_;

@@ -1,4 +1,4 @@
-// What event functions do within steps.
+// Resolution of event functions by steps.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/event_resolution.h"
 
@@ -11,14 +11,14 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the way to zero. (Chosen: polynomials of steps that are resolved are off by a hundredth, as a rule.)
+// Deviation allowed, as part of the distance of g from zero. (Chosen: 0.01 is typical of resolved steps.)
 constexpr double unexpected_part = 0.25;
 // Points of a search in the time in which g changes by its size at the largest rate seen: fifteen in a period of a
-// sine, or ten where the rates show two thirds of the largest one. (Chosen; more follow where g bends.)
+// sine, or ten if the sampled rates reach two thirds of the largest one. (Chosen; more follow where g bends.)
 constexpr double points_per_change = 2.4;
-// Steps from this part of a misleading one on are looked at closely. (Chosen.)
+// Steps from this part of a misleading one on are examined. (Chosen.)
 constexpr double suspicious_part = 0.25;
-// Rates that ask for no more points let longer steps be trusted. (Chosen.)
+// Steps whose rates need no more points than this allow longer steps to be trusted. (Chosen.)
 constexpr double points_of_slow_step = 4.0;
 constexpr int least_search_halvings = 4, most_search_halvings = 12;
 
@@ -33,7 +33,7 @@ void EventResolution::resize(std::size_t functions) {
 
 void EventResolution::begin_step(double t, const std::vector<double>& g) {
   halvings_ = 0;
-  if (num_points_ > 0 && t == t_[0]) return;  // once more, after a failure
+  if (num_points_ > 0 && t == t_[0]) return;  // repeated after a failure
   std::rotate(g_.begin(), g_.end() - 1, g_.end());
   std::rotate(t_.begin(), t_.end() - 1, t_.end());
   std::copy(g.begin(), g.end(), g_[0].begin());
@@ -83,7 +83,7 @@ void EventResolution::take_rates(double h) {
     is_seen = true;
     points = std::max(points, points_per_change * std::fabs(h) * rates_[i] / sizes_[i]);
   }
-  // As long a step that is slow again is no reason to distrust the next one.
+  // A slowly varying step does not restrict following steps up to twice its length.
   if (points > points_of_slow_step)
     misleading_ = misleading_ > 0.0 ? std::min(misleading_, std::fabs(h)) : std::fabs(h);
   else if (is_seen) misleading_ = 2.0 * std::fabs(h);

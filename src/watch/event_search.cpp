@@ -50,7 +50,7 @@ bool EventSearch::search(EventValues& user_values, double end, int depth) {
       values->keep();
       if (signs_.is_event(to.g)) {
         if (locate(values, to)) return true;
-        // What belongs to the start is past: the rest of the interval remains.
+        // The zero belongs to the start; the rest of the interval remains.
         intervals_.begin_at(t_, g_);
         continue;
       }

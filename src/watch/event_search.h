@@ -1,5 +1,5 @@
-// Search for events: zeros of functions g(t) along an integration, found in the order in which they happen and
-// located to rounding. Nothing here knows of integrators.
+// Search for events: zeros of functions g(t) along an integration, found in the order of their occurrence and located
+// to machine precision. It is independent of the integrators.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,20 +20,19 @@ class EventSearch {
   int count() const { return signs_.count(); }
   void set_clear_at_start(std::size_t i) { signs_.set_clear_at_start(i); }
 
-  // Begins at t. Zeros within `rounding` of it belong to the start. Functions that fired at t have to be armed anew.
+  // Begins at t. Zeros within `rounding` of t belong to the start. Functions that fired at t are not armed there.
   void start(EventValues& values, double t, double rounding);
-  // Searches from where the last search ended to `end`: true if there is an event, and t() then is just after it or
-  // on it; else t() = end. Where values fail this throws, and nothing has happened. depth: the interval is halved as
-  // often at least.
+  // Searches from the end of the last search to `end`: returns true if there is an event, and t() is on it or just
+  // after it; else t() = end. If an evaluation fails, it throws and changes nothing. depth: minimum number of halvings.
   bool search(EventValues& values, double end, int depth);
 
   bool is_started() const { return started_; }
   void reset() { started_ = false; }
   double t() const { return t_; }
   bool is_armed(std::size_t i) const { return signs_.is_armed(i); }
-  // Of the point searched last.
+  // Values at the point searched last.
   const std::vector<double>& g() const { return g_; }
-  // +1 rising, -1 falling, for the event found last; 0 else.
+  // +1 rising, -1 falling, for the event found last; otherwise 0.
   const std::vector<int>& fired() const { return signs_.fired(); }
   void forget_event() { signs_.forget_event(); }
   void archive(Archive& archive);
@@ -49,7 +48,7 @@ class EventSearch {
   std::vector<double> g_;
   double start_ = 0.0, start_rounding_ = 0.0;
   std::vector<double> trial_;  // g at a start that may fail
-  // Of the search under way.
+  // State of the current search.
   EventIntervals intervals_;
   ZeroLocation location_;
 };

@@ -1,4 +1,4 @@
-// Event functions with the signs that they are armed with.
+// Signs with which event functions are armed.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/event_signs.h"
 
@@ -14,15 +14,15 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Of the size of g around an event: below, what is left of it is the inaccuracy of a zero. (Chosen between rounding
-// errors and tolerances, far from both.)
+// Residues of g after an event that are below this part of its size around the event are due to the accuracy of the
+// zero. (Chosen between rounding errors and tolerances, far from both.)
 constexpr double residue = 1e-6;
-// A function has left zero when it is this much larger than what was left. (Chosen.)
+// A function has left zero when it is this many times larger than its residue. (Chosen.)
 constexpr double clearly_larger = 4.0;
-// Closer looks whether a function is to be armed, which cost a reduction each, before it is taken for rounding
-// errors; then only points that are looked at anyway can arm it. (Chosen.)
+// Attempts to arm a function, at the cost of a reduction each, before it is considered dominated by roundoff; then only
+// points that are evaluated anyway can arm it. (Chosen.)
 constexpr int max_attempts = 6;
-// Rounding errors elsewhere may be this much larger than those measured. (Chosen.)
+// Rounding errors elsewhere may be this many times larger than those measured. (Chosen.)
 constexpr double noise_factor = 4.0;
 
 }  // namespace
@@ -100,7 +100,7 @@ bool EventSigns::disarm(const std::vector<int>& watched, const Surroundings& g, 
   return has_fired;
 }
 
-// Where g jumped over zero, or was changed at the event, it may be armed at once.
+// A function that jumped over zero, or was changed at the event, may be armed at once.
 double EventSigns::threshold_after_event(std::size_t i, double g) const {
   return std::fabs(g) <= residue * size_[i] ? clearly_larger * std::fabs(g) : 0.0;
 }

@@ -1,4 +1,4 @@
-// The user's events and what an integration remembers of them.
+// The user's events and their state during integrations.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/events.h"
 

@@ -1,4 +1,4 @@
-// A search for places within a step where inputs differ from the polynomials through their values at its nodes.
+// Search for places within a step where inputs differ from the polynomials through their values at its nodes.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/input_search.h"
 
@@ -15,33 +15,32 @@ namespace sfdae::core {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// An input may be this part of its range away from the polynomial. (Chosen.)
+// Distance allowed between an input and the polynomial, as part of the range of the input. (Chosen.)
 constexpr double visible_part = 0.3;
-// It may be this part of its range above or below its values at the nodes without being expected there. (Chosen.)
+// Excess allowed above or below the node values without being predicted, as part of the range. (Chosen.)
 constexpr double visible_excess = 0.05;
-// Peaks this part of the range beyond the values at the nodes are looked at, whether they are expected or not.
-// (Chosen.)
+// Peaks this part of the range outside the node values are located, whether they are predicted or not. (Chosen.)
 constexpr double peak_part = 1e-4;
-// How well places are found: their distances up to this factor. (Measured: 1 to 11 pieces for most inputs.)
+// Distances are found up to this factor. (Measured: 1 to 11 pieces for most inputs.)
 constexpr double place_factor = 1.25;
 // Parabolas lead from the largest sample to the peak, each through points at a quarter of the last one's distances,
-// until one of the range leads no higher than that part of it, a thousandth of what an exponential notices. (Chosen.)
+// until one gains less than peak_gain of the range, a thousandth of a relevant change of an exponential. (Chosen.)
 constexpr int parabolas = 12;
 constexpr double peak_gain = 1e-8;
 constexpr double reach_in_next = 0.25;
-// Changes below this part of the size of an input are rounding errors.
+// Changes below this part of the size of an input are considered rounding errors.
 constexpr double least_range = 1e-10;
-// Nor are changes of so many rounding errors, as of 1 - cos(t) near 0; peaks are looked at from so many on. (Chosen.)
+// The same holds below so many rounding errors, as in 1 - cos(t) near 0; peaks count above fewer. (Chosen.)
 constexpr double above_noise = 64.0, noise_at_peaks = 4.0;
-// Changes below this part of its size are not sought: enclosures of constant sums of squares leave such. (Chosen.)
+// Smaller changes, relative to its size, are ignored: enclosures of constant sums of squares cause such. (Chosen.)
 constexpr double least_sought = 1e-6;
-// Pieces of a step; if more are needed what inputs do is not known. (Measured: 75 were enough for all but sums of many
-// sines with unrelated periods.)
+// Maximum of pieces of a step; beyond it the inputs are considered unknown. (Measured: 75 were enough for all but sums
+// of many sines with unrelated periods.)
 constexpr std::size_t most_pieces = 256;
-// Pieces of a step, and of the time in which inputs are known to change, where user-supplied functions contribute:
-// nothing is known of them between samples. (Chosen.)
+// Pieces of a step, and of the time scale of inputs, if user-supplied functions contribute: they are unknown between
+// samples. (Chosen.)
 constexpr double fewest_samples = 32.0, per_change = 4.0;
-// Places nearer to each other than this part of a step are one. (Chosen: far below the width of a peak that matters.)
+// Places nearer to each other than this part of a step are merged. (Chosen: far below the width of relevant peaks.)
 constexpr double same_place = 1e-6;
 
 }  // namespace
@@ -140,7 +139,7 @@ void InputSearch::resize(int inputs) {
   peaks_.resize(2 * n);
 }
 
-// Best first: the piece in which an input may do most is halved.
+// Best-first search: the piece with the largest score is halved.
 void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest) {
   const QuietArithmetic quiet;
   polynomials_.set(inputs, nodes, h);
@@ -177,7 +176,7 @@ void InputSearch::search(TimeInputs& inputs, std::span<const double> nodes, doub
   find_places(inputs);
 }
 
-// Enclosures of values at a time contain their rounding errors.
+// Enclosures of values at a single time have the width of their rounding errors.
 void InputSearch::find_noise(TimeInputs& inputs, double start, double end) {
   std::fill(noise_.begin(), noise_.end(), 0.0);
   for (const double t : {start, end}) {
@@ -211,7 +210,7 @@ void InputSearch::take(TimeInputs& inputs, double y, double reach, Sample& sampl
 void InputSearch::add_piece(TimeInputs& inputs, Piece piece, const Sample& start, const Sample& end) {
   const double t = polynomials_.time(piece.low), stop = polynomials_.time(piece.high);
   inputs.enclose(between(t, stop), enclosed_.data());
-  // Only the samples of other inputs are known.
+  // Inputs without enclosures are known by their samples only.
   for (std::size_t i = 0; i < seen_.size(); ++i)
     if (polynomials_.is_defined(i) && inputs.is_enclosed(i))
       piece.score = std::fmax(piece.score, score(i, piece, start, end));
@@ -220,7 +219,7 @@ void InputSearch::add_piece(TimeInputs& inputs, Piece piece, const Sample& start
 }
 
 // With u = u_0 + (u_1 - u_0) s + r on a piece of width w, |r| <= w^2 / 8 max |u''|, for u and for its distance from the
-// polynomial; and by the slopes of the distance, which is at most halfway between its ends plus w / 2 of its slope.
+// polynomial. The slopes of the distance give another bound: half the sum of its end values and w times its slope.
 double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start, const Sample& end) {
   const TimeSeries& u = enclosed_[i];
   const Interval y{piece.low, piece.high}, nodes = polynomials_.range(i);
@@ -259,7 +258,7 @@ double InputSearch::score(std::size_t i, const Piece& piece, const Sample& start
   return std::fmax(result, ratio(low - std::fmax(-seen.low.value, -within.low), least));
 }
 
-// 0: but for rounding errors it is constant.
+// 0: the input is constant to machine precision.
 double InputSearch::range_of(std::size_t i) const {
   const Interval nodes = polynomials_.range(i);
   const double low = std::fmin(seen_[i].low.value, nodes.low), high = std::fmax(seen_[i].high.value, nodes.high);
@@ -292,7 +291,7 @@ void InputSearch::find_places(TimeInputs& inputs) {
   peaks_.finish(same);
 }
 
-// Near the sample that is the largest one, of those times sign, by parabolas within the step.
+// Refines the largest sample, for values times sign, by parabolas within the step.
 double InputSearch::peak(TimeInputs& inputs, std::size_t i, double sign, const Extreme& from) {
   const double start = polynomials_.time(-1.0), end = polynomials_.time(1.0);
   const auto room = [&](double time) { return std::fmin(std::fabs(time - start), std::fabs(end - time)); };

@@ -1,5 +1,5 @@
-// A search for places within a step where inputs differ from the polynomials through their values at its nodes, by
-// enclosures.
+// Search for places within a step where inputs differ from the polynomials through their values at its nodes, by
+// interval enclosures.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-// Weights of the values at the nodes in the value at t of the polynomial through them.
+// Weights of the node values in the value at t of the interpolating polynomial.
 void set_lagrange_weights(std::span<const double> nodes, double t, double* weights);
 
 // Polynomials through the values of inputs at the nodes of a step, in y from -1 at its start to 1 at its end.
@@ -26,14 +26,14 @@ class NodePolynomials {
   double time(double y) const { return middle_ + y * half_; }
   double half() const { return half_; }
 
-  // True if all values at nodes are finite.
+  // True if all node values are finite.
   bool is_defined(std::size_t i) const { return at_nodes_[i].is_defined; }
-  // Values at all nodes, and at those of them that are not before the step.
+  // Values at all nodes, and at the nodes that are not before the step.
   Interval range(std::size_t i) const { return at_nodes_[i].all; }
   Interval range_within(std::size_t i) const { return at_nodes_[i].within; }
   double value(std::size_t i, double y) const;
   Interval values(std::size_t i, Interval y) const;
-  // Enclosures of the first derivative by t, and of half the second one.
+  // Enclosures of the first derivative with respect to t, and of half the second one.
   Interval slopes(std::size_t i, Interval y) const;
   Interval bends(std::size_t i, Interval y) const;
 
@@ -57,23 +57,22 @@ class InputSearch {
   static constexpr std::size_t most_nodes = NodePolynomials::most_nodes;
 
   void resize(int inputs);
-  // nodes: the points of a step of size h at which equations are evaluated, the start first, those before it among
-  // them. fastest: in which time inputs are known to change, or 0.
+  // nodes: the points of a step of size h at which equations are evaluated: its start first, then others, including
+  // earlier ones. fastest: time scale on which inputs are known to change, or 0.
   void search(TimeInputs& inputs, std::span<const double> nodes, double h, double fastest);
-  // Different times at which inputs are far from the polynomial through their values at the nodes, or unexpectedly
-  // beyond all of these, the worst ones first.
+  // Times at which inputs are far from the polynomial through their node values, or unexpectedly outside the range of
+  // these values, the worst first.
   std::span<const double> unseen() const { return unseen_.all(); }
-  // Times at which inputs of steep functions are largest or smallest, beyond their values at the nodes, expected or
-  // not.
+  // Times of peaks of inputs that steep functions use: the largest or smallest values outside the range of the node
+  // values, whether the polynomial predicts them or not.
   std::span<const double> peaks() const { return peaks_.all(); }
-  // How many times farther than at these places inputs may be from their polynomials elsewhere; at most 1: no more
-  // than is of no importance.
+  // Factor by which inputs may be farther from their polynomials elsewhere than at these places; at most 1: negligible.
   double doubt() const { return doubt_; }
-  // A bound of the distances of inputs from their polynomials, of their ranges.
+  // Bound on the distances of inputs from their polynomials, relative to their ranges.
   double farthest() const { return farthest_; }
 
  private:
-  // In y; score: above 1, what inputs do in it is not known well enough.
+  // In y; score above 1: the inputs are not known accurately enough in it.
   struct Piece {
     double low, high, score;
     bool operator<(const Piece& other) const { return score < other.score; }
@@ -82,20 +81,20 @@ class InputSearch {
     std::vector<double> values, distances;  // from the polynomials
   };
   struct Extreme {
-    double value, t, reach;  // to the samples beside it
+    double value, t, reach;  // reach: distance to the neighboring samples
   };
-  // Samples of an input: the largest and smallest ones, the farthest one, and those that are most above and below the
-  // values at all nodes without being expected there.
+  // Samples of an input: the largest and the smallest, the farthest from the polynomial, and those most above and below
+  // the node values without being predicted there.
   struct Seen {
     Extreme high, low, far, above, below;
   };
-  // Different times in the order of their scores; those with scores up to one are none.
+  // Different times in descending order of their scores; scores up to one are ignored.
   class Places {
    public:
     void resize(std::size_t most);
     void clear() { places_.clear(); }
     void add(double score, double t);
-    // Times that are nearer to each other than that become one.
+    // Merges times that are nearer to each other than `same`.
     void finish(double same);
     std::span<const double> all() const { return t_; }
 

@@ -1,4 +1,4 @@
-// Singular points of a solution: what it does in front of one, and its smooth continuation.
+// Singular points of a solution: behavior in front of one, and smooth continuation.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/singular_point.h"
 
@@ -12,24 +12,24 @@ namespace sfdae::core {
 
 namespace {
 
-// Nodes are fitted from this part of the width on: nearer ones suffer from the singular point.
+// Nodes are fitted from this part of the width on: the singular point reduces the accuracy of nearer ones.
 constexpr double nearest_part = 1.0 / 64.0;
-// Of the width: where errors are judged.
+// Errors are evaluated at this part of the width.
 constexpr double judged_part = 0.125;
 constexpr std::size_t fewest_nodes = 5, most_nodes = 14;
-// In tolerances: errors expected that make the widest course the best one, and the largest ones that are smooth.
+// In tolerances: expected errors below the first make the widest fit the best one; larger than the second: not smooth.
 constexpr double accurate = 0.5, smooth = 20.0;
-// Slopes of smooth components do not rise by more toward the point, against their mean over the course: those of
-// (1 - s)^3 reach 2.2, those of a square root 3.9. (Computed for distances from 1/64 to 1.)
+// Maximum slope of smooth components near the point, relative to their mean over the fit: (1 - s)^3 reaches 2.2, a
+// square root 3.9. (Computed for distances from 1/64 to 1.)
 constexpr double steepest = 2.5;
-// In tolerances: changes that are larger tell how a component approaches its last value.
+// In tolerances: larger changes of a component show how it approaches its last value.
 constexpr double telling = 10.0;
-// Powers of the distance that two pairs of nodes agree in, and those of a fold (1/2) and of growth without bound.
+// Tolerance for the agreement of two exponents, and ranges for a fold (1/2) and for growth without bound.
 constexpr double agreement = 0.15, lowest_of_fold = 0.35, highest_of_fold = 0.65, highest_of_growth = 0.15;
 
 double distance_of(const CourseData& data, const Trail::Node& node) { return (data.t - node.t) * data.direction; }
 
-// Those with distances from nearest_part width to width, the oldest first.
+// Nodes with distances from nearest_part width to width, the oldest first.
 std::vector<const Trail::Node*> nodes_within(const CourseData& data, double width) {
   std::vector<const Trail::Node*> nodes;
   for (std::size_t k = 0; k < data.trail.count(); ++k) {
@@ -53,7 +53,7 @@ bool is_steep(const CourseData& data, const SmoothCourse& course, std::size_t i)
   return mean * course.width > data.tolerances[i] && nearest > steepest * mean;
 }
 
-// The largest expected error of what is differentiated.
+// Fits all components; returns the largest expected error of the differential variables.
 double judge(const CourseData& data, SmoothCourse& course) {
   const double t = data.t + data.direction * judged_part * course.width;
   double largest = 0.0;
@@ -81,9 +81,9 @@ double power_of(double near, double middle, double far, double ratio) {
   return 0.5 * (low + high);
 }
 
-// The power of the distance that component i follows near the point; none where nodes do not agree in one.
+// Exponent of the distance that component i follows near the point; empty if the nodes disagree.
 std::optional<double> power_of_component(const CourseData& data, std::size_t i) {
-  // Nodes at less than this part of the largest distance are not accurate; and distances of nodes that are compared.
+  // Nodes nearer than this part of the largest distance are inaccurate; ratio of the distances of compared nodes.
   constexpr double inaccurate = 1e-6, apart = 3.0;
   const double widest = distance_of(data, data.trail.node(0));
   const Trail::Node* last = nullptr;
@@ -141,7 +141,7 @@ std::string description(const SingularPoint& point) {
   return text + " Whether the solution is smooth there was not determined.";
 }
 
-// The widest course that is accurate, or the most accurate one.
+// The widest fit that is accurate, or the most accurate one.
 std::optional<SmoothCourse> smooth_course(const CourseData& data) {
   std::optional<SmoothCourse> best;
   double least = smooth;
@@ -173,7 +173,7 @@ void classify(const CourseData& data, const std::optional<SmoothCourse>& course,
     const bool is_fold = *power >= lowest_of_fold && *power <= highest_of_fold;
     const bool grows = *power <= highest_of_growth && data.is_differentiated[i] != 0;
     if (!is_fold && !(grows && point.kind != SingularKind::fold)) continue;
-    // Of several that turn around the one nearest to a square root.
+    // If there are several folds, the one nearest to a square root is taken.
     const bool is_better = point.component < 0 || (is_fold && point.kind != SingularKind::fold) ||
                            std::fabs(*power - 0.5) < std::fabs(point.exponent - 0.5);
     if (!is_better) continue;

@@ -1,4 +1,4 @@
-// Singular points of a solution: what it does in front of one, and its smooth continuation
+// Singular points of a solution: behavior in front of one, and smooth continuation
 // (docs/design/events_and_switching.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -13,26 +13,26 @@
 
 namespace sfdae::core {
 
-// fold: the solution turns around with x' unbounded, and none continues; crossing: x is smooth, other branches may
-// begin there; unbounded: what is differentiated grows without bound.
+// fold: the solution turns around with x' unbounded and ends; crossing: x is smooth, other branches may begin there;
+// unbounded: differential variables grow without bound.
 enum class SingularKind { unknown, fold, crossing, unbounded };
 
 struct SingularPoint {
   double t = 0.0;
   SingularKind kind = SingularKind::unknown;
   SingularPart part = SingularPart::unknown;
-  // The component of x that tells, and the power of the distance |t - t*| that it follows; component -1: none does.
+  // The component of x that shows the kind, and the exponent of |t - t*| that it follows; component -1: none does.
   int component = -1;
   double exponent = 0.0;
-  // Where it was passed: the last point before, and the first one after it. Else t_after = t_before.
+  // If the point was passed: the last time before and the first one after it; otherwise t_after = t_before.
   double t_before = 0.0, t_after = 0.0;
   bool is_passed = false;
 };
 
-// Of messages; begins with a space.
+// Text for messages; begins with a space.
 std::string description(const SingularPoint& point);
 
-// What is known of a solution in front of a singular point at t.
+// Solution data in front of a singular point at t.
 struct CourseData {
   const Trail& trail;
   double t, direction;
@@ -48,9 +48,9 @@ struct SmoothCourse {
   std::vector<double> errors;  // expected an eighth of the width after the point, in tolerances
 };
 
-// None where the solution in front of the point is not smooth enough for the tolerances.
+// Empty if the solution in front of the point is not smooth enough for the tolerances.
 std::optional<SmoothCourse> smooth_course(const CourseData& data);
-// kind, component and exponent; course: that of the same data.
+// Sets kind, component and exponent, from the data and their smooth continuation.
 void classify(const CourseData& data, const std::optional<SmoothCourse>& course, SingularPoint& point);
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// Points that an integration has come through.
+// Past points of an integration.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/trail.h"
 
@@ -10,11 +10,10 @@ namespace sfdae::core {
 
 namespace {
 
-// Nodes kept, and the newest ones among them that are not thinned out: steps about a point need not grow or shrink
-// regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
+// Maximum number of nodes, and number of the newest ones that are not thinned out, because steps near a point need not
+// grow or shrink regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
 constexpr std::size_t most_kept_nodes = 64, untouched = 16;
-// Half of them where all would be the largest part of the memory of a solver
-// (docs/design/memory.md).
+// Half as many for large problems, for which all nodes would dominate the memory of a solver (docs/design/memory.md).
 constexpr std::size_t large_size = 1000, most_large_nodes = 32;
 
 }  // namespace
@@ -35,7 +34,7 @@ void Trail::add(double t, const double* x) {
   std::copy_n(x, node.x.size(), node.x.begin());
 }
 
-// The node whose neighbours are nearest to each other, relative to their distance from the end.
+// Drops the node whose neighbors are nearest to each other, relative to their distance from the end.
 void Trail::drop_one() {
   const double end = nodes_[count_ - 1].t;
   std::size_t dropped = 1;

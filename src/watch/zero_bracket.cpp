@@ -1,4 +1,4 @@
-// A bracket of the first lost sign of several functions.
+// Bracket of the first lost sign of several functions.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "watch/zero_bracket.h"
 
@@ -63,9 +63,8 @@ double ZeroBracket::secant() const {
 }
 
 double ZeroBracket::next() {
-  // A round of three steps ought to halve the width, as three bisections would by far. Where three rounds do not,
-  // chords say nothing, as with functions that jump: bisection from then on. (Chosen; the cost is nine steps at the
-  // most.)
+  // A round of three steps should halve the width; three bisections do much more. After three slow rounds the chords
+  // are useless, as for functions that jump, and bisection follows. (Chosen; the cost is at most nine steps.)
   constexpr int patience = 3, given_up = 3;
   const double width = after_ - before_;
   double t = secant();
@@ -77,7 +76,7 @@ double ZeroBracket::next() {
     steps_ = 0;
     old_width_ = std::fabs(width);
   }
-  // Not onto the ends: a point beside an end that hits the zero closes the bracket.
+  // Keep away from the ends: a point next to an end that is on the zero closes the bracket.
   const double margin = std::copysign(std::min(0.5 * resolution(), 0.5 * std::fabs(width)), width);
   const double first = before_ + margin, last = after_ - margin;
   if (!((t - first) * width > 0.0)) t = first;

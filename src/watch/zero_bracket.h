@@ -1,5 +1,5 @@
-// A bracket that is narrowed down to the first point where one of several functions has lost its sign: Illinois
-// steps, and bisection where they are slow. "before" and "after" are meant in the direction of integration.
+// Bracket of the first point where one of several functions has lost its sign, narrowed by Illinois steps, and by
+// bisection if they are slow. "before" and "after" refer to the direction of integration.
 //
 // M. Dowell, P. Jarratt: A modified regula falsi method for computing the root of an equation. BIT 11 (1971).
 // SPDX-License-Identifier: BSD-3-Clause
@@ -12,8 +12,7 @@ namespace sfdae::core {
 class ZeroBracket {
  public:
   void resize(int count);
-  // signs[i]: that of g_before[i], or 0 if the function does not matter. At least one is lost at `after`, none
-  // before.
+  // signs[i]: that of g_before[i], or 0 to ignore the function. At least one sign is lost at `after`, none at `before`.
   void start(const std::vector<int>& signs, double before, const std::vector<double>& g_before, double after,
              const std::vector<double>& g_after);
   static bool is_lost(int sign, double g) { return sign != 0 && sign * g <= 0.0; }
@@ -22,7 +21,7 @@ class ZeroBracket {
   // Width at which both ends count as one point.
   double resolution() const;
   bool is_resolved() const;
-  // Where to evaluate next; place() takes the values there, and returns true if the point is the new end `after`.
+  // next(): point to evaluate; place() takes the values there, and returns true if it becomes the new end `after`.
   double next();
   bool place(double t, const std::vector<double>& g);
   double before() const { return before_; }
@@ -35,12 +34,12 @@ class ZeroBracket {
   std::vector<int> signs_;
   double before_ = 0.0, after_ = 0.0;
   std::vector<double> g_before_, g_after_;
-  double floor_ = 0.0;      // of the resolution
-  double factor_ = 1.0;     // of g_before, to make Illinois of the secant method
-  int last_side_ = 0;       // which end was replaced last: -1 before, +1 after
-  double old_width_ = 0.0;  // at the beginning of a few steps
+  double floor_ = 0.0;      // minimum of the resolution
+  double factor_ = 1.0;     // of g_before: turns the secant into the Illinois method
+  int last_side_ = 0;       // end replaced last: -1 before, +1 after
+  double old_width_ = 0.0;  // at the beginning of a round of steps
   int steps_ = 0;
-  int slow_rounds_ = 0;  // in which the width was not halved
+  int slow_rounds_ = 0;  // rounds in which the width was not halved
 };
 
 }  // namespace sfdae::core

@@ -12,13 +12,13 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The interval around a guess that counts as hit, in units of the interval searched. (Chosen: what steps of the
-// bracket from there gain is a few evaluations.)
+// Size of the interval around an initial guess, relative to the interval searched, within which further guesses stop.
+// (Chosen: they would save few evaluations.)
 constexpr double near_guess = 1e-9;
-// Guesses for one zero: the second is that of values made better at the first. (Chosen.)
+// Maximum of initial guesses for one zero: the second uses values improved at the first. (Chosen.)
 constexpr int max_guesses = 3;
-// Zeros that are nearer than this to each other, in units of the resolution of the bracket, are one. (Chosen:
-// rounding errors of the functions move them by a few.)
+// Zeros nearer to each other than this, in units of the resolution of the bracket, are one. (Chosen: rounding errors of
+// the functions move them by a few units.)
 constexpr double simultaneous = 4.0;
 
 }  // namespace
@@ -30,7 +30,7 @@ ZeroLocation::ZeroLocation(int functions) {
   rough_bracket_.resize(functions);
 }
 
-// The first guess comes from cheap values; what counts are those that are returned.
+// The initial guess uses inexpensive values; the result uses the values that are returned.
 void ZeroLocation::find(DeterminedValues& values, const EventSigns& signs, const ZeroInterval& interval) {
   signs.watch(watched_);
   bracket_.start(watched_, interval.searched, interval.g_searched, interval.to, interval.g_to);
@@ -49,8 +49,8 @@ void ZeroLocation::place(DeterminedValues& values, double t) {
   if (bracket_.place(t, trial_)) values->keep();
 }
 
-// A zero of the cheap values at t, strictly inside. To determine the values that are returned there may make the
-// cheap ones better: then it is worth while to look again. From then on nothing changes any more.
+// Zero of the approximate values at t, strictly inside. Determining the returned values there may improve the
+// approximate ones: then another guess pays off. From then on they do not change.
 bool ZeroLocation::guess(DeterminedValues& values, const ZeroInterval& interval, double& t) {
   const double from = interval.from, to = interval.to;
   bool found = false;
@@ -75,7 +75,7 @@ bool ZeroLocation::guess(DeterminedValues& values, const ZeroInterval& interval,
   return found;
 }
 
-// Zeros that are one but for rounding errors are one event.
+// Zeros that coincide to machine precision are one event.
 void ZeroLocation::include_simultaneous(DeterminedValues& values, const ZeroInterval& interval) {
   const double after = bracket_.after();
   const double margin = std::copysign(simultaneous * bracket_.resolution(), interval.to - interval.from);

@@ -1,4 +1,4 @@
-// Location of the first zero of event functions within an interval, to rounding.
+// Location of the first zero of event functions within an interval, to machine precision.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace sfdae::core {
 
-// Some function loses its sign in it.
+// Interval in which some function loses its sign.
 struct ZeroInterval {
   // The point searched last.
   double searched;
   const std::vector<double>& g_searched;
   // Later or the same; rough values show no event up to it.
   double from;
-  // A candidate that is kept.
+  // Candidate point at the end.
   double to;
   const std::vector<double>& g_to;
 };
@@ -25,9 +25,9 @@ struct ZeroInterval {
 class ZeroLocation {
  public:
   explicit ZeroLocation(int functions);
-  // Finds the first zero of a function whose loss of the sign counts; the point just after it is the last candidate.
+  // Finds the first zero with a sign change that counts; the point just after it is the last candidate.
   void find(DeterminedValues& values, const EventSigns& signs, const ZeroInterval& interval);
-  // That point, the values there, and the signs that were watched for it.
+  // This point, the values there, and the signs watched for it.
   double t() const { return bracket_.after(); }
   const std::vector<double>& g() const { return bracket_.g_after(); }
   const std::vector<int>& watched() const { return watched_; }
@@ -38,7 +38,7 @@ class ZeroLocation {
   void include_simultaneous(DeterminedValues& values, const ZeroInterval& interval);
 
   ZeroBracket bracket_, rough_bracket_;
-  std::vector<int> watched_;  // signs that count, else 0
+  std::vector<int> watched_;  // signs that count, otherwise 0
   std::vector<double> trial_, rough_before_, rough_after_;
 };
 
