@@ -94,7 +94,7 @@ std::optional<Point> known_point(const sfdae_solver& solver) {
   return point;
 }
 
-// Checks the blocks against the structure; returns a message if they disagree.
+// Verdict of the blocks; returns a message unless they confirm the structure.
 std::string judge_blocks(const Structure& structure, const Record& record, const Certificate& certificate,
                          sfdae_structure& result) {
   const int singular = certificate.first(BlockVerdict::singular);

@@ -217,7 +217,7 @@ std::vector<ConditionFunctions::Side> ConditionFunctions::sides_beside(std::size
 
 // Sides at one point of a surface.
 std::vector<ConditionFunctions::Side> ConditionFunctions::sides_at(double t, const Normal& point) {
-  constexpr double same = 1e-9;  // of what g changes by in the step away from the surface
+  constexpr double same = 1e-9;  // fraction of the change of g in the step away from the surface
   std::vector<double> on(count()), above(count()), below(count()), x(n_);
   const auto evaluate_beside = [&](double side, std::vector<double>& g) {
     for (std::size_t i = 0; i < n_; ++i) x[i] = point.x[i] + side * point.direction[i];

@@ -1,4 +1,4 @@
-// Why an equation has no value: the first operation whose result is not finite though its operands are.
+// Diagnosis of a failed equation: finds the first operation whose result is not finite though its operands are.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/diagnosis.h"
 

@@ -1,4 +1,4 @@
-// Why an equation has no value or no derivative at a point.
+// Reason why an equation has no value or no derivative at a point.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -81,7 +81,7 @@ BoundarySweep::BoundarySweep(const Tape& tape, const Movement& movement, std::ve
     value += (0.5 + 0.5 * part) * movement.of(leaf.unknown, value);
   }
   if (tape.time < 0) return;
-  // Only tells constants from what depends on t.
+  // Only distinguishes constants from values that depend on t.
   double& t = moved_[index(tape.time) * index(stride)];
   t += std::sqrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::fabs(t));
 }
@@ -176,7 +176,7 @@ bool BoundarySweep::set_coefficients(const Instruction& instruction, int order) 
   return exist;
 }
 
-// Those of the nearby point inside of the domain.
+// Slopes of the nearby point inside of the domain.
 void BoundarySweep::set_slopes(const Instruction& instruction, int order, double distance, bool exist) {
   double &a = slots_[instruction.a], *const v = slots_ + instruction.v, *const p = slots_ + instruction.p;
   const double own = a;

@@ -10,7 +10,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Bytes: eight names, as many as a message lists, leave room for what it has to say.
+// Bytes: eight names of this length, the most in a message, leave room for its other text.
 constexpr std::size_t longest = 80;
 
 std::string for_messages(std::string name) {

@@ -13,7 +13,7 @@ class EquationNames {
  public:
   // No names: messages use numbers.
   EquationNames() = default;
-  // An empty string stands for no name. Line breaks are removed, and long names are cut.
+  // An empty string stands for no name. Control characters become spaces, and long names are cut.
   explicit EquationNames(std::vector<std::string> names);
 
   // The text, and the name of the equation in parentheses if it has one: "equation 7 (balance of mass)".

@@ -309,7 +309,7 @@ bool HeldConditions::residuals(double t, const double* jet, const double* g, std
 
 HeldConditions::Passing HeldConditions::passing(std::size_t k, const double* g, const Point& from, const Point& to) {
   constexpr double near = 1e-12;  // of the line
-  constexpr double none = 1e-6;   // of what a branch changes at an end of the line: nothing at the zero
+  constexpr double none = 1e-6;   // fraction of the change by a branch at an end of the line: no change at the zero
   std::vector<double> one(g, g + count()), other = one;
   other[k] = is_met(one[k]) ? -1.0 : 1.0;  // g may be 0
   const auto change = [&](double part, std::vector<double>& result) {
@@ -356,7 +356,7 @@ bool HeldConditions::changes_of_branches(const Point& at, const double* g, const
 
 // Returns whether `to`, a point with known changes of residuals, does not show the effect of branches here.
 bool HeldConditions::leaves_no_trace(const Point& at, const double* g, const double* changes) {
-  constexpr double shown = 2.0;  // times what the second point shows
+  constexpr double shown = 2.0;  // multiple of the change at the second point
   if (!changes_of_branches(at, g, changes, here_)) return true;
   for (std::size_t i = 0; i < here_.size(); ++i)
     if (here_[i] > shown * at_end_[i]) return true;
@@ -373,7 +373,7 @@ std::optional<std::size_t> HeldConditions::first_hidden(const double* g, const s
 
 std::vector<std::size_t> HeldConditions::timed_switches(double from, double to) {
   constexpr double apart = 100.0;  // of the time between: how far back a function is looked at
-  constexpr double part = 0.5;  // of what it has changed by since then: a function that does not jump changes by less
+  constexpr double part = 0.5;     // fraction of its change since then: a function without a jump changes by less
   const std::vector<SwitchingNode>& all = evaluator_.record().timed_switches();
   std::vector<std::size_t> found;
   if (all.empty()) return found;

@@ -71,7 +71,7 @@ class LaneEvaluator {
   LaneArray slots_, adjoints_, gradients_;
   std::vector<double> parameters_;
   LaneBlock t_;
-  int time_order_ = -1;  // of what depends on t alone, at t_; -1: not known
+  int time_order_ = -1;  // of values that depend on t alone, at t_; -1: not known
 };
 
 }  // namespace sfdae::core

@@ -175,7 +175,7 @@ void ConditionSlopes::update(const TaylorEvaluator& evaluator) {
   version_ = evaluator.changes_of_parameters();
   for (int i = 0; i < evaluator.num_parameters(); ++i) derivatives_->set_parameter(i, evaluator.parameter(i));
   const std::vector<double> jet(2 * index(evaluator.record().n()), 0.0);
-  // No condition counts as linear where its derivatives cannot be evaluated.
+  // No condition counts as linear if its derivatives cannot be evaluated.
   if (!derivatives_->values(0.0, jet.data(), 0, values_.data())) std::fill(is_linear_.begin(), is_linear_.end(), 0);
   auto value = values_.begin();
   for (std::vector<Factor>& each : factors_)

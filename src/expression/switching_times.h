@@ -36,7 +36,7 @@ class SwitchingTimes {
   // Magnitude of times of the integration; gaps about times next to 0 depend on it.
   void set_size(double size) {
     size_ = size;
-    version_ = -1;  // what has been found before does not count
+    version_ = -1;  // discards earlier results
   }
   // Factor by which a search extends beyond the time needed; 4 at first, so that most steps find the answer.
   void set_looks_ahead(double factor) { looks_ahead_ = factor; }

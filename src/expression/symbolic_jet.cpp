@@ -89,7 +89,7 @@ void SymbolicJet::prepare(int node, int k) {
   };
   for (int open : open_operands(from_, node, is_done))
     for (int order = static_cast<int>(known_[open].size()); order <= k; ++order) {
-      const int value = compute(open, order);  // what it needs is recorded in known_, too
+      const int value = compute(open, order);  // recording its operands may change known_
       known_[open].push_back(value);
     }
 }

@@ -87,7 +87,7 @@ class InstructionList {
   }
 
   void push_back(const Instruction& instruction);
-  // No more instructions follow.
+  // Call after the last instruction.
   void finish();
   std::vector<Instruction> all() const;
   // The results of binary ones, in their order; before finish().

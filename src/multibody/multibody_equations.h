@@ -22,7 +22,7 @@ class MultibodyEquations {
   MultibodyEquations(const MultibodyEquations&) = delete;
   MultibodyEquations& operator=(const MultibodyEquations&) = delete;
 
-  // The ranks decide which way to accelerations is the cheaper one.
+  // The ranks decide which method for accelerations is cheaper.
   void set_ranks(const MultibodyRanks& ranks);
   bool solves_along_tangents() const { return along_tangents_; }
 
@@ -31,25 +31,25 @@ class MultibodyEquations {
   const CallbackError& error() const { return error_; }
   SystemCounts& counts() { return counts_; }
 
-  // Terms at the point: g alone; all but f and s; all.
+  // Terms at the point: g alone; all except f and s; all.
   PointStatus constraints(MultibodyPoint& point);
-  // g and C v + r of the point, with g_q in its terms if that is wanted; none: see MultibodyProblem.
+  // g and C v + r of the point, with g_q in its terms if wanted; none: see MultibodyProblem.
   std::optional<PointStatus> both_levels(MultibodyPoint& point, bool with_gradients, double* residuals);
   PointStatus at_position(MultibodyPoint& point);
   PointStatus at_velocity(MultibodyPoint& point);
-  // All terms at several points; false where one of them has to be looked at alone.
+  // All terms at several points; false if one of them has to be evaluated alone.
   bool has_lanes() const { return problem_.has_lanes(); }
   void prepare_lanes(MultibodyLaneTerms& terms) { problem_.prepare_lanes(terms); }
   bool at_velocities(int count, const LaneBlock* t, const LaneBlock* qv, MultibodyLaneTerms& terms) {
     return problem_.at_velocities(count, t, qv, terms);
   }
-  // With a and mu of the point.
+  // Derivatives for the a and mu of the point.
   PointStatus derivatives(const MultibodyPoint& point, MultibodyJacobian& jacobian);
 
   // Terms, a and mu of the point, by factors of K.
   PointStatus evaluate(MultibodyPoint& point, const Partition& partition);
-  // a and mu of the point, whose terms are known and whose constraints on velocities have this tangent, by the
-  // cheapest way that is accurate.
+  // a and mu of the point, with known terms and this tangent of the constraints on velocities, by the cheapest accurate
+  // method.
   PointStatus accelerations(MultibodyPoint& point, const Partition& partition, Tangent& tangent, Arena& arena);
 
  private:

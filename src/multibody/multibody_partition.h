@@ -28,7 +28,7 @@ struct Partition {
   Matrix Q;  // [Q2 Q1]
   int rank = 0;
   std::vector<int> rows;  // `rank` independent constraints come first
-  double rank_tol = 0.0;  // > 0: what counts as zero, rows being of unit length; 0: rounding errors
+  double rank_tol = 0.0;  // > 0: threshold for zero, rows being of unit length; 0: rounding errors
 };
 
 // Chooses directions, and known_rank independent rows; -1: as many as are found. Returns the rank decision.

@@ -36,7 +36,8 @@ class MultibodyPoint {
   std::vector<double> q, v;
   MultibodyTerms terms;
   std::vector<double> a, mu;
-  // Units of the rows of g and of C v + r: the lengths of their gradients, where S counts as at least its size.
+  // Units of the rows of g and of C v + r: the lengths of their gradients; for rows g_q S that of g_q times the mean
+  // size of S.
   std::vector<double> position_units, velocity_units;
 
   MultibodyPhasePoint phase_point() const { return {t, q, v}; }

@@ -119,7 +119,7 @@ CallbackError RecordedMultibody::constraints(double t, const double* q, double* 
   return error;
 }
 
-// Along q + v s.
+// Evaluates both levels along q + v s.
 bool RecordedMultibody::constraints_on_both_levels(const MultibodyLevels& at, CallbackError& error) {
   if (!constraints_ || kinematics_ || nonholonomic_) return false;
   error = begin(at.t);
@@ -135,7 +135,7 @@ bool RecordedMultibody::constraints_on_both_levels(const MultibodyLevels& at, Ca
   return true;
 }
 
-// Along q_jet_, up to q_2 (order 2) or with q_1 = 0.
+// Evaluates along q_jet_, up to q_2 (order 2) or with q_1 = 0.
 bool RecordedMultibody::evaluate_constraints(int order, MultibodyTerms& terms, CallbackError& error) {
   const int nl = sizes().holonomic, nq = sizes().positions, nv = sizes().velocities;
   if (!constraints_) return true;

@@ -17,7 +17,7 @@
 
 namespace sfdae::core {
 
-// How w' is discretized at s points that are solved for together:
+// Discretization of w' at s points that are solved for together:
 //
 //     D_h w_i = sum_j D_ij (w_j - w) / h,   or   c w_1 + w   where there is no method.
 struct MultibodyDiscretization {

@@ -26,7 +26,7 @@ namespace sfdae::core {
 struct ExtendedSystem {
   Matrix Qq, Qv;          // [Q1 Q2] of positions and velocities
   Matrix E, A;            // square
-  std::vector<double> f;  // what is left of the equations
+  std::vector<double> f;  // residuals of the equations
   std::vector<double> w;  // (wq, wv)
 };
 

@@ -65,7 +65,7 @@ bool ConditionSource::values(double t, const double* jet, int order, double* g) 
   return order < 1 || find_derivative(t, jet, g + declared_.count);
 }
 
-// Along the jet.
+// Derivative of g along the jet.
 bool ConditionSource::find_derivative(double t, const double* jet, double* g_1) {
   double step = increment_of(t);
   for (std::size_t j = 0; j < n_; ++j)

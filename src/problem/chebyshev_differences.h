@@ -30,7 +30,7 @@ class ChebyshevDifferences {
   void apply(int k, double half_width, const double* samples, int length, double* derivative, double* errors) const;
   // Error of derivative k for an error of 1 of the interpolated values at the probe, for half_width = 1.
   double error_per_probe(int k) const;
-  // Interpolated value (k = 0); rounding: its error for rounding errors of the samples.
+  // Interpolated value (k = 0); rounding: its error from rounding errors of the samples.
   double value(const double* samples, int stride, double& rounding) const;
 
  private:

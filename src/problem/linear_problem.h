@@ -21,7 +21,7 @@
 
 namespace sfdae::core {
 
-// How derivatives that callbacks do not provide are computed.
+// Options for derivatives that callbacks do not provide.
 struct DifferenceOptions {
   bool allowed = false;
   double step = 0.0;  // 0: chosen
@@ -143,7 +143,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
   std::function<std::string()> explanation_;
-  // Between keep_values() and forget_values().
+  // Values between keep_values() and forget_values().
   struct KeptPoint {
     double t = 0.0;
     Arena memory;

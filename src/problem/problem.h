@@ -21,15 +21,15 @@ struct CallbackError {
   int status = SFDAE_OK;
   const char* function = "";
   int order = 0;
-  int code = 0;  // what the callback returned
+  int code = 0;  // return value of the callback
   int row = 0;   // of the first entry that is not finite
   int column = 0;
-  const EquationNames* names = nullptr;  // of the rows; those of the problem, which lives longer
+  const EquationNames* names = nullptr;  // of the rows; owned by the problem, which lives longer
   double t = 0.0;
   // If t is an internal point of the library, the time of the user's that it is close to. NaN: all times are the
   // user's.
   double user_t = std::numeric_limits<double>::quiet_NaN();
-  std::string detail;  // what there is to say instead of function and order
+  std::string detail;  // text in place of function and order
 
   // A smaller step may help.
   bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }

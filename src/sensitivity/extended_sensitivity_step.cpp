@@ -137,7 +137,7 @@ bool ExtendedSensitivityStep::choose_states() {
   rows.columns = num_columns();
   rows.first.assign(1, 0);
   std::vector<int> entry_of(index(num_columns()), -1);
-  // Only terms of one equation are ordered by rows.
+  // Terms are grouped by equations, not by rows.
   std::vector<std::vector<std::size_t>> of_row(index(num_rows()));
   for (std::size_t e = 0; e < equations_.terms.size(); ++e) of_row[index(equations_.terms[e].row)].push_back(e);
   for (std::size_t row = 0; row < of_row.size(); ++row) {

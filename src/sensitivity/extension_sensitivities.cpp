@@ -188,7 +188,7 @@ PointStatus ExtensionSensitivities::find_next_coefficients(const Jet& longer, do
 
 // ---- Starts ----------------------------------------------------------------------------------------------------
 
-// If directions of the states do not change any differential variable, they determine S.
+// Returns whether all states are differential variables, whose directions then determine S.
 bool ExtensionSensitivities::states_are_differentiated() const {
   const std::vector<char> differentiated = differentiated_unknowns(extension_.problem().structure()->signature);
   const std::vector<int>& states = system_.linearization().choice().states();

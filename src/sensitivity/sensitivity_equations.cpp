@@ -106,7 +106,7 @@ bool SensitivityEquations::linearize_by_formulas(const Jet& jet, SensitivityRows
   return true;
 }
 
-// If formulas cannot be evaluated side by side, other methods may succeed, or report the error.
+// If the formulas cannot be evaluated, the extension may succeed, or report the error.
 CallbackError SensitivityEquations::linearize(const Jet& jet, SensitivityRows& rows) {
   if (linearize_by_formulas(jet, rows)) return {};
   rows.version = -1;
