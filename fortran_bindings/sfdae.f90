@@ -24,9 +24,9 @@
 !     call solver%destroy(status)
 !
 ! Conventions
-!  - This is the C API of sfdae.h with Fortran's manners. Components, rows, columns and rank
-!    decisions count from 1. Constants and result types have the names they have in C, and sfdae.h
-!    explains them and their components (evaluations_residual is evaluations_F there).
+! - This is the C API of sfdae.h in Fortran style. Components, rows, columns and rank
+!    decisions count from 1. Constants and result types have their C names, and sfdae.h explains
+!    them and their components (evaluations_residual is evaluations_F there).
 !  - status: sfdae_ok, a warning (> 0) or a failure (< 0); solver%message() explains the last one.
 !    After a failure output arguments keep their values, except where stated (advance, step).
 !  - The problem and the monitor are pointed to, not copied: declare them with `target`, and let
@@ -96,7 +96,7 @@ module sfdae
   ! ---- Status -------------------------------------------------------------------------------
 
   public :: sfdae_ok
-  !> Warnings: the call did what it could, read on.
+  !> Warnings: the call succeeded in part; see the message.
   public :: sfdae_step_taken, sfdae_stopped, sfdae_not_unique, sfdae_inconsistency_ignored, &
     sfdae_values_changed, sfdae_event, sfdae_instances_failed
   !> Failures: wrong use.
@@ -114,7 +114,7 @@ module sfdae
   !> Failures: the integration. The point reached is returned, advance may be called again.
   public :: sfdae_max_steps, sfdae_step_too_small, sfdae_singular, sfdae_tolerance_too_small, &
     sfdae_zeno
-  !> A defect of the library: please report it.
+  !> A defect of the library; report it to the developers.
   public :: sfdae_internal
   !> Status of a callback that cannot provide the derivative order asked for.
   public :: sfdae_order_not_available
@@ -132,30 +132,30 @@ module sfdae
   public :: sfdae_method_bdf, sfdae_method_radau, sfdae_method_automatic
   !> Outputs within steps (dae_options%output).
   public :: sfdae_output_consistent, sfdae_output_interpolated
-  !> Whether the derivative array follows the structure (dae_options%structure).
+  !> Use of the structural analysis for the derivative array (dae_options%structure).
   public :: sfdae_structure_off, sfdae_structure_automatic, sfdae_structure_required
-  !> Whether zeros of conditions end steps (dae_options%conditions).
+  !> Treatment of zeros of conditions (dae_options%conditions).
   public :: sfdae_conditions_smooth, sfdae_conditions_events
-  !> What bindings write as matrices of which patterns are given.
+  !> Format of matrices with given patterns in bindings (`matrices` of a problem).
   public :: sfdae_matrices_dense, sfdae_matrices_compressed, sfdae_matrices_differences
-  !> What numbers say of the structure (sfdae_structure%verdict).
+  !> Numerical verdicts on the structural analysis (sfdae_structure%verdict).
   public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
     sfdae_structure_unclear
   !> Languages of dae_solver%export_source.
   public :: sfdae_source_c, sfdae_source_fortran
-  !> What happens at a breakpoint (kinds of dae_solver%set_breakpoints).
+  !> Kinds of breakpoints (dae_solver%set_breakpoints).
   public :: sfdae_breakpoint_kink, sfdae_breakpoint_jump
-  !> What a solution does at a singular point (sfdae_singular_point%kind).
+  !> Kinds of singular points (sfdae_singular_point%kind).
   public :: sfdae_singular_undetermined, sfdae_singular_fold, sfdae_singular_crossing, &
     sfdae_singular_unbounded
-  !> What loses rank there (sfdae_singular_point%part).
+  !> Part of the equations that loses rank there (sfdae_singular_point%part).
   public :: sfdae_part_undetermined, sfdae_part_constraints, sfdae_part_differential, &
     sfdae_part_both
   !> When a transition happens (dae_transition%kind).
   public :: sfdae_transition_condition, sfdae_transition_zero, sfdae_transition_time
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
-  !> Which matrix a rank decision was about (sfdae_decision%what).
+  !> Matrices of rank decisions (sfdae_decision%what).
   public :: sfdae_decision_stage, sfdae_decision_a2, sfdae_decision_et2, sfdae_decision_array, sfdae_decision_block
   !> Verdicts on rank decisions (sfdae_decision%verdict).
   public :: sfdae_verdict_clear, sfdae_verdict_confirmed, sfdae_verdict_unclear, sfdae_verdict_user

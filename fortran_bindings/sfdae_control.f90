@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !
-! What controls an integration: options, the monitor, events.
+! Control of an integration: options, the monitor, events.
 module sfdae_control
   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funptr, c_int, c_loc, c_long, &
     c_ptr, c_sizeof
@@ -17,7 +17,7 @@ module sfdae_control
 
   ! ---- Options ------------------------------------------------------------------------------
 
-  !> Watches the integration: extend it, components are your data. See dae_options%monitor.
+  !> Monitors the integration. Extend it: components are your data. See dae_options%monitor.
   type, abstract :: dae_monitor
   contains
     !> Called after every accepted step.
@@ -52,25 +52,25 @@ module sfdae_control
     integer(c_int) :: max_index = 5
     !> sfdae_reduction_staged or sfdae_reduction_svd.
     integer(c_int) :: reduction = sfdae_reduction_staged
-    !> > 0, < 1: values below rank_tol * norm of the data count as zero. 0: the library judges.
+    !> > 0, < 1: values below rank_tol * norm of the data count as zero. 0: chosen automatically.
     real(c_double) :: rank_tol = 0
     !> > 0: unit of time in which derivatives are compared. 0: chosen.
     real(c_double) :: time_scale = 0
-    !> Derivatives that are not available (sfdae_order_not_available) come from differences.
+    !> Derivatives that are not available (sfdae_order_not_available) come from finite differences.
     logical :: difference_derivatives = .false.
-    !> > 0: spacing of the points used for that. 0: chosen.
+    !> > 0: spacing of the points for finite differences. 0: chosen.
     real(c_double) :: difference_step = 0
 
     !> sfdae_initial_nearest, sfdae_initial_fixed or sfdae_initial_accept.
     integer(c_int) :: initial_values = sfdae_initial_nearest
-    !> For sfdae_initial_fixed: n flags, .true. where x(i) must not change.
+    !> For sfdae_initial_fixed: n flags, .true. if x(i) must not change.
     logical, allocatable :: fixed(:)
-    !> n positive numbers w(i): sum (change(i) / w(i))**2 is smallest.
+    !> n positive numbers w(i): sum (change(i) / w(i))**2 is minimized.
     real(c_double), allocatable :: initial_weights(:)
 
-    !> Go on (sfdae_inconsistency_ignored) where redundant equations contradict each other.
+    !> Continue (sfdae_inconsistency_ignored) if redundant equations contradict each other.
     logical :: ignore_inconsistency = .false.
-    !> Relative size of a contradiction that counts, > 0, < 1.
+    !> Relative size above which a contradiction counts, > 0, < 1.
     real(c_double) :: consistency_tol = 1.0e-8_c_double
 
     !> Highest BDF order, 1 ... 5.
@@ -98,28 +98,28 @@ module sfdae_control
     !> Radau: largest number of stages, 1, 3, 5 or 7, >= min_stages.
     integer(c_int) :: max_stages = 7
 
-    !> xdot of start and make_consistent is a guess of x' on entry, which a nonlinear problem follows
-    !> where F(t, x, x') = 0 allows several x'. Zeros: no guess.
+    !> xdot of start and make_consistent is an initial guess of x' on entry, which selects a
+    !> solution of a nonlinear problem if F(t, x, x') = 0 allows several x'. Zeros: no guess.
     logical :: xdot_is_guess = .false.
-    !> What x is at outputs within steps: sfdae_output_consistent, all constraints hold to rounding,
-    !> or sfdae_output_interpolated, the method's polynomial alone, for curves.
+    !> x at outputs within steps: sfdae_output_consistent satisfies all constraints to machine
+    !> precision; sfdae_output_interpolated is the method's polynomial alone, for curves.
     integer(c_int) :: output = sfdae_output_consistent
-    !> Derivatives that procedures supply are compared with the functions once with every analysis;
-    !> sfdae_wrong_derivatives where one contradicts its function beyond doubt.
+    !> Compares user-supplied derivatives with their functions once in every analysis;
+    !> sfdae_wrong_derivatives if one clearly contradicts its function.
     logical :: check_derivatives = .true.
-    !> Recorded equations: sfdae_structure_automatic, rows of the derivative array that are not needed are
-    !> left out, and large ones are sparse; sfdae_structure_required, the same or a failure; or
-    !> sfdae_structure_off.
+    !> Recorded equations: sfdae_structure_automatic omits unneeded rows of the derivative array and
+    !> uses sparse matrices if it is large; sfdae_structure_required does the same or fails;
+    !> sfdae_structure_off does neither.
     integer(c_int) :: structure = sfdae_structure_automatic
     !> sfdae_conditions_events: steps end at zeros of conditions (choose, abs, min, ...) on t alone,
-    !> and at those of others where E x has to jump. sfdae_conditions_smooth: the error test alone
-    !> chooses the steps; results are wrong without a warning where equations are not smooth enough.
+    !> and at those of others if E x has to jump. sfdae_conditions_smooth: the error test alone
+    !> chooses the steps; results are wrong without a warning if equations are not smooth enough.
     integer(c_int) :: conditions = sfdae_conditions_events
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
 
-  !> Events are zeros of functions of t, x and x': extend it, components are your data. See
+  !> Events are zeros of functions of t, x and x'. Extend it: components are your data. See
   !> dae_solver%set_events.
   type, abstract :: dae_events
     !> Number of functions, 0: none.
@@ -151,12 +151,12 @@ module sfdae_control
 
   ! ---- Callbacks: from C to the bindings ----------------------------------------------------
 
-  !> What a solver keeps of its options and events; the `user` pointer of their callbacks points to
-  !> it. It must stay in place as long as the solver.
+  !> Copy of a solver's options and events; the `user` pointer of their callbacks points to it. It
+  !> must stay in place as long as the solver.
   type :: control_holder
     class(dae_monitor), pointer :: monitor => null()
     class(dae_events), pointer :: events => null()
-    !> Of the events when they were set.
+    !> num_events when the events were set.
     integer(c_int) :: num_events = 0
     !> n.
     integer(c_int) :: num_unknowns = 0
@@ -202,16 +202,15 @@ contains
 
   ! ---- Descriptions for C -------------------------------------------------------------------
 
-  !> Describes the options to C and remembers the monitor. c_options points into options and
-  !> holder.
+  !> Describes the options to C and stores the monitor. c_options points into options and holder.
   subroutine fill_options(options, holder, c_options, complaint)
     !> Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
-    !> Its num_unknowns are set already.
+    !> Its num_unknowns must be set.
     type(control_holder), target, intent(inout) :: holder
-    !> Fresh.
+    !> Newly initialized.
     type(sfdae_options), intent(inout) :: c_options
-    !> What is wrong with the sizes of arrays; empty if nothing is.
+    !> Error in the sizes of arrays; empty if there is none.
     character(len=:), allocatable, intent(out) :: complaint
 
     complaint = ""
@@ -261,7 +260,7 @@ contains
     c_options%monitor_user = c_loc(holder)
   end subroutine fill_options
 
-  !> Takes the address of an option that has been set. Complains if it has not n values.
+  !> Takes the address of an option that is set. Complains if it does not have n values.
   subroutine fill_vector(name, values, n, address, complaint)
     character(len=*), intent(in) :: name
     real(c_double), allocatable, target, intent(in) :: values(:)
@@ -274,17 +273,17 @@ contains
     if (size(values) > 0) address = c_loc(values)
   end subroutine fill_vector
 
-  !> Complains if an array has not n entries.
+  !> Complains if an array does not have n entries.
   subroutine compare_size(name, length, n, complaint, symbol)
-    !> Of the array.
+    !> Name of the array.
     character(len=*), intent(in) :: name
-    !> Entries that it has.
+    !> Actual number of entries.
     integer(c_int), intent(in) :: length
-    !> Entries that it should have.
+    !> Required number of entries.
     integer(c_int), intent(in) :: n
     !> Replaced if these differ.
     character(len=:), allocatable, intent(inout) :: complaint
-    !> Of the number of entries; absent: n.
+    !> Symbol of the required number; absent: n.
     character(len=*), intent(in), optional :: symbol
     character(len=12) :: found, expected
 

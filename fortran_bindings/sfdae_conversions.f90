@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !
-! What C hands over as an address, as arrays and strings of Fortran, and the other way round.
+! Conversions between C addresses and Fortran arrays and strings.
 module sfdae_conversions
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
     c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -10,7 +10,7 @@ module sfdae_conversions
   public :: flag, text_at, text_in, text_in_c, names_in_c, vector_at, matrix_at
 
   interface
-    !> Of the C library: characters before the final zero.
+    !> strlen of the C library: number of characters before the final zero.
     function c_strlen(text) bind(c, name="strlen") result(length)
       import :: c_ptr, c_size_t
       type(c_ptr), value :: text
@@ -20,7 +20,7 @@ module sfdae_conversions
 
 contains
 
-  !> A truth value in C's terms.
+  !> A logical as a C truth value.
   elemental function flag(condition) result(number)
     !> .true.: 1, .false.: 0.
     logical, intent(in) :: condition
@@ -60,7 +60,7 @@ contains
     end do
   end function text_in
 
-  !> A text as C wants it: with a final zero, without blanks at the end.
+  !> A text as a C string: with a final zero, without trailing blanks.
   pure function text_in_c(text) result(c_text)
     !> Without zeros.
     character(len=*), intent(in) :: text
@@ -73,12 +73,12 @@ contains
     c_text(len_trim(text) + 1) = c_null_char
   end function text_in_c
 
-  !> Names as C wants them: addresses of texts as of text_in_c.
+  !> Names as C strings: addresses of texts as made by text_in_c.
   subroutine names_in_c(names, texts, addresses)
     character(len=*), intent(in) :: names(:)
-    !> What the addresses point to: with the target attribute wherever it is.
+    !> The C strings; the actual argument must have the target attribute.
     character(kind=c_char), allocatable, target, intent(inout) :: texts(:, :)
-    !> One at least, null if there are no names.
+    !> At least one, null if there are no names.
     type(c_ptr), allocatable, intent(inout) :: addresses(:)
     integer :: k
 
@@ -95,9 +95,9 @@ contains
 
   !> The numbers at an address.
   function vector_at(address, length) result(vector)
-    !> Of the first one.
+    !> Address of the first number.
     type(c_ptr), intent(in) :: address
-    !> How many they are.
+    !> Number of numbers.
     integer(c_int), intent(in) :: length
     real(c_double), pointer :: vector(:)
 
@@ -106,11 +106,11 @@ contains
 
   !> The matrix at an address, column by column without padding.
   function matrix_at(address, rows, columns) result(matrix)
-    !> Of its first entry.
+    !> Address of the first entry.
     type(c_ptr), intent(in) :: address
-    !> Of the matrix.
+    !> Number of rows.
     integer(c_int), intent(in) :: rows
-    !> Of the matrix.
+    !> Number of columns.
     integer(c_int), intent(in) :: columns
     real(c_double), pointer :: matrix(:, :)
 

@@ -16,10 +16,10 @@ module sfdae_ensembles
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   public :: solve_ensemble_in_c
 
-  !> Characters of a name of a parameter; of a message, which is cut off there.
+  !> Length of names of parameters and of messages, which are truncated.
   integer, parameter :: name_length = 128, message_length = 512
 
-  !> Watches an ensemble: extend it, components are your data. See dae_ensemble%monitor.
+  !> Monitors an ensemble. Extend it: components are your data. See dae_ensemble%monitor.
   type, abstract :: dae_ensemble_monitor
   contains
     !> Called whenever an instance has ended.
@@ -27,7 +27,7 @@ module sfdae_ensembles
   end type dae_ensemble_monitor
 
   abstract interface
-    !> Called whenever an instance has ended, by any of the threads, never by two at a time.
+    !> Called whenever an instance has ended, from any thread, but never concurrently.
     subroutine ensemble_monitor_function(self, progress, stop_now)
       import :: dae_ensemble_monitor, sfdae_ensemble_progress
       class(dae_ensemble_monitor), intent(inout) :: self
@@ -38,49 +38,49 @@ module sfdae_ensembles
     end subroutine ensemble_monitor_function
   end interface
 
-  !> N instances of a problem with n unknowns. sfdae_solve_ensemble of C says more.
+  !> N instances of a problem with n unknowns; see sfdae_solve_ensemble in C.
   type :: dae_ensemble
     !> P names of parameters that differ between instances; or none.
     character(len=name_length), allocatable :: parameter_names(:)
     !> P x N: column i is for instance i.
     real(c_double), allocatable :: parameters(:, :)
-    !> Where all begin.
+    !> Start time of all instances.
     real(c_double) :: t0 = 0
     !> n x N start values, made consistent as the options of the solver say.
     real(c_double), allocatable :: x0(:, :)
-    !> n x N guesses of x', for the option xdot_is_guess; or none.
+    !> n x N initial guesses of x', for the option xdot_is_guess; or none.
     real(c_double), allocatable :: xdot0(:, :)
-    !> Of the outputs, in the direction of integration. The first one may be t0.
+    !> Times of the outputs, in the direction of integration. The first one may be t0.
     real(c_double), allocatable :: times(:)
-    !> x' at the outputs, too.
+    !> .true.: x' at the outputs is wanted, too.
     logical :: wants_xdot = .false.
-    !> 1 ... 1024. 0: as many as there are processors.
+    !> Number of threads, 1 ... 1024. 0: number of processors.
     integer(c_int) :: num_threads = 0
     !> Called whenever an instance has ended if associated.
     class(dae_ensemble_monitor), pointer :: monitor => null()
   end type dae_ensemble
 
-  !> The outputs of an ensemble, and how its instances have ended.
+  !> The outputs of an ensemble, and the results of its instances.
   type :: dae_ensemble_results
-    !> n x outputs x N; 0 where an output was not reached.
+    !> n x outputs x N; 0 for outputs that were not reached.
     real(c_double), allocatable :: x(:, :, :)
-    !> The same of x', if it was wanted.
+    !> x' in the same shape, if it was wanted.
     real(c_double), allocatable :: xdot(:, :, :)
-    !> N: sfdae_ok, a warning, or what ended the instance.
+    !> N statuses: sfdae_ok, a warning, or the failure of the instance.
     integer(c_int), allocatable :: statuses(:)
-    !> N: how many outputs were reached.
+    !> N numbers of outputs reached.
     integer(c_int), allocatable :: num_outputs(:)
     !> N messages about the statuses, blank for sfdae_ok.
     character(len=message_length), allocatable :: messages(:)
     !> Instances with status < 0.
     integer(c_int) :: num_failed = 0
-    !> Index analyses that were made from the beginning.
+    !> Number of complete index analyses.
     integer(c_int) :: num_analyses = 0
-    !> That took part.
+    !> Number of threads used.
     integer(c_int) :: num_threads = 0
   end type dae_ensemble_results
 
-  !> What the monitor in C gets as `user`.
+  !> Target of the `user` pointer of the C monitor.
   type :: monitor_holder
     class(dae_ensemble_monitor), pointer :: monitor => null()
   end type monitor_holder
@@ -104,15 +104,15 @@ contains
     outcome = flag(stop_now)
   end function call_monitor
 
-  !> Solves an ensemble with the C solver at `handle`. The results stay as they are after a failure.
+  !> Solves an ensemble with the C solver at `handle`. A failure leaves the results unchanged.
   recursive subroutine solve_ensemble_in_c(handle, n, ensemble, results, status, complaint)
     type(c_ptr), intent(in) :: handle
-    !> Unknowns.
+    !> Number of unknowns.
     integer(c_int), intent(in) :: n
     type(dae_ensemble), target, intent(in) :: ensemble
     type(dae_ensemble_results), intent(inout) :: results
     integer(c_int), intent(out) :: status
-    !> What is wrong with the arrays; empty if nothing is.
+    !> Error in the arrays; empty if there is none.
     character(len=:), allocatable, intent(inout) :: complaint
     type(sfdae_ensemble) :: c_ensemble
     type(sfdae_ensemble_results) :: c_results
@@ -148,7 +148,7 @@ contains
     results = found
   end subroutine solve_ensemble_in_c
 
-  !> Complains about arrays that are missing or of other sizes.
+  !> Complains about arrays that are missing or have wrong sizes.
   subroutine check_arrays(ensemble, n, complaint)
     type(dae_ensemble), intent(in) :: ensemble
     integer(c_int), intent(in) :: n
@@ -178,7 +178,7 @@ contains
     call compare_size("a column of x0", size(ensemble%x0, 1, c_int), n, complaint)
   end subroutine check_arrays
 
-  !> Describes an ensemble to C; it points into what is given.
+  !> Describes an ensemble to C; the description points into the arguments.
   subroutine fill_ensemble(ensemble, addresses, holder, c)
     type(dae_ensemble), target, intent(in) :: ensemble
     type(c_ptr), contiguous, target, intent(in) :: addresses(:)
@@ -205,13 +205,13 @@ contains
     c%monitor_user = c_loc(holder)
   end subroutine fill_ensemble
 
-  !> Room for the results of an ensemble.
+  !> Allocates the results of an ensemble.
   subroutine allocate_results(ensemble, n, found, texts, allocation)
     type(dae_ensemble), intent(in) :: ensemble
     integer(c_int), intent(in) :: n
     type(dae_ensemble_results), intent(inout) :: found
     character(kind=c_char), allocatable, intent(out) :: texts(:, :)
-    !> 0, or as of allocate.
+    !> 0, or the status of allocate.
     integer, intent(out) :: allocation
     integer :: outputs, instances
 
@@ -231,7 +231,7 @@ contains
     texts = c_null_char
   end subroutine allocate_results
 
-  !> Says to C where results go.
+  !> Passes the addresses of the results to C.
   subroutine fill_results(found, texts, c)
     type(dae_ensemble_results), target, intent(in) :: found
     character(kind=c_char), contiguous, target, intent(in) :: texts(:, :)
@@ -247,7 +247,7 @@ contains
     c%num_outputs = c_loc(found%num_outputs)
   end subroutine fill_results
 
-  !> Messages in Fortran's terms.
+  !> Converts messages to Fortran strings.
   subroutine convert_messages(texts, messages)
     character(kind=c_char), intent(in) :: texts(:, :)
     character(len=message_length), intent(inout) :: messages(:)

@@ -27,24 +27,24 @@ module sfdae_hybrids
 
   public :: dae_hybrid, dae_switch, dae_transition
 
-  !> A transition between modes: extend it, components are your data. hybrid.h has the rules.
+  !> A transition between modes. Extend it: components are your data. hybrid.h explains the rules.
   type :: dae_transition
-    !> The mode that it leaves, from 1 on.
+    !> The source mode, from 1 on.
     integer(c_int) :: from = 0
-    !> The mode that it leads to.
+    !> The target mode.
     integer(c_int) :: to = 0
     !> sfdae_transition_condition, _zero or _time.
     integer(c_int) :: kind = sfdae_transition_condition
-    !> Of zeros: +1 rising, -1 falling, 0 both.
+    !> Direction of zeros: +1 rising, -1 falling, 0 both.
     integer(c_int) :: direction = 0
     !> For sfdae_transition_time.
     real(c_double) :: time = 0
-    !> .true.: no transition unless eval_guard is > 0.
+    !> .true.: the transition requires eval_guard > 0.
     logical :: has_guard = .false.
-    !> .true.: values after it are those of eval_jump; else they follow from impulses.
+    !> .true.: eval_jump gives the values after it; else they follow from impulses.
     logical :: has_jump = .false.
   contains
-    !> The condition, or the function whose zeros count.
+    !> The condition, or the function with the zeros.
     procedure :: eval => transition_eval
     !> The guard.
     procedure :: eval_guard => transition_eval
@@ -52,11 +52,11 @@ module sfdae_hybrids
     procedure :: eval_jump => transition_eval_jump
   end type dae_transition
 
-  !> A surface between two modes that may both lead toward it: extend it. hybrid.h has the rules.
+  !> A surface between two modes that may both lead toward it. hybrid.h explains the rules.
   type, abstract :: dae_switch
-    !> The mode that holds where the surface's function is negative, from 1 on.
+    !> The mode for negative values of the surface function, from 1 on.
     integer(c_int) :: below = 0
-    !> The one that holds where it is positive.
+    !> The mode for positive values.
     integer(c_int) :: above = 0
   contains
     !> The function of the surface as a formula; called once.
@@ -71,18 +71,18 @@ module sfdae_hybrids
       type(expression), intent(in) :: t
       !> n unknowns.
       type(expression), intent(in) :: x(:)
-      !> Without a value on entry.
+      !> Undefined on entry.
       type(expression), intent(inout) :: g
     end subroutine surface_procedure
   end interface
 
-  !> What C points to while a switch is added.
+  !> Target of the C pointer while a switch is added.
   type :: switch_holder
     class(dae_switch), pointer :: switch => null()
     integer(c_int) :: num_unknowns = 0
   end type switch_holder
 
-  !> What C points to for a transition. On the heap, so that it stays in place.
+  !> Target of the C pointer for a transition. Allocated on the heap, so that it stays in place.
   type :: transition_holder
     class(dae_transition), pointer :: transition => null()
     integer(c_int) :: num_unknowns = 0
@@ -95,10 +95,10 @@ module sfdae_hybrids
     private
     type(c_ptr) :: handle = c_null_ptr
     integer(c_int) :: num_unknowns = 0
-    !> Sensitivities that were asked for.
+    !> Requested sensitivities.
     integer(c_int) :: num_sensitivities = 0
     type(transition_holder), pointer :: transitions => null()
-    !> Message of this module about the last call; else the library has the word.
+    !> Message of this module about the last call; else the message of the library is used.
     character(len=:), allocatable :: complaint
   contains
     procedure :: create => hybrid_create
@@ -133,7 +133,7 @@ contains
 
   ! ---- Transitions --------------------------------------------------------------------------
 
-  !> A function that is not needed.
+  !> Placeholder for an unused function.
   subroutine transition_eval(self, t, x, xdot, g, status)
     class(dae_transition), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -150,15 +150,15 @@ contains
     if (self%from < 0 .or. t > huge(t) .or. size(x) /= size(xdot)) status = -1
   end subroutine transition_eval
 
-  !> Values that stay.
+  !> Leaves the values unchanged.
   subroutine transition_eval_jump(self, t, before, after, status)
     class(dae_transition), intent(inout) :: self
     real(c_double), intent(in) :: t
     !> n values.
     real(c_double), intent(in) :: before(:)
-    !> n values; those before on entry.
+    !> n values; on entry, those before the transition.
     real(c_double), intent(inout) :: after(:)
-    !> 0 on entry; any other value ends the integration.
+    !> 0 on entry; other values end the integration.
     integer(c_int), intent(inout) :: status
 
     after = before
@@ -229,7 +229,7 @@ contains
 
   ! ---- Modes and transitions ----------------------------------------------------------------
 
-  !> A hybrid system without modes; what there was is destroyed.
+  !> Creates a hybrid system without modes; an existing one is destroyed.
   subroutine hybrid_create(self, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -238,7 +238,7 @@ contains
     if (status == sfdae_ok) status = c_create_hybrid(self%handle)
   end subroutine hybrid_create
 
-  !> The solvers are free again.
+  !> Destroys it and releases its solvers.
   subroutine hybrid_destroy(self, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -256,7 +256,7 @@ contains
     end do
   end subroutine hybrid_destroy
 
-  !> What the last call had to say; what a solver says begins with its mode, counted from 0.
+  !> Message of the last call; a message of a solver begins with its mode, counted from 0.
   function hybrid_message(self) result(message)
     class(dae_hybrid), intent(in) :: self
     character(len=:), allocatable :: message
@@ -266,10 +266,10 @@ contains
     if (len(message) == 0) message = text_at(c_get_hybrid_message(self%handle))
   end function hybrid_message
 
-  !> Adds a mode, from 1 on.
+  !> Adds a mode; numbers begin with 1.
   subroutine hybrid_add_mode(self, solver, status, name, mode)
     class(dae_hybrid), intent(inout) :: self
-    !> Must live as long as the hybrid system; `destroy` refuses it until then.
+    !> Must live as long as the hybrid system; its `destroy` is refused until then.
     class(dae_solver), intent(in) :: solver
     integer(c_int), intent(out) :: status
     !> For messages and the report.
@@ -292,7 +292,7 @@ contains
     if (present(mode)) mode = number + 1
   end subroutine hybrid_add_mode
 
-  !> Adds a transition, from 1 on.
+  !> Adds a transition; numbers begin with 1.
   subroutine hybrid_add_transition(self, transition, status, number)
     class(dae_hybrid), intent(inout) :: self
     !> Must have the target attribute and live, in place, as long as the hybrid system.
@@ -335,10 +335,10 @@ contains
   !> Adds the switch between two modes, and the mode of the motion along its surface.
   recursive subroutine hybrid_add_switch(self, switch, status, name, mode)
     class(dae_hybrid), intent(inout) :: self
-    !> Is not needed any more afterwards.
+    !> Not needed after the call.
     class(dae_switch), target, intent(inout) :: switch
     integer(c_int), intent(out) :: status
-    !> Of the sliding mode.
+    !> Name of the sliding mode.
     character(len=*), intent(in), optional :: name
     !> Its number.
     integer(c_int), intent(inout), optional :: mode
@@ -361,7 +361,7 @@ contains
 
   ! ---- Integration --------------------------------------------------------------------------
 
-  !> Starts at (t, x) in a mode; x and xdot become the consistent ones.
+  !> Starts at (t, x) in a mode; x and xdot become consistent.
   recursive subroutine hybrid_start(self, mode, t, toward, x, status, xdot)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(in) :: mode
@@ -380,8 +380,8 @@ contains
       status = c_start_hybrid(self%handle, mode - 1, t, toward, x, slopes)
   end subroutine hybrid_start
 
-  !> Integrates to tout across all transitions on the way. After failures t, x and xdot are the
-  !> point reached; sfdae_zeno where transitions accumulate.
+  !> Integrates to tout across all transitions. After failures t, x and xdot are the point reached;
+  !> sfdae_zeno if transitions accumulate.
   recursive subroutine hybrid_advance(self, tout, t, x, status, xdot)
     class(dae_hybrid), intent(inout) :: self
     real(c_double), intent(in) :: tout
@@ -397,7 +397,7 @@ contains
     if (status == sfdae_ok) status = c_advance_hybrid(self%handle, tout, t, x, slopes)
   end subroutine hybrid_advance
 
-  !> Integrates to the next transition, sfdae_event, with the values after it, or to tout.
+  !> Integrates to the next transition (sfdae_event), with the values after it, or to tout.
   recursive subroutine hybrid_advance_to_transition(self, tout, t, x, status, xdot)
     class(dae_hybrid), intent(inout) :: self
     real(c_double), intent(in) :: tout
@@ -413,10 +413,11 @@ contains
     if (status == sfdae_ok) status = c_advance_to_transition(self%handle, tout, t, x, slopes)
   end subroutine hybrid_advance_to_transition
 
-  !> Asks for derivatives of the solution by parameters and start values, from the next start on, over all modes.
+  !> Requests derivatives of the solution with respect to parameters and start values, from the next
+  !> start on, over all modes.
   subroutine hybrid_set_sensitivities(self, wanted, status)
     class(dae_hybrid), intent(inout) :: self
-    !> Without names: none any more.
+    !> Without names: none.
     type(dae_sensitivities), target, intent(in) :: wanted
     !> sfdae_illegal_argument for modes that are not recorded, or unknown names.
     integer(c_int), intent(out) :: status
@@ -427,7 +428,7 @@ contains
       self%num_sensitivities, status, self%complaint)
   end subroutine hybrid_set_sensitivities
 
-  !> S = dx/dp at t, where the last call has returned or within the last step of this mode.
+  !> S = dx/dp at t, the time returned by the last call or a time within the last step of this mode.
   recursive subroutine hybrid_get_sensitivities(self, t, s, status, sdot)
     class(dae_hybrid), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -468,11 +469,11 @@ contains
   !> column for each functional.
   recursive subroutine hybrid_get_gradient(self, t, weights, gradient, status)
     class(dae_hybrid), intent(inout) :: self
-    !> Points in time, from the start to where steps have led; at a transition that after it.
+    !> Times from the start to the time reached; at a transition, the one after it.
     real(c_double), contiguous, intent(in) :: t(:)
-    !> n rows; a column for each point in time, for one functional after the other.
+    !> n rows; a column for each time, for one functional after the other.
     real(c_double), contiguous, intent(in) :: weights(:, :)
-    !> The number of parameters x that of functionals.
+    !> Number of parameters x number of functionals.
     real(c_double), contiguous, intent(inout) :: gradient(:, :)
     !> sfdae_not_started without the adjoint.
     integer(c_int), intent(out) :: status
@@ -490,15 +491,15 @@ contains
       weights, gradient)
   end subroutine hybrid_get_gradient
 
-  !> Refuses a call with an array of another size.
+  !> Refuses a call with an array of wrong size.
   subroutine check_size(self, name, found, expected, symbol, status)
     class(dae_hybrid), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: found
     integer(c_int), intent(in) :: expected
-    !> Of that number.
+    !> Required number of entries.
     character(len=*), intent(in) :: symbol
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     if (status /= sfdae_ok .or. found == expected) return
@@ -506,18 +507,18 @@ contains
     status = sfdae_illegal_argument
   end subroutine check_size
 
-  !> Refuses a call with an array that has not one entry for each parameter.
+  !> Refuses a call with an array that does not have one entry for each parameter.
   subroutine check_parameters(self, name, found, status)
     class(dae_hybrid), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: found
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     call check_size(self, name, found, self%num_sensitivities, "number of names", status)
   end subroutine check_parameters
 
-  !> From now on all accepted steps in all modes go to the solution.
+  !> Records all following accepted steps in all modes in the solution.
   subroutine hybrid_record(self, solution, status)
     class(dae_hybrid), intent(inout) :: self
     class(dae_solution), intent(in) :: solution
@@ -527,7 +528,7 @@ contains
     if (status == sfdae_ok) status = c_record_hybrid(self%handle, solution%address())
   end subroutine hybrid_record
 
-  !> No steps are recorded any more.
+  !> Stops recording steps.
   subroutine hybrid_stop_recording(self, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -536,7 +537,7 @@ contains
     if (status == sfdae_ok) status = c_record_hybrid(self%handle, c_null_ptr)
   end subroutine hybrid_stop_recording
 
-  !> Stops the call that is running, or else the next one.
+  !> Stops the current call, or else the next one.
   subroutine hybrid_request_stop(self, status)
     class(dae_hybrid), intent(in) :: self
     integer(c_int), intent(out) :: status
@@ -546,7 +547,7 @@ contains
 
   ! ---- Inspection ---------------------------------------------------------------------------
 
-  !> The mode that the system is in; sfdae_not_started before a start.
+  !> The current mode; sfdae_not_started before a start.
   subroutine hybrid_get_current_mode(self, mode, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(inout) :: mode
@@ -558,7 +559,7 @@ contains
     if (status == sfdae_ok) mode = number + 1
   end subroutine hybrid_get_current_mode
 
-  !> A mode and what was done in it since the start.
+  !> A mode and its statistics since the start.
   subroutine hybrid_get_mode(self, mode, result, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_int), intent(in) :: mode
@@ -570,7 +571,7 @@ contains
     if (status == sfdae_ok) status = c_get_mode(self%handle, mode - 1, result)
   end subroutine hybrid_get_mode
 
-  !> How many transitions have happened since the start.
+  !> Number of transitions since the start.
   subroutine hybrid_get_num_passages(self, count, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_long), intent(inout) :: count
@@ -580,8 +581,8 @@ contains
     if (status == sfdae_ok) status = c_get_num_passages(self%handle, count)
   end subroutine hybrid_get_num_passages
 
-  !> A transition that happened, from 1 on. Modes, the transition and components count from 1 there,
-  !> too, and components are 0 where there is none.
+  !> A transition that happened, from 1 on. Modes, the transition and components in it also count
+  !> from 1; components are 0 if there is none.
   subroutine hybrid_get_passage(self, index, result, status)
     class(dae_hybrid), intent(inout) :: self
     integer(c_long), intent(in) :: index
@@ -699,11 +700,11 @@ contains
     self%complaint = "the hybrid system does not exist: create it first"
   end subroutine check_call
 
-  !> Refuses a call with arrays that have not n entries.
+  !> Refuses a call with arrays that do not have n entries.
   subroutine check_point(self, x, address, status, more)
     class(dae_hybrid), intent(inout) :: self
     real(c_double), intent(in) :: x(:)
-    !> Of `more`, null if it is absent.
+    !> Address of `more`, null if it is absent.
     type(c_ptr), intent(out) :: address
     integer(c_int), intent(out) :: status
     real(c_double), contiguous, target, intent(inout), optional :: more(:)

@@ -19,10 +19,10 @@ module sfdae_linearizations
   !> Characters of a name of a parameter.
   integer, parameter :: name_length = 128
 
-  !> Where a problem with n unknowns is linearized, and what are inputs and outputs.
-  !> sfdae_linearization of C says more. What is not allocated is not there.
+  !> The point at which a problem with n unknowns is linearized, with the inputs and outputs; see
+  !> sfdae_linearization in C. Components that are not allocated are absent.
   type :: dae_linearization
-    !> Of the point.
+    !> Time of the point.
     real(c_double) :: t = 0
     !> n values; else those of the solution at t.
     real(c_double), allocatable :: x(:)
@@ -40,7 +40,7 @@ module sfdae_linearizations
     real(c_double), allocatable :: output_rows(:, :)
   end type dae_linearization
 
-  !> A descriptor system, made by the `linearize` of a dae_solver or of matrices. Never copy one,
+  !> A descriptor system, created by `linearize` of a dae_solver or from matrices. Never copy one,
   !> and destroy it before it goes out of scope.
   type :: dae_descriptor
     private
@@ -58,8 +58,8 @@ module sfdae_linearizations
 
 contains
 
-  !> Of matrices; what there was is destroyed. sfdae_illegal_argument if sizes do not fit, or
-  !> numbers are not finite.
+  !> Creates a descriptor system from matrices; an existing one is destroyed. sfdae_illegal_argument
+  !> if sizes do not match or numbers are not finite.
   subroutine descriptor_create(self, E, A, status, B, C, D, rank_tol)
     class(dae_descriptor), intent(inout) :: self
     !> m x n.
@@ -73,7 +73,7 @@ contains
     real(c_double), intent(in), contiguous, target, optional :: C(:, :)
     !> p x q; absent: 0.
     real(c_double), intent(in), contiguous, target, optional :: D(:, :)
-    !> As of dae_options; absent: 0.
+    !> As in dae_options; absent: 0.
     real(c_double), intent(in), optional :: rank_tol
     type(sfdae_descriptor_matrices) :: matrices
     integer(c_int) :: ignored
@@ -112,7 +112,7 @@ contains
     status = c_destroy_descriptor(self%handle)
   end subroutine descriptor_destroy
 
-  !> What the last call had to say, empty if nothing.
+  !> Message of the last call, empty if there is none.
   function descriptor_message(self) result(message)
     class(dae_descriptor), intent(in) :: self
     character(len=:), allocatable :: message
@@ -168,7 +168,7 @@ contains
     allocate (a(rows, columns))
   end subroutine resize
 
-  !> Poles: the finite eigenvalues of lambda E - A, of which there are spectrum%num_finite.
+  !> Poles: the finite eigenvalues of lambda E - A; their number is spectrum%num_finite.
   subroutine descriptor_get_poles(self, spectrum, values, status, errors)
     class(dae_descriptor), intent(inout) :: self
     type(sfdae_spectrum), intent(inout) :: spectrum
@@ -183,7 +183,7 @@ contains
   !> Invariant zeros.
   subroutine descriptor_get_zeros(self, spectrum, values, status, errors)
     class(dae_descriptor), intent(inout) :: self
-    !> That of the system pencil.
+    !> Spectrum of the system pencil.
     type(sfdae_spectrum), intent(inout) :: spectrum
     complex(c_double), allocatable, intent(inout) :: values(:)
     integer(c_int), intent(out) :: status
@@ -246,7 +246,7 @@ contains
     type(dae_linearization), target, intent(in) :: choice
     class(dae_descriptor), intent(inout) :: descriptor
     integer(c_int), intent(out) :: status
-    !> What is wrong with the arrays; empty if nothing is.
+    !> Error in the arrays; empty if there is none.
     character(len=:), allocatable, intent(inout) :: complaint
     type(sfdae_linearization) :: c_choice
     character(kind=c_char), allocatable, target :: names(:, :)
@@ -265,7 +265,7 @@ contains
       c_choice%input_parameters = c_loc(addresses)
     end if
     if (allocated(choice%input_unknowns)) then
-      inputs = [choice%input_unknowns - 1_c_int, 0_c_int]  ! never without entries
+      inputs = [choice%input_unknowns - 1_c_int, 0_c_int]  ! never empty
       c_choice%num_input_unknowns = size(choice%input_unknowns, kind=c_int)
       c_choice%input_unknowns = c_loc(inputs)
     end if
@@ -289,7 +289,7 @@ contains
     descriptor%handle = found
   end subroutine replace
 
-  !> Complains about arrays of other sizes.
+  !> Complains about arrays of wrong sizes.
   subroutine check_sizes(choice, m, n, complaint)
     type(dae_linearization), intent(in) :: choice
     integer(c_int), intent(in) :: m, n
@@ -304,7 +304,7 @@ contains
       call compare_size("a row of output_rows", size(choice%output_rows, 2, c_int), n, complaint)
   end subroutine check_sizes
 
-  !> The point, and matrices, as addresses.
+  !> Addresses of the point and the matrices.
   subroutine fill_point(choice, c)
     type(dae_linearization), target, intent(in) :: choice
     type(sfdae_linearization), intent(inout) :: c

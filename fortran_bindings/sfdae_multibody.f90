@@ -42,14 +42,14 @@ module sfdae_multibody
     character(len=equation_name_length), allocatable :: constraint_names(:)
   end type any_multibody_dae
 
-  !> One written once as formulas. Extend it: components are your data.
+  !> A mechanical system written once as formulas. Extend it: components are your data.
   type, abstract, extends(any_multibody_dae) :: recorded_multibody_dae
   contains
-    !> Writes the formulas that are not zero; called once, by create.
+    !> Writes the nonzero formulas; called once, by create.
     procedure(multibody_procedure), deferred :: equations
   end type recorded_multibody_dae
 
-  !> Places for formulas, all zero at first but S, which is the identity if nq = nv.
+  !> Places for formulas, initially zero except S, which is the identity if nq = nv.
   type :: multibody_formulas
     !> M, nv x nv.
     type(expression), pointer :: mass(:, :) => null()
@@ -65,13 +65,13 @@ module sfdae_multibody
     type(expression), pointer :: nonholonomic_offset(:) => null()
   end type multibody_formulas
 
-  !> One whose matrices and vectors are evaluated at every point, with q' = v.
+  !> A system whose matrices and vectors are evaluated at every point, with q' = v.
   type, abstract, extends(any_multibody_dae) :: multibody_dae
-    !> g depends on t, constraint_rate is to be called.
+    !> g depends on t; constraint_rate is called.
     logical :: has_constraint_rate = .false.
-    !> constraint_curvature is to be called; else differences take its place.
+    !> constraint_curvature is called; else finite differences replace it.
     logical :: has_constraint_curvature = .false.
-    !> nonholonomic_curvature is to be called; else differences take its place.
+    !> nonholonomic_curvature is called; else finite differences replace it.
     logical :: has_nonholonomic_curvature = .false.
   contains
     !> Writes f.
@@ -94,7 +94,7 @@ module sfdae_multibody
     procedure :: nonholonomic_curvature => missing_curvature
   end type multibody_dae
 
-  !> One whose matrices and vectors are evaluated at every point, with q' = S v.
+  !> A system whose matrices and vectors are evaluated at every point, with q' = S v.
   type, abstract, extends(multibody_dae) :: kinematic_multibody_dae
   contains
     !> Writes S, nq x nv.
@@ -102,7 +102,7 @@ module sfdae_multibody
   end type kinematic_multibody_dae
 
   abstract interface
-    !> Writes the formulas of a mechanical system. All but the forces depend on t and q alone.
+    !> Writes the formulas of a mechanical system. Only the forces may depend on velocities.
     subroutine multibody_procedure(self, t, q, v, to)
       import :: expression, multibody_formulas, recorded_multibody_dae
       class(recorded_multibody_dae), intent(inout) :: self
@@ -125,7 +125,7 @@ module sfdae_multibody
       real(c_double), intent(in) :: v(:)
       !> Zero on entry.
       real(c_double), intent(inout) :: vector(:)
-      !> As of e_function.
+      !> As in e_function.
       integer(c_int), intent(inout) :: status
     end subroutine velocity_procedure
 
@@ -138,24 +138,24 @@ module sfdae_multibody
       real(c_double), intent(in) :: q(:)
       !> nq x nv, zero on entry.
       real(c_double), intent(inout) :: matrix(:, :)
-      !> As of e_function.
+      !> As in e_function.
       integer(c_int), intent(inout) :: status
     end subroutine kinematics_procedure
   end interface
 
   ! ---- Systems in C's terms ------------------------------------------------------------------
 
-  !> What the `user` pointer of the callbacks points to.
+  !> Target of the `user` pointer of the callbacks.
   type :: multibody_callbacks
     class(recorded_multibody_dae), pointer :: recorded => null()
     class(multibody_dae), pointer :: system => null()
-    !> The system again, if it is one.
+    !> The same system, if it is of this type.
     class(kinematic_multibody_dae), pointer :: kinematic => null()
     !> Positions, velocities, holonomic and nonholonomic constraints.
     integer(c_int) :: nq = 0, nv = 0, nl = 0, nk = 0
     !> Names of the constraints in C.
     character(kind=c_char), allocatable :: names(:, :)
-    !> Of these.
+    !> Addresses of the names.
     type(c_ptr), allocatable :: name_addresses(:)
   end type multibody_callbacks
 
@@ -181,7 +181,7 @@ contains
     real(c_double), intent(in) :: q(:)
     !> nv x nv, zero on entry.
     real(c_double), intent(inout) :: matrix(:, :)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
     integer :: i
 
@@ -192,7 +192,7 @@ contains
     end do
   end subroutine identity_mass
 
-  !> There are constraints, but nobody says what they are.
+  !> Fails: there are constraints, but their binding is not overridden.
   subroutine missing_constraints(self, t, q, vector, status)
     class(multibody_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -200,7 +200,7 @@ contains
     real(c_double), intent(in) :: q(:)
     !> nl entries, zero on entry.
     real(c_double), intent(inout) :: vector(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => q, u4 => vector) ! unused
@@ -208,7 +208,7 @@ contains
     status = -1
   end subroutine missing_constraints
 
-  !> There are constraints, but nobody says what their matrices are.
+  !> Fails: there are constraints, but their matrices are not overridden.
   subroutine missing_matrix(self, t, q, matrix, status)
     class(multibody_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -216,7 +216,7 @@ contains
     real(c_double), intent(in) :: q(:)
     !> Zero on entry.
     real(c_double), intent(inout) :: matrix(:, :)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => q, u4 => matrix) ! unused
@@ -232,14 +232,14 @@ contains
     real(c_double), intent(in) :: q(:)
     !> nk entries, zero on entry.
     real(c_double), intent(inout) :: vector(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => q, u4 => vector, u5 => status) ! unused
     end associate
   end subroutine zero_offset
 
-  !> A curvature is said to be there, but is not.
+  !> Fails: the curvature is announced, but its binding is not overridden.
   subroutine missing_curvature(self, t, q, v, vector, status)
     class(multibody_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -249,7 +249,7 @@ contains
     real(c_double), intent(in) :: v(:)
     !> Zero on entry.
     real(c_double), intent(inout) :: vector(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => q, u4 => v, u5 => vector) ! unused
@@ -473,7 +473,7 @@ contains
       c%num_nonholonomic = problem%num_nonholonomic
       c%coordinates = problem%coordinates
       c%user = c_loc(self%callbacks)
-      ! Where their number is wrong, create and check refuse.
+      ! If their number is wrong, create and check refuse.
       if (.not. allocated(problem%constraint_names)) return
       if (size(problem%constraint_names) /= to%nl + to%nk) return
       call names_in_c(problem%constraint_names, to%names, to%name_addresses)
@@ -491,7 +491,7 @@ contains
     status = c_create_multibody(solver, self%c_problem, options)
   end function create_multibody
 
-  !> Says what is wrong with a mechanical system.
+  !> Describes the errors of a mechanical system.
   recursive function check_multibody(self, options, text) result(status)
     class(multibody_holder), intent(in) :: self
     type(sfdae_options), intent(in) :: options

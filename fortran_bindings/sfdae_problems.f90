@@ -19,7 +19,7 @@ module sfdae_problems
   public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
   public :: problem_holder, linear_holder, nonlinear_holder, equation_name_length
 
-  !> What is longer is cut off.
+  !> Longer names are truncated.
   integer, parameter :: equation_name_length = 128
 
   ! ---- Types to extend ----------------------------------------------------------------------
@@ -33,13 +33,13 @@ module sfdae_problems
     integer(c_int), allocatable :: row_index(:)
   end type sparsity_pattern
 
-  !> What all problems have.
+  !> Components common to all problems.
   type, abstract :: any_dae
     !> m >= 1.
     integer(c_int) :: num_equations = 0
     !> n >= 1; m and n may differ.
     integer(c_int) :: num_unknowns = 0
-    !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
+    !> Only if u > 0: components of x, from 1, that eval_prescribed gives as functions of time.
     integer(c_int), allocatable :: prescribed(:)
     !> Not for linear_dae: how often each equation is differentiated at most. Not allocated: no
     !> limit.
@@ -56,11 +56,11 @@ module sfdae_problems
   type, abstract, extends(any_dae) :: linear_dae
     !> E does not depend on t: eval_e is called for order 0 only, once.
     logical :: constant_e = .false.
-    !> A does not depend on t; both constant: one reduction serves all points.
+    !> A does not depend on t; if both are constant, one reduction is used for all points.
     logical :: constant_a = .false.
     !> .false.: f = 0, eval_f is not called.
     logical :: has_f = .true.
-    !> Of E and A, both or none: equations are then solved by their structure.
+    !> Patterns of E and A, both or none: equations are then solved by structural analysis.
     type(sparsity_pattern) :: pattern_e, pattern_a
     !> sfdae_matrices_compressed: e and a of the bindings have one column, the entries in the
     !> order of the pattern.
@@ -98,10 +98,10 @@ module sfdae_problems
 
   !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own.
   type, abstract, extends(any_dae) :: derivative_dae
-    !> Of F_x and F_x', both or none: equations are then solved by their structure.
+    !> Patterns of F_x and F_x', both or none: equations are then solved by structural analysis.
     type(sparsity_pattern) :: pattern_f_x, pattern_f_xdot
     !> sfdae_matrices_compressed: f_x and f_xdot of the binding have one column, the entries in the
-    !> order of the pattern. sfdae_matrices_differences: they are absent, always.
+    !> order of the pattern. sfdae_matrices_differences: they are always absent.
     integer(c_int) :: matrices = sfdae_matrices_dense
     !> Conditions on which F depends: written by eval_conditions, read from branches.
     integer(c_int) :: num_conditions = 0
@@ -139,7 +139,7 @@ module sfdae_problems
       integer(c_int), intent(in) :: order
       !> m x n, zero on entry.
       real(c_double), intent(inout) :: a(:, :)
-      !> As of e_function.
+      !> As in e_function.
       integer(c_int), intent(inout) :: status
     end subroutine a_function
 
@@ -186,15 +186,15 @@ module sfdae_problems
       real(c_double), intent(inout), optional :: f_x(:, :)
       !> m x n, zero on entry; absent if it is not asked for.
       real(c_double), intent(inout), optional :: f_xdot(:, :)
-      !> As of e_function.
+      !> As in e_function.
       integer(c_int), intent(inout) :: status
     end subroutine total_derivative_procedure
   end interface
 
   ! ---- Problems in C's terms -----------------------------------------------------------------
 
-  !> What a solver keeps of its problem: the C struct, and what the struct points to. It must stay
-  !> in place as long as the solver.
+  !> Copy of a solver's problem: the C struct and its targets. It must stay in place as long as the
+  !> solver.
   type, abstract :: problem_holder
     !> m when the solver was created.
     integer(c_int) :: num_equations = 0
@@ -205,16 +205,16 @@ module sfdae_problems
     procedure(fill_procedure), deferred :: fill
     !> Creates the C solver.
     procedure(create_function), deferred :: create
-    !> Says what is wrong with the problem or the options.
+    !> Describes errors in the problem or the options.
     procedure(check_function), deferred :: check
   end type problem_holder
 
   abstract interface
-    !> Describes a problem. Where that fails, create and check refuse it.
+    !> Describes a problem. If that fails, create and check refuse it.
     subroutine fill_procedure(self, problem)
       import :: any_dae, problem_holder
       class(problem_holder), target, intent(inout) :: self
-      !> Of the kind that this holder is for.
+      !> The problem, of the kind that this holder is for.
       class(any_dae), target, intent(inout) :: problem
     end subroutine fill_procedure
 
@@ -228,18 +228,18 @@ module sfdae_problems
       integer(c_int) :: status
     end function create_function
 
-    !> Says what is wrong, and returns the status that create would return.
+    !> Describes errors, and returns the status that create would return.
     recursive function check_function(self, options, text) result(status)
       import :: c_char, c_int, problem_holder, sfdae_options
       class(problem_holder), intent(in) :: self
       type(sfdae_options), intent(in) :: options
-      !> With a final zero.
+      !> Terminated by zero.
       character(kind=c_char), contiguous, intent(inout) :: text(:)
       integer(c_int) :: status
     end function check_function
   end interface
 
-  !> What the `user` pointer of the callbacks points to.
+  !> Target of the `user` pointer of the callbacks.
   type :: problem_callbacks
     class(any_dae), pointer :: problem => null()
     !> The problem again, as what it is.
@@ -253,14 +253,14 @@ module sfdae_problems
     integer(c_int) :: num_unknowns = 0
     !> Prescribed components, from 0.
     integer(c_int), allocatable :: prescribed(:)
-    !> As in the problem; where their number is wrong, -1, which create and check refuse.
+    !> As in the problem; if their number is wrong, -1, which create and check refuse.
     integer(c_int), allocatable :: differentiations(:)
     !> Names of the equations in C.
     character(kind=c_char), allocatable :: names(:, :)
-    !> Of these.
+    !> Addresses of the names.
     type(c_ptr), allocatable :: name_addresses(:)
-    !> As C wants them: of E and A, or of F_x and F_x'. An array, as gfortran 12 does not free all of several
-    !> components.
+    !> Patterns for C: of E and A, or of F_x and F_x'. An array, since gfortran 12 does not free all
+    !> of several components.
     type(sparsity_pattern), allocatable :: patterns(:)
     integer(c_int) :: matrices = sfdae_matrices_dense
   end type problem_callbacks
@@ -275,7 +275,7 @@ module sfdae_problems
     procedure :: check => check_linear
   end type linear_holder
 
-  !> For all other problems without a holder of their own.
+  !> For all problems without a holder of their own.
   type, extends(problem_holder) :: nonlinear_holder
     type(problem_callbacks) :: callbacks
     type(sfdae_nonlinear_problem) :: c_problem
@@ -297,20 +297,20 @@ contains
     integer(c_int), intent(in) :: order
     !> m entries, zero on entry.
     real(c_double), intent(inout) :: f(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => order, u4 => f, u5 => status) ! unused
     end associate
   end subroutine zero_f
 
-  !> Components are prescribed, but nobody says what they are.
+  !> Fails: components are prescribed, but eval_prescribed is not overridden.
   subroutine missing_prescribed(self, t, values, status)
     class(any_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     !> One entry for each prescribed component, zero on entry.
     real(c_double), intent(inout) :: values(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => values) ! unused
@@ -318,7 +318,7 @@ contains
     status = -1
   end subroutine missing_prescribed
 
-  !> There are conditions, but nobody says when they hold.
+  !> Fails: there are conditions, but eval_conditions is not overridden.
   subroutine missing_linear_conditions(self, t, x, xdot, g, status)
     class(linear_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -328,7 +328,7 @@ contains
     real(c_double), intent(in) :: xdot(:)
     !> One entry for each condition, zero on entry.
     real(c_double), intent(inout) :: g(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => x, u4 => xdot, u5 => g) ! unused
@@ -336,7 +336,7 @@ contains
     status = -1
   end subroutine missing_linear_conditions
 
-  !> There are conditions, but nobody says when they hold.
+  !> Fails: there are conditions, but eval_conditions is not overridden.
   subroutine missing_conditions(self, t, x, xdot, g, status)
     class(derivative_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -346,7 +346,7 @@ contains
     real(c_double), intent(in) :: xdot(:)
     !> One entry for each condition, zero on entry.
     real(c_double), intent(inout) :: g(:)
-    !> As of e_function.
+    !> As in e_function.
     integer(c_int), intent(inout) :: status
 
     associate (u1 => self, u2 => t, u3 => x, u4 => xdot, u5 => g) ! unused
@@ -483,7 +483,7 @@ contains
       matrix_xdot, status)
   end function call_total_derivative
 
-  !> Where a matrix goes, or the entries of its pattern.
+  !> The matrix at an address, or the entries of its pattern.
   function matrix_of(to, address, pattern) result(matrix)
     type(problem_callbacks), intent(in) :: to
     type(c_ptr), intent(in) :: address
@@ -583,7 +583,7 @@ contains
     end associate
   end subroutine fill_nonlinear
 
-  !> Where branches of so many conditions are written to.
+  !> Allocates the branches of the conditions and passes their address.
   subroutine fill_conditions(wanted, branches, count, function_address, branch_address)
     integer(c_int), intent(in) :: wanted
     integer(c_int), allocatable, target, intent(inout) :: branches(:)
@@ -599,7 +599,7 @@ contains
     branch_address = c_loc(branches)
   end subroutine fill_conditions
 
-  !> Of a pattern counted from 1 what C needs, which counts from 0.
+  !> Copies a pattern that counts from 1 to one for C, which counts from 0.
   subroutine copy_pattern(pattern, copy, entries, col_start, row_index)
     type(sparsity_pattern), intent(in) :: pattern
     type(sparsity_pattern), target, intent(inout) :: copy
@@ -616,7 +616,7 @@ contains
     if (size(pattern%col_start) > 0) col_start = c_loc(copy%col_start)
   end subroutine copy_pattern
 
-  !> What callbacks and C need of any problem.
+  !> Sets the components of callbacks that any problem needs.
   subroutine prepare_callbacks(callbacks, problem)
     type(problem_callbacks), target, intent(inout) :: callbacks
     class(any_dae), target, intent(inout) :: problem
@@ -630,7 +630,7 @@ contains
       if (size(problem%differentiations) == problem%num_equations) &
         callbacks%differentiations(:) = problem%differentiations
     end if
-    ! Where their number is wrong, create and check refuse.
+    ! If their number is wrong, create and check refuse.
     if (allocated(problem%equation_names)) then
       if (size(problem%equation_names) == problem%num_equations) &
         call names_in_c(problem%equation_names, callbacks%names, callbacks%name_addresses)
@@ -649,7 +649,7 @@ contains
     status = c_create_linear(solver, self%c_problem, options)
   end function create_linear
 
-  !> Says what is wrong with a linear problem.
+  !> Describes the errors of a linear problem.
   recursive function check_linear(self, options, text) result(status)
     class(linear_holder), intent(in) :: self
     type(sfdae_options), intent(in) :: options
@@ -669,7 +669,7 @@ contains
     status = c_create_nonlinear(solver, self%c_problem, options)
   end function create_nonlinear
 
-  !> Says what is wrong with a nonlinear problem.
+  !> Describes the errors of a nonlinear problem.
   recursive function check_nonlinear(self, options, text) result(status)
     class(nonlinear_holder), intent(in) :: self
     type(sfdae_options), intent(in) :: options

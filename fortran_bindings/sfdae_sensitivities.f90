@@ -14,38 +14,38 @@ module sfdae_sensitivities
   public :: dae_sensitivities
   public :: set_sensitivities_in_c
 
-  !> Characters of a name of a parameter.
+  !> Length of names of parameters.
   integer, parameter :: name_length = 128
 
-  !> Which derivatives of the solution are wanted. sfdae_set_sensitivities of C says more.
+  !> The derivatives of the solution that are requested; see sfdae_set_sensitivities in C.
   type :: dae_sensitivities
-    !> One for each; blank: what start values alone depend on.
+    !> p names; blank: a column that only changes start values.
     character(len=name_length), allocatable :: parameter_names(:)
-    !> n x their number: derivatives of the guess of x; or none, for zero.
+    !> n x p: derivatives of the initial guess of x; or none, for zero.
     real(c_double), allocatable :: directions(:, :)
-    !> Steps are chosen for them as well.
+    !> Steps are controlled for the sensitivities, too.
     logical :: error_test = .false.
     !> Typical sizes of the parameters, for the error test; or none, for 1.
     real(c_double), allocatable :: scales(:)
-    !> Steps are kept for get_gradient instead.
+    !> Steps are stored for get_gradient instead.
     logical :: adjoint = .false.
-    !> With the adjoint: at most so many at a time, earlier ones are computed again; 0: all.
+    !> With the adjoint: maximum number stored at a time, earlier ones are recomputed; 0: all.
     integer(c_long) :: max_kept_steps = 0
   end type dae_sensitivities
 
 contains
 
-  !> Asks the C solver at `handle`, or the hybrid system.
+  !> Requests sensitivities from the C solver at `handle`, or from the hybrid system.
   subroutine set_sensitivities_in_c(handle, is_hybrid, n, wanted, number, status, complaint)
     type(c_ptr), intent(in) :: handle
     logical, intent(in) :: is_hybrid
-    !> Unknowns.
+    !> Number of unknowns.
     integer(c_int), intent(in) :: n
     type(dae_sensitivities), target, intent(in) :: wanted
-    !> How many there are from now on; as before where they are refused.
+    !> Number of sensitivities; unchanged if the request is refused.
     integer(c_int), intent(inout) :: number
     integer(c_int), intent(out) :: status
-    !> What is wrong with the arrays; empty if nothing is.
+    !> Error in the arrays; empty if there is none.
     character(len=:), allocatable, intent(inout) :: complaint
     type(sfdae_sensitivity_options) :: options
     character(kind=c_char), allocatable, target :: names(:, :)

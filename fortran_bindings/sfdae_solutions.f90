@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !
-! The solution over a whole run, to be evaluated anywhere, kept and loaded.
+! Recorded solutions over a whole run, which can be evaluated anywhere, saved and loaded.
 module sfdae_solutions
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_loc, c_null_ptr, c_ptr, &
     c_size_t
@@ -13,7 +13,7 @@ module sfdae_solutions
 
   public :: dae_solution
 
-  !> A solution, recorded by the `record` of a dae_solver or loaded. Never copy one, and destroy it
+  !> A solution, recorded by `record` of a dae_solver, or loaded. Never copy one, and destroy it
   !> before it goes out of scope.
   type :: dae_solution
     private
@@ -27,13 +27,13 @@ module sfdae_solutions
     procedure :: cut => solution_cut
     procedure :: save => solution_save
     procedure :: load => solution_load
-    !> For the modules of sfdae alone: the address of the C solution.
+    !> For internal use by the modules of sfdae: the address of the C solution.
     procedure :: address => solution_address
   end type dae_solution
 
 contains
 
-  !> A solution that knows nothing; what there was is destroyed.
+  !> Creates an empty solution; an existing one is destroyed.
   subroutine solution_create(self, status)
     class(dae_solution), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -43,7 +43,7 @@ contains
     status = c_create_solution(self%handle)
   end subroutine solution_create
 
-  !> A solver that records it stops doing so.
+  !> Destroys it. A solver that records it stops doing so.
   subroutine solution_destroy(self, status)
     class(dae_solution), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -51,7 +51,7 @@ contains
     status = c_destroy_solution(self%handle)
   end subroutine solution_destroy
 
-  !> What was recorded; sfdae_not_started if nothing was.
+  !> Range of the recording; sfdae_not_started if nothing was recorded.
   subroutine solution_get_range(self, num_unknowns, start, end, status)
     class(dae_solution), intent(in) :: self
     integer(c_int), intent(inout) :: num_unknowns
@@ -88,19 +88,19 @@ contains
     status = c_evaluate_solution(self%handle, t, x, slopes)
   end subroutine solution_evaluate
 
-  !> How well it agrees with the integrator's own values; sfdae_not_started if nothing was recorded.
+  !> Accuracy relative to the integrator's own values; sfdae_not_started if nothing was recorded.
   subroutine solution_get_accuracy(self, accuracy, t, status)
     class(dae_solution), intent(in) :: self
-    !> The largest difference that is to be expected, in tolerances.
+    !> The largest expected difference, in tolerances.
     real(c_double), intent(inout) :: accuracy
-    !> Where that is.
+    !> Time of that difference.
     real(c_double), intent(inout) :: t
     integer(c_int), intent(out) :: status
 
     status = c_get_solution_accuracy(self%handle, accuracy, t)
   end subroutine solution_get_accuracy
 
-  !> Forgets what was recorded after t; sfdae_illegal_argument for t outside of the range.
+  !> Discards the recording after t; sfdae_illegal_argument for t outside the range.
   subroutine solution_cut(self, t, status)
     class(dae_solution), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -109,7 +109,7 @@ contains
     status = c_cut_solution(self%handle, t)
   end subroutine solution_cut
 
-  !> All of it as numbers, to be kept or written to a file.
+  !> The solution as an array of numbers, to be stored or written to a file.
   subroutine solution_save(self, values, status)
     class(dae_solution), intent(in) :: self
     real(c_double), allocatable, intent(out) :: values(:)
@@ -127,7 +127,7 @@ contains
     status = c_save_solution(self%handle, values, length)
   end subroutine solution_save
 
-  !> What was saved; sfdae_illegal_argument if it is damaged or something else.
+  !> Restores a saved solution; sfdae_illegal_argument if the numbers are damaged or unsuitable.
   subroutine solution_load(self, values, status)
     class(dae_solution), intent(inout) :: self
     real(c_double), intent(in), contiguous :: values(:)

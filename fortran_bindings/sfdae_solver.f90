@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !
-! The solver: analysis, initial values, integration, looking inside.
+! The solver: analysis, initial values, integration, inspection.
 module sfdae_solver
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_loc, &
     c_long, c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
@@ -44,7 +44,7 @@ module sfdae_solver
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 
-  !> What C points to. On the heap, so that it stays in place.
+  !> Targets of C pointers. Allocated on the heap, so that they stay in place.
   type :: solver_holder
     class(problem_holder), allocatable :: problem
     type(control_holder) :: control
@@ -56,9 +56,9 @@ module sfdae_solver
     !> The C solver.
     type(c_ptr) :: handle = c_null_ptr
     type(solver_holder), pointer :: holder => null()
-    !> Sensitivities that were asked for.
+    !> Requested sensitivities.
     integer(c_int) :: num_sensitivities = 0
-    !> Message of this module about the last call; else the library has the word.
+    !> Message of this module about the last call; else the message of the library is used.
     character(len=:), allocatable :: complaint
   contains
     procedure :: create => solver_create
@@ -115,7 +115,7 @@ module sfdae_solver
     procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
     procedure :: get_multibody_report => solver_get_multibody_report
     procedure :: get_structure => solver_get_structure
-    !> For the modules of sfdae alone: the address of the C solver and n.
+    !> For internal use by the modules of sfdae: the address of the C solver and n.
     procedure :: in_c => solver_in_c
   end type dae_solver
 
@@ -123,7 +123,7 @@ contains
 
   ! ---- Without a solver ---------------------------------------------------------------------
 
-  !> Version of the library that is running, for example "0.2.0".
+  !> Version of the library in use, for example "0.2.0".
   function sfdae_version() result(version)
     character(len=:), allocatable :: version
 
@@ -139,13 +139,13 @@ contains
     name = text_at(c_status_name(status))
   end function sfdae_status_name
 
-  !> Checks a linear problem with its options as create does and says in words what is wrong.
+  !> Checks a linear problem with its options as create does and describes errors.
   recursive subroutine sfdae_check_linear(problem, text, status, options)
     !> Not changed.
     class(linear_dae), target, intent(inout) :: problem
-    !> What is wrong; empty if nothing is.
+    !> Description of the errors; empty if there are none.
     character(len=:), allocatable, intent(out) :: text
-    !> As of create.
+    !> As in create.
     integer(c_int), intent(out) :: status
     !> Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
@@ -158,9 +158,9 @@ contains
   recursive subroutine sfdae_check_nonlinear(problem, text, status, options)
     !> nonlinear_dae, recorded_linear_dae or derivative_dae.
     class(any_dae), target, intent(inout) :: problem
-    !> What is wrong; empty if nothing is.
+    !> Description of the errors; empty if there are none.
     character(len=:), allocatable, intent(out) :: text
-    !> As of create.
+    !> As in create.
     integer(c_int), intent(out) :: status
     !> Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
@@ -173,9 +173,9 @@ contains
   recursive subroutine sfdae_check_multibody(problem, text, status, options)
     !> recorded_multibody_dae, multibody_dae or kinematic_multibody_dae.
     class(any_multibody_dae), target, intent(inout) :: problem
-    !> What is wrong; empty if nothing is.
+    !> Description of the errors; empty if there are none.
     character(len=:), allocatable, intent(out) :: text
-    !> As of create.
+    !> As in create.
     integer(c_int), intent(out) :: status
     !> Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
@@ -184,7 +184,7 @@ contains
     call check_problem(problem, holder, text, status, options)
   end subroutine sfdae_check_multibody
 
-  !> Checks a problem with its options; its holder is of the kind that it needs.
+  !> Checks a problem with its options; the holder must be of the kind that it needs.
   recursive subroutine check_problem(problem, holder, text, status, options)
     class(any_dae), target, intent(inout) :: problem
     class(problem_holder), target, intent(inout) :: holder
@@ -202,7 +202,7 @@ contains
     if (len(text) == 0) call say_what_is_wrong(holder, c_options, text, status)
   end subroutine check_problem
 
-  !> Complains of a wrong number of names, which C cannot see.
+  !> Complains about a wrong number of names, which C cannot detect.
   subroutine check_names(problem, complaint)
     class(any_dae), intent(in) :: problem
     !> Replaced if it is wrong.
@@ -225,7 +225,7 @@ contains
     end select
   end subroutine check_names
 
-  !> Complains of a wrong number of columns, which C cannot see, and of a part that is missing.
+  !> Complains about a wrong number of columns, which C cannot detect, or a missing part.
   subroutine check_pattern(pattern, name, num_unknowns, complaint)
     type(sparsity_pattern), intent(in) :: pattern
     character(len=*), intent(in) :: name
@@ -239,7 +239,7 @@ contains
       size(pattern%col_start, kind=c_int), num_unknowns + 1_c_int, complaint, "n + 1")
   end subroutine check_pattern
 
-  !> What is wrong with a problem and its options, in words, and the status that create returns.
+  !> Describes errors in a problem and its options; returns the status that create returns.
   recursive subroutine say_what_is_wrong(holder, c_options, text, status)
     class(problem_holder), intent(in) :: holder
     type(sfdae_options), intent(in) :: c_options
@@ -283,7 +283,7 @@ contains
     if (status < 0) deallocate (self%holder)
   end subroutine solver_create
 
-  !> Allocates what C points to, for the kind of problem.
+  !> Allocates the targets of C pointers for this kind of problem.
   subroutine allocate_holder(holder, problem, status)
     type(solver_holder), pointer, intent(inout) :: holder
     class(any_dae), intent(in) :: problem
@@ -309,10 +309,10 @@ contains
     end if
   end subroutine allocate_holder
 
-  !> Frees the solver. One that does not exist is allowed.
+  !> Frees the solver. It need not exist.
   subroutine solver_destroy(self, status)
     class(dae_solver), intent(inout) :: self
-    !> sfdae_busy if called from a callback of this solver; then nothing happened.
+    !> sfdae_busy if called from a callback of this solver; the call then has no effect.
     integer(c_int), intent(out), optional :: status
     integer(c_int) :: outcome
 
@@ -324,8 +324,9 @@ contains
     if (present(status)) status = outcome
   end subroutine solver_destroy
 
-  !> Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol,
-  !> time_scale, difference_derivatives, difference_step, leading_term or structure needs a new start.
+  !> Replaces the options; the point reached is kept. A change of max_index, reduction, rank_tol,
+  !> time_scale, difference_derivatives, difference_step, leading_term or structure requires a new
+  !> start.
   subroutine solver_set_options(self, options, status)
     class(dae_solver), intent(inout) :: self
     !> Copied.
@@ -343,7 +344,7 @@ contains
     if (status < 0) self%holder%control%monitor => old_monitor
   end subroutine solver_set_options
 
-  !> What the last call had to say: what, where, with which numbers, what to do next.
+  !> Message of the last call: the event, its place, the numbers and a remedy.
   function solver_message(self) result(text)
     class(dae_solver), intent(in) :: self
     !> Empty after sfdae_ok.
@@ -354,8 +355,8 @@ contains
     if (len(text) == 0 .and. c_associated(self%handle)) text = text_at(c_message(self%handle))
   end function solver_message
 
-  !> Stops the call that is running, or else the next one, with sfdae_stopped. May be called from
-  !> other threads.
+  !> Stops the current call, or else the next one, with sfdae_stopped. May be called from other
+  !> threads.
   subroutine solver_request_stop(self, status)
     class(dae_solver), intent(in) :: self
     integer(c_int), intent(out) :: status
@@ -363,9 +364,8 @@ contains
     status = c_request_stop(self%handle)
   end subroutine solver_request_stop
 
-  !> Changes a parameter of recorded equations, see named_parameter. An integration goes on with the
-  !> next advance from the point returned last, as at a jump of data; with sensitivities start has to
-  !> follow.
+  !> Changes a parameter of recorded equations, see named_parameter. The next advance continues from
+  !> the point returned last, as at a jump of data; with sensitivities, start must be called first.
   subroutine solver_set_parameter(self, name, value, status)
     class(dae_solver), intent(inout) :: self
     character(len=*), intent(in) :: name
@@ -391,8 +391,8 @@ contains
 
   ! ---- Index analysis -----------------------------------------------------------------------
 
-  !> Detects the strangeness index at t and nearby toward the end of the interval. Forgets the
-  !> point reached: start has to follow. Warning: sfdae_not_unique. Failures: callbacks, structure.
+  !> Detects the strangeness index at t and nearby toward the end of the interval. Discards the
+  !> point reached: start must follow. Warning: sfdae_not_unique. Failures: callbacks, structure.
   recursive subroutine solver_analyze(self, t, toward, status, characteristics)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -408,8 +408,8 @@ contains
     if (status >= 0 .and. present(characteristics)) characteristics = found
   end subroutine solver_analyze
 
-  !> Detects the strangeness index along the solution through a point near x, as nonlinear problems
-  !> need it.
+  !> Detects the strangeness index along the solution through a point near x, as required for
+  !> nonlinear problems.
   recursive subroutine solver_analyze_at(self, t, toward, x, status, characteristics)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -470,7 +470,7 @@ contains
     if (status >= 0) decision = found
   end subroutine solver_get_decision
 
-  !> Where the characteristic values changed (after sfdae_characteristics_changed).
+  !> The place of the change of characteristic values (after sfdae_characteristics_changed).
   subroutine solver_get_change(self, change, status)
     class(dae_solver), intent(inout) :: self
     type(sfdae_change), intent(inout) :: change
@@ -500,8 +500,8 @@ contains
     if (status >= 0) point = found
   end subroutine solver_get_singular_point
 
-  !> Lets integrations go on after as many singular points, where a smooth continuation is
-  !> confirmed. branches.h has the rules.
+  !> Lets integrations pass at most this many singular points at which a smooth continuation is
+  !> confirmed. branches.h explains the rules.
   subroutine solver_pass_singular_points(self, max_points, status)
     class(dae_solver), intent(inout) :: self
     !> 0: none.
@@ -513,15 +513,15 @@ contains
 
   ! ---- Initial values -----------------------------------------------------------------------
 
-  !> Makes x consistent at t as the options say; analyzes first, forward from t, if that has not
-  !> happened. The point reached is unaffected. Failures: callbacks, structure, values.
+  !> Makes x consistent at t according to the options; analyzes first, forward from t, if necessary.
+  !> The point reached is unaffected. Failures: callbacks, structure, values.
   recursive subroutine solver_make_consistent(self, t, x, status, xdot)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
-    !> n values, in: guess, out: consistent.
+    !> n values, in: initial guess, out: consistent.
     real(c_double), contiguous, intent(inout) :: x(:)
     integer(c_int), intent(out) :: status
-    !> n values: x'(t) of the solution through x, of minimum norm where the problem leaves it free.
+    !> n values: x'(t) of the solution through x, of minimum norm if the problem leaves it free.
     real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
     type(c_ptr) :: xdot_address
 
@@ -529,7 +529,7 @@ contains
     if (status == sfdae_ok) status = c_make_consistent(self%handle, t, x, xdot_address)
   end subroutine solver_make_consistent
 
-  !> What the last start or make_consistent did to the initial values.
+  !> Changes of the initial values by the last start or make_consistent.
   subroutine solver_get_initial_report(self, report, status)
     class(dae_solver), intent(inout) :: self
     type(sfdae_initial_report), intent(inout) :: report
@@ -546,14 +546,14 @@ contains
 
   ! ---- Integration --------------------------------------------------------------------------
 
-  !> Starts or restarts at (t, x); analyzes if need be and makes x consistent. Failures: callbacks,
-  !> structure, values. A restart on an analyzed solver needs no new analysis.
+  !> Starts or restarts at (t, x); analyzes if necessary and makes x consistent. Failures:
+  !> callbacks, structure, values. A restart on an analyzed solver needs no new analysis.
   recursive subroutine solver_start(self, t, toward, x, status, xdot)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
-    !> Shows the direction of integration.
+    !> Sets the direction of integration.
     real(c_double), intent(in) :: toward
-    !> n values, in: guess, out: consistent.
+    !> n values, in: initial guess, out: consistent.
     real(c_double), contiguous, intent(inout) :: x(:)
     integer(c_int), intent(out) :: status
     !> n values: x'(t).
@@ -569,7 +569,7 @@ contains
     class(dae_solver), intent(inout) :: self
     !> In the direction of integration, at or after the last point returned.
     real(c_double), intent(in) :: tout
-    !> Point reached, tout if all went well.
+    !> Point reached, tout if the call succeeded.
     real(c_double), intent(inout) :: t
     !> n values at t, which satisfy all constraints, hidden ones included.
     real(c_double), contiguous, intent(inout) :: x(:)
@@ -593,7 +593,7 @@ contains
     real(c_double), intent(inout) :: t
     !> n values at t.
     real(c_double), contiguous, intent(inout) :: x(:)
-    !> Otherwise as of advance.
+    !> Otherwise as in advance.
     integer(c_int), intent(out) :: status
     !> n values: x'(t).
     real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
@@ -603,10 +603,10 @@ contains
     if (status == sfdae_ok) status = c_step(self%handle, tout, t, x, xdot_address)
   end subroutine solver_step
 
-  !> Solves many instances of recorded equations on several threads. The solver stays as it is.
+  !> Solves many instances of recorded equations on several threads. The solver is unchanged.
   recursive subroutine solver_solve_ensemble(self, ensemble, results, status)
     class(dae_solver), intent(inout) :: self
-    !> What is to be solved.
+    !> The instances and outputs.
     type(dae_ensemble), target, intent(in) :: ensemble
     !> Replaced unless the call fails.
     type(dae_ensemble_results), intent(inout) :: results
@@ -618,14 +618,14 @@ contains
       self%holder%problem%num_unknowns, ensemble, results, status, self%complaint)
   end subroutine solver_solve_ensemble
 
-  !> The descriptor system of the problem, linearized at a point. Nothing of an integration changes.
+  !> The descriptor system of the problem, linearized at a point. An integration is unaffected.
   recursive subroutine solver_linearize(self, choice, descriptor, status)
     class(dae_solver), intent(inout) :: self
     !> The point, inputs and outputs.
     type(dae_linearization), target, intent(in) :: choice
     !> Replaced unless the call fails.
     class(dae_descriptor), intent(inout) :: descriptor
-    !> sfdae_not_started where the solution is needed and not known; callbacks.
+    !> sfdae_not_started if the solution is needed but unknown; callbacks.
     integer(c_int), intent(out) :: status
 
     call check_call(self, status)
@@ -633,10 +633,10 @@ contains
       self%holder%problem%num_unknowns, choice, descriptor, status, self%complaint)
   end subroutine solver_linearize
 
-  !> From now on all accepted steps go to the solution.
+  !> Records all following accepted steps in the solution.
   subroutine solver_record(self, solution, status)
     class(dae_solver), intent(inout) :: self
-    !> Created before.
+    !> Must have been created.
     type(dae_solution), intent(in) :: solution
     integer(c_int), intent(out) :: status
 
@@ -650,7 +650,7 @@ contains
     status = c_record_solution(self%handle, solution%address())
   end subroutine solver_record
 
-  !> No steps are recorded any more.
+  !> Stops recording steps.
   subroutine solver_stop_recording(self, status)
     class(dae_solver), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -659,8 +659,8 @@ contains
     if (status == sfdae_ok) status = c_record_solution(self%handle, c_null_ptr)
   end subroutine solver_stop_recording
 
-  !> The analysis and the state of the integration as an array of plain numbers, to be kept,
-  !> written to a file (17 digits) or handed to another process. Problem and options are not in it.
+  !> The analysis and the state of the integration as an array of plain numbers, to be stored,
+  !> written to a file (17 digits) or passed to another process, without problem and options.
   subroutine solver_save_checkpoint(self, checkpoint, status)
     class(dae_solver), intent(inout) :: self
     !> Allocated as needed; its size changes from step to step.
@@ -685,13 +685,13 @@ contains
     if (status >= 0) call move_alloc(found, checkpoint)
   end subroutine solver_save_checkpoint
 
-  !> Continues from a checkpoint instead of start: advance is next. The solver has to be created
-  !> with the problem and the options that the checkpoint was made with (tolerances, limits and the
-  !> monitor may differ); no callback is called.
+  !> Continues from a checkpoint instead of start: call advance next. The solver must have been
+  !> created with the problem and the options of the checkpoint (tolerances, limits and the monitor
+  !> may differ); no callback is called.
   subroutine solver_restore_checkpoint(self, checkpoint, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), contiguous, intent(in) :: checkpoint(:)
-    !> sfdae_illegal_argument if it is damaged or does not fit; then nothing is started.
+    !> sfdae_illegal_argument if it is damaged or does not match; then nothing is started.
     integer(c_int), intent(out) :: status
 
     call check_call(self, status)
@@ -699,13 +699,13 @@ contains
       size(checkpoint, kind=c_size_t))
   end subroutine solver_restore_checkpoint
 
-  !> From the point returned last or the next start on, advance and step return sfdae_event where
-  !> an event function becomes zero or changes its sign: t is that zero or, within rounding, the
-  !> first point after it. Each event is returned once. To change x there, call start.
+  !> From the point returned last or the next start on, advance and step return sfdae_event if an
+  !> event function becomes zero or changes its sign: t is that zero or, up to roundoff, the first
+  !> point after it. Each event is returned once. To change x there, call start.
   subroutine solver_set_events(self, events, status)
     class(dae_solver), intent(inout) :: self
     !> Must have the target attribute and live, in place, as long as it is in use; num_events must
-    !> not change. num_events = 0: no events any more.
+    !> not change. num_events = 0: no events.
     class(dae_events), target, intent(inout) :: events
     integer(c_int), intent(out) :: status
     integer(c_int), allocatable, target :: directions(:)
@@ -729,10 +729,10 @@ contains
     self%holder%control%num_events = events%num_events
   end subroutine solver_set_events
 
-  !> Which events happened at the point that was returned with sfdae_event.
+  !> The events at the point that was returned with sfdae_event.
   subroutine solver_get_events(self, which, status)
     class(dae_solver), intent(inout) :: self
-    !> num_events entries: +1 where a function was rising, -1 where it was falling, else 0.
+    !> num_events entries: +1 for a rising function, -1 for a falling one, else 0.
     integer(c_int), contiguous, intent(inout) :: which(:)
     integer(c_int), intent(out) :: status
 
@@ -745,7 +745,7 @@ contains
     status = c_get_events(self%handle, which)
   end subroutine solver_get_events
 
-  !> How many switches of conditions the integration has passed. events.h has the rules.
+  !> Number of switches of conditions passed by the integration. events.h explains the rules.
   subroutine solver_get_num_switches(self, count, status)
     class(dae_solver), intent(inout) :: self
     integer(c_long), intent(inout) :: count
@@ -756,13 +756,13 @@ contains
     if (status == sfdae_ok) status = c_get_num_switches(self%handle, count)
   end subroutine solver_get_num_switches
 
-  !> Switch number `index`, 1 ... count, in the order of time. result%condition counts from 1, too.
+  !> Switch number `index`, 1 ... count, ordered by time. result%condition also counts from 1.
   subroutine solver_get_switch(self, index, result, status, condition)
     class(dae_solver), intent(inout) :: self
     integer(c_long), intent(in) :: index
     type(sfdae_switch), intent(inout) :: result
     integer(c_int), intent(out) :: status
-    !> As text of C, in which unknowns count from 0: "sin(t) - x[0] > 0".
+    !> C text, in which unknowns count from 0: "sin(t) - x[0] > 0".
     character(len=:), allocatable, intent(inout), optional :: condition
     character(kind=c_char) :: nothing(1)
     character(kind=c_char), allocatable :: buffer(:)
@@ -783,10 +783,10 @@ contains
     if (status >= 0) condition = text_in(buffer)
   end subroutine solver_get_switch
 
-  !> Sets the times at which data have kinks or jumps: steps end there. modes.h has the rules.
+  !> Sets the times at which data have kinks or jumps: steps end there. modes.h explains the rules.
   subroutine solver_set_breakpoints(self, t, status, kinds)
     class(dae_solver), intent(inout) :: self
-    !> Increasing; of size 0: no breakpoints any more.
+    !> Increasing; of size 0: no breakpoints.
     real(c_double), contiguous, intent(in) :: t(:)
     integer(c_int), intent(out) :: status
     !> sfdae_breakpoint_kink or sfdae_breakpoint_jump for each; absent: all are kinks.
@@ -806,7 +806,7 @@ contains
     status = c_set_breakpoints(self%handle, size(t, kind=c_int), t, address)
   end subroutine solver_set_breakpoints
 
-  !> The jump crossed last at a breakpoint; sfdae_not_started if there was none.
+  !> The last jump crossed at a breakpoint; sfdae_not_started if there was none.
   subroutine solver_get_jump(self, t, before, after, status, impulse)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(inout) :: t
@@ -828,8 +828,8 @@ contains
     if (status == sfdae_ok) status = c_get_jump(self%handle, t, before, after, address)
   end subroutine solver_get_jump
 
-  !> The values with which these equations begin at t if others have led to `before`, by impulses
-  !> of these equations. start with what is after goes on.
+  !> The initial values of these equations at t after other equations led to `before`, computed from
+  !> impulses of these equations. To continue, call start with `after`.
   recursive subroutine solver_jump(self, t, toward, before, after, status, impulses)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -840,7 +840,7 @@ contains
     !> n values.
     real(c_double), contiguous, intent(inout) :: after(:)
     integer(c_int), intent(out) :: status
-    !> n rows, as many columns as are wanted: the factors of delta, delta', ...
+    !> n rows, one column for each factor wanted: of delta, delta', ...
     real(c_double), contiguous, target, intent(inout), optional :: impulses(:, :)
     integer(c_int) :: orders
     type(c_ptr) :: address
@@ -866,9 +866,9 @@ contains
     !> n values.
     real(c_double), contiguous, intent(inout) :: after(:)
     integer(c_int), intent(out) :: status
-    !> Of the nl + nk constraints, holonomic ones first, 0 to 1 each; absent: all 0.
+    !> Coefficients of the nl + nk constraints, holonomic ones first, 0 to 1 each; absent: all 0.
     real(c_double), contiguous, target, intent(in), optional :: restitution(:)
-    !> Of the nl + nk constraints.
+    !> Impulses of the nl + nk constraints.
     real(c_double), contiguous, target, intent(inout), optional :: impulses(:)
     type(c_ptr) :: coefficients, forces
 
@@ -887,7 +887,7 @@ contains
       status = c_impact(self%handle, t, coefficients, before, after, forces)
   end subroutine solver_impact
 
-  !> The solution at any t within the last step taken. The point reached stays.
+  !> The solution at any t within the last step. The point reached is unaffected.
   recursive subroutine solver_interpolate(self, t, x, status, xdot)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -903,10 +903,11 @@ contains
     if (status == sfdae_ok) status = c_interpolate(self%handle, t, x, xdot_address)
   end subroutine solver_interpolate
 
-  !> Asks for derivatives of the solution by parameters and start values, from the next start on.
+  !> Requests derivatives of the solution with respect to parameters and start values, from the next
+  !> start on.
   subroutine solver_set_sensitivities(self, wanted, status)
     class(dae_solver), intent(inout) :: self
-    !> Without names: none any more.
+    !> Without names: none.
     type(dae_sensitivities), target, intent(in) :: wanted
     !> sfdae_illegal_argument for equations that are not recorded, or unknown names.
     integer(c_int), intent(out) :: status
@@ -917,7 +918,7 @@ contains
       self%num_sensitivities, status, self%complaint)
   end subroutine solver_set_sensitivities
 
-  !> S = dx/dp at t, where the last call has returned or within the last step.
+  !> S = dx/dp at t, the time returned by the last call or a time within the last step.
   recursive subroutine solver_get_sensitivities(self, t, s, status, sdot)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -945,11 +946,11 @@ contains
   !> functional.
   recursive subroutine solver_get_gradient(self, t, weights, gradient, status)
     class(dae_solver), intent(inout) :: self
-    !> Points in time, from the start to where steps have led.
+    !> Times from the start to the time reached.
     real(c_double), contiguous, intent(in) :: t(:)
-    !> n rows; a column for each point in time, for one functional after the other.
+    !> n rows; a column for each time, for one functional after the other.
     real(c_double), contiguous, intent(in) :: weights(:, :)
-    !> The number of parameters x that of functionals.
+    !> Number of parameters x number of functionals.
     real(c_double), contiguous, intent(inout) :: gradient(:, :)
     !> sfdae_not_started without the adjoint.
     integer(c_int), intent(out) :: status
@@ -969,19 +970,19 @@ contains
       status = c_get_gradient(self%handle, points, t, functionals, weights, gradient)
   end subroutine solver_get_gradient
 
-  !> dt_e/dp of an event g(t, x, p) = 0 at t, where advance has returned sfdae_event.
+  !> dt_e/dp of an event g(t, x, p) = 0 at t, at which advance has returned sfdae_event.
   recursive subroutine solver_get_event_sensitivities(self, t, g_t, g_x, dt, status, g_p)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
-    !> The partial derivative of g by t.
+    !> The partial derivative of g with respect to t.
     real(c_double), intent(in) :: g_t
-    !> n of them by x.
+    !> n partial derivatives with respect to x.
     real(c_double), contiguous, intent(in) :: g_x(:)
     !> One for each parameter.
     real(c_double), contiguous, intent(inout) :: dt(:)
     !> sfdae_singular if g does not change with t.
     integer(c_int), intent(out) :: status
-    !> Those of g by the parameters; zero if absent.
+    !> Partial derivatives of g with respect to the parameters; zero if absent.
     real(c_double), contiguous, target, intent(in), optional :: g_p(:)
     type(c_ptr) :: g_p_address
 
@@ -997,12 +998,12 @@ contains
       status = c_get_event_sensitivities(self%handle, t, g_t, g_x, g_p_address, dt)
   end subroutine solver_get_event_sensitivities
 
-  !> Refuses a call with an array that has not one entry for each parameter.
+  !> Refuses a call with an array that does not have one entry for each parameter.
   subroutine check_parameters(self, name, found, status)
     class(dae_solver), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: found
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     if (status /= sfdae_ok .or. found == self%num_sensitivities) return
@@ -1057,13 +1058,13 @@ contains
     if (status >= 0) text = text_in(buffer)
   end subroutine solver_report
 
-  !> Source text, for use without the library, of a strangeness-free system F(t, z, z') = 0 that
-  !> has the solutions of recorded equations: functions whose names begin with `name`.
+  !> Source text of a strangeness-free system F(t, z, z') = 0 with the solutions of recorded
+  !> equations, for use without the library: functions whose names begin with `name`.
   subroutine solver_export_source(self, language, name, text, status)
     class(dae_solver), intent(inout) :: self
     !> sfdae_source_c, sfdae_source_fortran.
     integer(c_int), intent(in) :: language
-    !> Letters, digits and underscores, a letter first.
+    !> Letters, digits and underscores, beginning with a letter.
     character(len=*), intent(in) :: name
     !> Lines are separated by new_line('a').
     character(len=:), allocatable, intent(inout) :: text
@@ -1117,7 +1118,7 @@ contains
     real(c_double), allocatable, intent(inout), optional :: n(:, :)
     !> (l+1)m entries f^(i).
     real(c_double), allocatable, intent(inout), optional :: g(:)
-    !> n x (l+2): the array for changes of this jet.
+    !> n x (l+2): the derivative array for changes of this jet.
     real(c_double), contiguous, intent(in), optional :: jet(:, :)
     real(c_double), allocatable :: m_found(:, :), n_found(:, :), g_found(:)
     integer(c_size_t) :: rows, columns
@@ -1146,8 +1147,8 @@ contains
     if (present(g)) call move_alloc(g_found, g)
   end subroutine solver_get_derivative_array
 
-  !> Projectors at t for the array of level mu, with orthonormal columns; of nonlinear problems
-  !> along the solution. Arrays are allocated as needed. Needs an analysis.
+  !> Projectors at t for the derivative array of level mu, with orthonormal columns; for nonlinear
+  !> problems along the solution. Arrays are allocated as needed. Requires an analysis.
   recursive subroutine solver_get_projectors(self, t, status, z1, z2, z3, t2, jet)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -1179,7 +1180,7 @@ contains
     allocate (z1_found(m, sizes%differential), z2_found(rows, sizes%algebraic))
     allocate (z3_found(rows, rows - sizes%algebraic), t2_found(n, n - sizes%algebraic))
     vhat = 0
-    ! Z2 and Z3 are not always to be had: only if they are asked for.
+    ! Z2 and Z3 are not always available, so they are computed only on request.
     z2_address = c_null_ptr
     z3_address = c_null_ptr
     vhat_address = c_null_ptr
@@ -1261,10 +1262,10 @@ contains
     real(c_double), allocatable, intent(inout), optional :: qq(:, :)
     !> [Q1 Q2] of velocities, nv x nv.
     real(c_double), allocatable, intent(inout), optional :: qv(:, :)
-    !> E and A, square, of as many rows as X has entries.
+    !> E and A, square, with one row for each entry of X.
     real(c_double), allocatable, intent(inout), optional :: e(:, :)
     real(c_double), allocatable, intent(inout), optional :: a(:, :)
-    !> What is left of the equations.
+    !> The inhomogeneity f.
     real(c_double), allocatable, intent(inout), optional :: f(:)
     !> (wq, wv): derivatives of the dependent directions.
     real(c_double), allocatable, intent(inout), optional :: w(:)
@@ -1301,7 +1302,7 @@ contains
   !> Certifies the ranks of the analysis by perturbed copies of the data.
   recursive subroutine solver_certify(self, distance, status)
     class(dae_solver), intent(inout) :: self
-    !> The smallest relative change of the data that gives other characteristic values, about.
+    !> Approximate smallest relative change of the data that changes the characteristic values.
     real(c_double), intent(out) :: distance
     integer(c_int), intent(out) :: status
 
@@ -1310,9 +1311,8 @@ contains
     if (status == sfdae_ok) status = c_certify(self%handle, distance)
   end subroutine solver_certify
 
-  !> Compares the derivatives that the callbacks supply near t with differences of the order
-  !> below; message says it in words if they do not fit. Orders that are not available are
-  !> passed over.
+  !> Compares derivatives supplied by callbacks near t with finite differences of the next lower
+  !> order; the message describes mismatches. Orders that are not available are skipped.
   recursive subroutine solver_check_derivatives(self, t, max_order, check, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -1329,11 +1329,12 @@ contains
     if (status >= 0) check = from_one(found)
   end subroutine solver_check_derivatives
 
-  !> Compares what total_derivative of a derivative_dae supplies along a jet with differences.
+  !> Compares derivatives from total_derivative of a derivative_dae along a jet with finite
+  !> differences.
   recursive subroutine solver_check_total_derivatives(self, t, derivatives, check, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
-    !> n x (highest order compared + 2): x, x', x'', ..., best without zeros.
+    !> n x (highest order compared + 2): x, x', x'', ..., preferably without zeros.
     real(c_double), contiguous, intent(in) :: derivatives(:, :)
     !> The worst mismatch.
     type(sfdae_derivative_check), intent(inout) :: check
@@ -1350,7 +1351,7 @@ contains
     if (status >= 0) check = from_one(found)
   end subroutine solver_check_total_derivatives
 
-  !> Compares the derivatives that a multibody_dae supplies with differences near (t, q, v).
+  !> Compares derivatives supplied by a multibody_dae with finite differences near (t, q, v).
   recursive subroutine solver_check_multibody_derivatives(self, t, q, v, check, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
@@ -1390,8 +1391,8 @@ contains
     if (status >= 0) report = found
   end subroutine solver_get_multibody_report
 
-  !> What follows from which unknowns recorded equations contain, and whether numbers agree: message
-  !> says it in words if they do not. n entries in every array.
+  !> Structural analysis of recorded equations and its numerical confirmation; the message describes
+  !> a mismatch. n entries in every array.
   recursive subroutine solver_get_structure(self, structure, status, differentiations, orders, &
     assigned, block)
     class(dae_solver), intent(inout) :: self
@@ -1399,13 +1400,13 @@ contains
     type(sfdae_structure), intent(inout) :: structure
     !> sfdae_illegal_argument for other problems.
     integer(c_int), intent(out) :: status
-    !> How often each equation is to be differentiated.
+    !> Number of differentiations of each equation.
     integer(c_int), allocatable, intent(inout), optional :: differentiations(:)
-    !> Up to which derivative each unknown occurs then; -1: not in the equations that are too many.
+    !> Highest derivative of each unknown; without a matching, -1: outside the overdetermined part.
     integer(c_int), allocatable, intent(inout), optional :: orders(:)
-    !> The unknown of each equation; 0: none.
+    !> The unknown matched with each equation; 0: none.
     integer(c_int), allocatable, intent(inout), optional :: assigned(:)
-    !> The block of each equation; 0: not one of the equations that are too many.
+    !> The block of each equation; without a matching, 0: outside the overdetermined part.
     integer(c_int), allocatable, intent(inout), optional :: block(:)
     type(sfdae_structure) :: found
     integer(c_int), allocatable :: found_in(:, :)
@@ -1440,7 +1441,7 @@ contains
     if (c_associated(self%handle)) num_unknowns = self%holder%problem%num_unknowns
   end subroutine solver_in_c
 
-  !> Before every call on a solver: refuses it if the solver does not exist.
+  !> Before every call on a solver: refuses the call if the solver does not exist.
   subroutine check_call(self, status)
     class(dae_solver), intent(inout) :: self
     !> sfdae_ok or sfdae_illegal_argument.
@@ -1453,12 +1454,12 @@ contains
     self%complaint = "the solver does not exist: create it first"
   end subroutine check_call
 
-  !> Refuses a call with an array that has not n entries.
+  !> Refuses a call with an array that does not have n entries.
   subroutine check_entries(self, name, length, status)
     class(dae_solver), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: length
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     if (status /= sfdae_ok) return
@@ -1466,7 +1467,7 @@ contains
     if (len(self%complaint) > 0) status = sfdae_illegal_argument
   end subroutine check_entries
 
-  !> Refuses a call with x or xdot that have not n entries.
+  !> Refuses a call with x or xdot that do not have n entries.
   subroutine check_point(self, x, status, xdot, xdot_address)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: x(:)
@@ -1483,7 +1484,7 @@ contains
     xdot_address = c_loc(xdot)
   end subroutine check_point
 
-  !> Refuses a call with values before and after a jump that have not n entries.
+  !> Refuses a call with values before and after a jump that do not have n entries.
   subroutine check_before_and_after(self, before, after, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: before(:)
@@ -1495,12 +1496,13 @@ contains
     call check_entries(self, "after", size(after, kind=c_int), status)
   end subroutine check_before_and_after
 
-  !> Refuses a call with an array that has not one entry for each constraint of a mechanical system.
+  !> Refuses a call with an array that does not have one entry for each constraint of a mechanical
+  !> system.
   subroutine check_constraints(self, name, length, status)
     class(dae_solver), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: length
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     if (status /= sfdae_ok) return
@@ -1512,7 +1514,7 @@ contains
     if (len(self%complaint) > 0) status = sfdae_illegal_argument
   end subroutine check_constraints
 
-  !> Refuses a call with x that has not n entries.
+  !> Refuses a call with x that does not have n entries.
   subroutine check_optional_x(self, status, x, x_address)
     class(dae_solver), intent(inout) :: self
     integer(c_int), intent(out) :: status
@@ -1527,12 +1529,12 @@ contains
     x_address = c_loc(x)
   end subroutine check_optional_x
 
-  !> Refuses a call with a jet that is smaller than its level demands.
+  !> Refuses a call with a jet that is too small for its level.
   subroutine check_jet(self, jet, level, status)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: jet(:, :)
     integer(c_int), intent(in) :: level
-    !> If not sfdae_ok, the call is refused already.
+    !> If not sfdae_ok, the call has already been refused.
     integer(c_int), intent(inout) :: status
 
     call check_entries(self, "a column of jet", size(jet, 1, c_int), status)
@@ -1541,11 +1543,11 @@ contains
     status = sfdae_illegal_argument
   end subroutine check_jet
 
-  !> That of the jets that projectors and the strangeness-free system need.
+  !> Level of the jets for projectors and the strangeness-free system.
   integer(c_int) function level_of_jets(self, sizes, of_array) result(level)
     class(dae_solver), intent(in) :: self
     type(sfdae_characteristics), intent(in) :: sizes
-    !> Z2 or Z3 are asked for.
+    !> Z2 or Z3 are requested.
     logical, intent(in) :: of_array
 
     level = 0

@@ -12,8 +12,8 @@
 namespace sfdae::cli {
 
 // Initialization in one mode: damped Newton iterations on the manifold of consistent values, until they yield no
-// improvement. Its tangent space has an orthonormal basis B in units of the scales D of the unknowns, x = consistent(x
-// + D B z); conditions that are independent there determine z.
+// improvement. Its tangent space has an orthonormal basis B in units of the scales D of the unknowns,
+// x = consistent(x + D B z); conditions that are independent there determine z.
 class Initialization {
  public:
   // modes: with the free parameters among the unknowns.

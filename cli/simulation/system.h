@@ -106,8 +106,7 @@ struct System {
   Formulas formulas;
   std::vector<int> unknowns;         // variables of the model that the library solves for
   std::vector<Residual> residuals;   // in unknowns, discrete quantities and free parameters
-  std::vector<Formula> values;       // by variable, in the same quantities; -1: an unused free parameter of another
-                                     // type
+  std::vector<Formula> values;       // by variable, in the same; -1: an unused free parameter of another type
   std::vector<Location> defined_at;  // by variable: the equation that gives it, if known
   std::vector<Alias> aliases;        // by variable of type Real
   std::vector<int> free_parameters;

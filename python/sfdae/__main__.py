@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``python -m sfdae``: versions, and which files are in use, for reports of problems."""
+"""``python -m sfdae``: versions and file names for problem reports."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _version_of(package: str) -> str:
 
 
 def _libraries() -> list[str]:
-    """Files of sfdae, BLAS and LAPACK that this process has loaded; empty where nobody can tell."""
+    """Files of sfdae, BLAS and LAPACK loaded by this process; empty if unknown."""
     maps = pathlib.Path("/proc/self/maps")
     if not maps.exists():
         return []

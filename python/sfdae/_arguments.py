@@ -15,16 +15,16 @@ _ORDINALS = ("first", "second", "third", "fourth")
 
 class Arguments:
     """The arguments of a function, read from its signature. The library passes the first ones by
-    their places, and some by their names if the function has them. All others are named parameters.
+    position, and some by name if the function has them. All others are named parameters.
 
     Attributes
     ----------
     by_name : tuple of str
-        Those of the arguments passed by name that the function has.
+        The arguments of the function that are passed by name.
     defaults : dict
-        Default values of the named parameters, None where there is none.
+        Default values of the named parameters, None without a default.
     required : tuple of str
-        The named parameters that have no default.
+        The named parameters without a default.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Arguments:
         self.defaults = {p.name: None if p.default is p.empty else p.default for p in named}
 
     def require_others(self, equations: Mapping[str, Any]) -> None:
-        """TypeError for a parameter without a default, or one that belongs to equations, too."""
+        """TypeError for a parameter without a default, or one that is also in the equations."""
         for name in self.required:
             raise TypeError(f"{self.name} is a function of t alone: give {name} a default")
         for name in self.defaults.keys() & equations.keys():
@@ -81,8 +81,8 @@ class Arguments:
             )
 
     def require_same_defaults(self, equations: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-        """TypeError for a parameter that belongs to equations, too, and has another default here.
-        equations: values that the parameters had at first; now: those that they have.
+        """TypeError for a parameter that is also in the equations and has another default here.
+        equations: original values of their parameters; now: current values.
         """
         for name, default in self.defaults.items():
             if name in self.required or name not in equations:
@@ -106,7 +106,7 @@ class PointFunction:
     """A user-supplied function of (t, x), called with numbers: an event, a condition, a jump.
 
     It gets xdot if it has an argument of this name. Other arguments are named parameters: those
-    that the equations have, too, have the same value there, and others keep their defaults.
+    that are also in the equations have the same value there, and others keep their defaults.
     """
 
     def __init__(self, function: Callable[..., Any], name: str, has_xdot: bool = True) -> None:

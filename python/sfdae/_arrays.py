@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Arrays of expressions: what numpy's functions and operators do with them.
+"""Arrays of expressions: behavior of numpy's functions and operators on them.
 
-numpy hands every call with such an array to __array_ufunc__ or __array_function__. An elementwise
+numpy passes every call with such an array to __array_ufunc__ or __array_function__. An elementwise
 function becomes a loop of numpy over objects that calls the function of expressions. All other
-functions run as numpy wrote them, on top of the elementwise ones, but for those in _numpy.OWN.
+functions run numpy's own code on top of the elementwise ones, except those in _numpy.OWN.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ class ExpressionArray(np.ndarray):
     """An array of expressions and numbers.
 
     It is an ndarray of objects, whose elementwise functions and comparisons are recorded. Arrays
-    that are made of it are of this class, and so are those made with ``like=x``.
+    computed from it are of this class, and so are those created with ``like=x``.
     """
 
-    _watch: Any = None  # sees the names under which the unknowns are unpacked
+    _watch: Any = None  # records the names under which the unknowns are unpacked
 
     def __array_finalize__(self, source: Any) -> None:
         self._watch = getattr(source, "_watch", None)
@@ -59,7 +59,7 @@ class ExpressionArray(np.ndarray):
     __hash__ = None  # type: ignore[assignment]
 
     def __matmul__(self, other: Any) -> Any:
-        return np.matmul(self, other)  # also where other is a matrix of scipy.sparse
+        return np.matmul(self, other)  # also if other is a matrix of scipy.sparse
 
     def round(self, decimals: int = 0, out: Any = None) -> Any:
         """np.round of the elements."""
@@ -88,7 +88,7 @@ def vector(c_array: Any, count: int, recording: Recording | None) -> ExpressionA
 
 
 def plain(value: Any) -> Any:
-    """An expression or an array of them as an ndarray of objects; all else as it is."""
+    """An expression or an array of them as an ndarray of objects; other values unchanged."""
     if isinstance(value, ExpressionArray):
         return value.view(np.ndarray)
     if isinstance(value, Expression):
@@ -126,7 +126,7 @@ def elementwise(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any
 def apply_ufunc(
     ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: Mapping[str, Any]
 ) -> Any:
-    """A function of numpy where one of the operands is an expression or an array of them."""
+    """A numpy function with an expression or an array of them among the operands."""
     from ._functions import OPERATORS, UFUNCS
     from ._numpy import matmul
 
@@ -181,7 +181,7 @@ def _stored(result: Any, out: Any) -> Any:
 
 
 def _with_arrays(value: Any) -> Any:
-    """Expressions, also those in lists, as arrays without axes: numpy's own code can use them."""
+    """Expressions, also in lists, as arrays without axes: numpy's own code can use them."""
     if isinstance(value, Expression):
         return plain(value).view(ExpressionArray)
     if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
@@ -201,5 +201,5 @@ def apply_array_function(
     if own is not None:
         return wrapped(own(*args, **kwargs))
     args, kwargs = _with_arrays(args), {key: _with_arrays(value) for key, value in kwargs.items()}
-    run = np.ndarray.__array_function__  # what numpy does without an override
+    run = np.ndarray.__array_function__  # numpy's code without an override
     return wrapped(run(_ANY, function, (ExpressionArray,), args, kwargs))

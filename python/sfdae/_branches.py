@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Branches: singular points of solutions, what they are, and how to go on after them."""
+"""Branches: singular points of solutions, their kinds, and continuation after them."""
 
 from __future__ import annotations
 
@@ -27,20 +27,21 @@ class SingularPoint(NamedTuple):
     Attributes
     ----------
     t : float
-        Where.
+        Its time.
     kind : str
         "fold": the solution turns around and none continues; "crossing": it is smooth, branches may
         cross; "unbounded": it grows without bound; or "undetermined".
     part : str
-        What loses rank: "constraints", "differential" (equations), "both" or "undetermined".
+        The part that loses rank: "constraints", "differential" (equations), "both" or
+        "undetermined".
     component : int
-        Of x: the one that tells a fold, or grows; -1: none does.
+        The component of x that reveals a fold, or grows; -1: none.
     exponent : float
-        The power of the distance from the point that it follows.
+        The solution follows this power of the distance from the point.
     passed : bool
-        The integration went on after it.
+        The integration continued after it.
     t_before, t_after : float
-        The last point before it and the first one after it.
+        The last time before it and the first one after it.
     count : int
         Singular points passed since start().
     """
@@ -57,25 +58,26 @@ class SingularPoint(NamedTuple):
 
 
 class Branches:
-    """The part of a solver that meets singular points."""
+    """The part of a solver that handles singular points."""
 
     _call: Callable[..., int]
 
     def pass_singular_points(self, max_points: int) -> None:
-        """Lets integrations go on after as many singular points, where a smooth continuation is
-        confirmed; 0, the default, ends them at the first one. See sfdae_pass_singular_points.
+        """Lets integrations pass at most this many singular points at which a smooth continuation
+        is confirmed; 0, the default, ends them at the first one. See sfdae_pass_singular_points.
 
         Parameters
         ----------
         max_points : int
-            From start() on.
+            Counted from start() on.
         """
         self._call(lib.sfdae_pass_singular_points, max_points)
 
     @property
     def singular_point(self) -> SingularPoint:
-        """The singular point met last, whether it ended a call or was passed. Raises Error with
-        Status.NOT_STARTED if there was none since start()."""
+        """The last singular point, whether it ended a call or was passed. Raises Error with
+        Status.NOT_STARTED if there was none since start().
+        """
         found: Any = ffi.new("sfdae_singular_point*")
         lib.sfdae_singular_point_init(found, ffi.sizeof("sfdae_singular_point"))
         self._call(lib.sfdae_get_singular_point, found)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the library calls: the functions of the user, whose exceptions wait here until the call has
-returned.
+"""Callbacks of the library, which call the user's functions. Their exceptions are stored until the
+library has returned.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ._status import CannotEvaluate
 
 
 class CountMismatch(ValueError):
-    """The equations are `count`, not as many as were expected."""
+    """The number of equations is `count` instead of `expected`."""
 
     def __init__(self, count: int, expected: int) -> None:
         super().__init__(f"equations returned {count} formulas, not {expected}")
@@ -28,8 +28,8 @@ class CountMismatch(ValueError):
 
 
 class CallbackState:
-    """What the callbacks of a solver get as `user`. It does not know the solver, so that both are
-    freed at once.
+    """The `user` argument of the callbacks of a solver. It has no reference to the solver, so that
+    both are freed at once.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class CallbackState:
     events : PointFunction or None
         Returns num_events values.
     exception : BaseException or None
-        The first one that was raised since the call began.
+        The first one raised since the call began.
     """
 
     __slots__ = ("problem", "values", "monitor", "events", "num_events", "exception", "functions")
@@ -60,7 +60,7 @@ class CallbackState:
 
 
 def callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Makes a function of (state, arguments without user) the one that C calls by this name."""
+    """Makes a function of (state, arguments without user) callable from C under this name."""
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         from_handle = ffi.from_handle
@@ -83,20 +83,20 @@ def callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
 
 def _keep_interrupt(kind: type[BaseException], exception: BaseException, traceback: Any) -> None:
-    """Ctrl-C at the very beginning of a callback, before it guards itself."""
+    """Stores Ctrl-C raised at the very beginning of a callback, before its own handler."""
     state = ffi.from_handle(traceback.tb_frame.f_locals["arguments"][-1])
     if state.exception is None:
         state.exception = exception
 
 
 def _numbers(pointer: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """A copy of numbers of C, column-major, which the user may keep but not change."""
+    """A read-only copy of column-major C numbers, which the user may keep."""
     size = int(np.prod(shape))
     return np.frombuffer(ffi.buffer(pointer, 8 * size)[:]).reshape(shape, order="F")
 
 
 def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
-    """Numbers that a callback returned, column-major."""
+    """Writes numbers returned by a callback, column-major."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -113,8 +113,8 @@ def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
 
 
 class _ExternalFunction:
-    """A function of k numbers that a recorded formula calls. Its exceptions wait with those of the
-    solver.
+    """A function of k numbers that a recorded formula calls. Its exceptions are stored with those
+    of the solver.
     """
 
     def __init__(self, state: CallbackState, name: str, function: Any, count: int) -> None:
@@ -144,7 +144,7 @@ def _external(external: _ExternalFunction, order: int, arguments: Any, result: A
 
 
 def external_value(name: str, function: Any, arguments: list[Expression]) -> Expression:
-    """What sfdae.external returns."""
+    """The result of sfdae.external."""
     recordings = [a._recording for a in arguments if a._recording is not None]
     if not recordings:  # plain numbers
         value = function(0, np.array([a._c.value for a in arguments]))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checkpoints, and the numbers that they have in common with the problem that restores them.
+"""Checkpoints, and hashes of the numbers in the problem that restores them.
 
-The library compares recorded equations and their parameters, but calls functions for all else: of a
-constant matrix it knows no more than the name. So hashes of the numbers that only Python knows
-follow the checkpoint of the library.
+The library compares recorded equations and their parameters, but other data only by calling
+functions: of a constant matrix it knows only the name. Therefore, hashes of the numbers that only
+Python knows follow the checkpoint of the library.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ._binding import ffi, lib
 from ._status import Error, Status
 
-_MARK = 5.0e7 + 4217.0  # plus the number of hashes: no number that a checkpoint ends with by chance
+_MARK = 5.0e7 + 4217.0  # plus the number of hashes: no checkpoint ends with this number by chance
 
 
 def _hash(value: Any) -> float:
@@ -30,7 +30,7 @@ def _hash(value: Any) -> float:
 
 
 def with_numbers(checkpoint: np.ndarray, known: Mapping[str, Any]) -> np.ndarray:
-    """A checkpoint of the library, and what tells known numbers apart. known: by their names."""
+    """A checkpoint of the library followed by hashes of the known numbers. known: by name."""
     if not known:
         return checkpoint
     hashes = [_hash(value) for value in known.values()]
@@ -38,12 +38,12 @@ def with_numbers(checkpoint: np.ndarray, known: Mapping[str, Any]) -> np.ndarray
 
 
 def without_numbers(checkpoint: Any, known: Mapping[str, Any]) -> np.ndarray:
-    """The checkpoint of the library in one that with_numbers() has made.
+    """The checkpoint of the library without the hashes that with_numbers() appended.
 
     Raises
     ------
     Error
-        ``ILLEGAL_ARGUMENT`` if the numbers are not those that are known.
+        ``ILLEGAL_ARGUMENT`` if the numbers differ from the known ones.
     """
     values = np.array(checkpoint, dtype=float, ndmin=1)
     if not known:
@@ -65,7 +65,7 @@ def without_numbers(checkpoint: Any, known: Mapping[str, Any]) -> np.ndarray:
 
 
 class Checkpoints:
-    """The part of a solver that is saved and restored."""
+    """The part of a solver that saves and restores checkpoints."""
 
     problem: Any
     _state: Any
@@ -75,8 +75,8 @@ class Checkpoints:
         return self.problem._numbers(self._state.values)
 
     def save_checkpoint(self) -> np.ndarray:
-        """Analysis and state of the integration as an array of numbers; problem and options are not
-        in it.
+        """Analysis and state of the integration as an array of numbers, without problem and
+        options.
         """
         length = ffi.new("size_t*")
         self._call(lib.sfdae_get_checkpoint_length, length)
@@ -87,14 +87,14 @@ class Checkpoints:
     def restore_checkpoint(self, checkpoint: Any) -> None:
         """Continues from a checkpoint instead of start(), with the same problem and options.
 
-        Formulas, arrays and parameters are compared with those that it was made with. Functions
-        that are called with numbers cannot be compared: give the same ones.
+        Formulas, arrays and parameters are compared with those of the checkpoint. Functions that
+        are called with numbers cannot be compared: pass the same ones.
 
         Raises
         ------
         Error
-            ``ILLEGAL_ARGUMENT`` for a checkpoint that is damaged or was made with another problem
-            or other options; see sfdae_restore_checkpoint.
+            ``ILLEGAL_ARGUMENT`` for a checkpoint that is damaged or belongs to another problem or
+            other options; see sfdae_restore_checkpoint.
         """
         values = without_numbers(checkpoint, self._numbers())
         self._call(lib.sfdae_restore_checkpoint, _address(values), values.size)

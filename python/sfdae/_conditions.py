@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Conditions on which functions depend that are called with numbers."""
+"""Conditions in functions that are called with numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._arguments import PointFunction
 from ._binding import ffi, lib
 
 Conditions = Union[Callable[..., Any], Sequence[Callable[..., Any]]]
-BRANCHES = "branches"  # the argument of equations that takes them
+BRANCHES = "branches"  # the argument of equations that receives them
 
 
 class HasConditions:
@@ -20,7 +20,7 @@ class HasConditions:
     Attributes
     ----------
     branches : ndarray of int
-        1 where a condition holds, else 0; the library writes it before each call.
+        1 if a condition holds, else 0; the library writes it before each call.
     """
 
     kind: str

@@ -21,30 +21,30 @@ from ._structs import prepared
 from ._types import Values
 from ._unknowns import by_name
 
-_MESSAGE_LENGTH = 1536  # always enough, says ensemble.h
+_MESSAGE_LENGTH = 1536  # always sufficient according to ensemble.h
 
 
 class EnsembleSolution:
-    """What an ensemble of N instances returned.
+    """The result of an ensemble of N instances.
 
     Attributes
     ----------
     t : numpy.ndarray
         K times.
     x : numpy.ndarray
-        N x n x K; NaN where an instance has not come so far.
+        N x n x K; NaN for times that an instance did not reach.
     xdot : numpy.ndarray or None
-        N x n x K, if it was asked for.
+        N x n x K, if requested.
     parameters : dict
         Values of the parameters that differ, N each.
     status : list of Status
-        N, as for solve; ``STOPPED`` for instances that were not begun or finished.
+        N, as for solve; ``STOPPED`` for instances that were not started or finished.
     messages : list of str
         N; "" for ``OK``.
     num_analyses : int
-        Index analyses that were made from the beginning: the others followed a precedent.
+        Number of complete index analyses; the others followed a precedent.
     names : tuple of str
-        Of the unknowns.
+        Names of the unknowns.
     """
 
     t: np.ndarray
@@ -61,7 +61,7 @@ class EnsembleSolution:
 
     @property
     def success(self) -> bool:
-        """Whether all instances reached the end."""
+        """True if all instances reached the end."""
         return all(status >= 0 and status != Status.STOPPED for status in self.status)
 
     def __len__(self) -> int:
@@ -79,7 +79,7 @@ class EnsembleSolution:
 
 
 class _EnsembleState:
-    """What the monitor of an ensemble gets as `user`."""
+    """The `user` argument of the monitor of an ensemble."""
 
     def __init__(self, bar: InstancesBar | None) -> None:
         self.bar = bar
@@ -107,8 +107,8 @@ def solve_ensemble(
 ) -> EnsembleSolution:
     """Solves many instances of a recorded problem in threads, without Python's lock.
 
-    Each gives the same result, to the last bit, as alone; the recording is shared, and index
-    analyses where ranks are the same.
+    Each instance gives the same result, to the last bit, as alone; they share the recording, and
+    index analyses if the ranks are the same.
 
     Parameters
     ----------
@@ -122,13 +122,13 @@ def solve_ensemble(
         Values of named parameters: a number for all instances, or N for each; of arrays of
         parameters, N x their shape.
     t_eval : array_like, optional
-        Times of the outputs; by default the end alone.
+        Times of the outputs; by default only the end.
     threads : int
-        0: as many as there are processors.
+        Number of threads; 0: as many as there are processors.
     xdot : bool
-        Whether derivatives are returned, too.
+        True: derivatives are returned, too.
     names : sequence of str, optional
-        Of the unknowns, in the order of x, where the problem is a function, as for solve.
+        Names of the unknowns, in the order of x, if the problem is a function, as for solve.
     progress : bool
         Shows a bar.
     **options
@@ -138,13 +138,13 @@ def solve_ensemble(
     Returns
     -------
     EnsembleSolution
-        ``t, x`` (N x n x K), ``status, messages``; what was reached, with a warning, if instances
-        fail or Ctrl-C stops all.
+        ``t, x`` (N x n x K), ``status, messages``; incomplete, with a warning, if instances fail or
+        Ctrl-C stops all.
 
     Raises
     ------
     Error
-        For mistakes in arguments, and problems that are not recorded.
+        For invalid arguments, and problems that are not recorded.
     """
     parameters = parameters or {}
     x0 = by_name(x0)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""F(t, x, x') = 0 as users write it: residuals that are returned or written to an array, or
-M x' = f(t, x).
+"""Equations F(t, x, x') = 0 as functions: residuals are returned or written to an array, or M x' =
+f(t, x).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Equations(Formula):
 
     @property
     def formulas(self) -> list[Formula]:
-        """All that have named parameters."""
+        """All functions with named parameters."""
         return [self, self.mass] if isinstance(self.mass, Formula) else [self]
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any], count: int = 0) -> Any:
@@ -94,8 +94,8 @@ class Equations(Formula):
 
 
 def _mass_formula(function: Callable[..., Any], parameters: Mapping[str, Any]) -> Formula:
-    """M(t) or M(t, x). A second argument is x if it has this name, or has no default and is not one
-    of the parameters that f has.
+    """M(t) or M(t, x). A second argument is x if it has this name, or has no default and is not a
+    parameter of f.
     """
     try:
         places = list(inspect.signature(function).parameters.values())
@@ -110,7 +110,7 @@ def _mass_formula(function: Callable[..., Any], parameters: Mapping[str, Any]) -
 
 
 def _count_arguments(function: Callable[..., Any]) -> int:
-    """The number of arguments that are passed by place and have no default; 0 if it is unknown."""
+    """The number of positional arguments without a default; 0 if it is unknown."""
     try:
         places = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

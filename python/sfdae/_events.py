@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Events: zeros of functions along the solution, and what happens there."""
+"""Events: zeros of functions along the solution, and their actions."""
 
 from __future__ import annotations
 
@@ -16,25 +16,24 @@ class Event:
     Parameters
     ----------
     function : callable
-        ``function(t, x)`` or ``function(t, x, xdot)`` returns a number; x and xdot have n values.
-        xdot is passed by this name. Other arguments are named parameters, as those of equations: a
-        parameter that the equations have, too, has the same value in both.
+        xdot is passed by this name. Other arguments are named parameters, as in equations: a
+        parameter that is also in the equations has the same value in both.
     direction : float
         > 0: only rising zeros count, < 0: only falling ones, 0: both.
     terminal : bool or int
-        True: the integration ends at the first event; a number: at so many of them.
+        True: the integration ends at the first event; a number: after this many events.
     action : callable, optional
         ``action(t, x)`` or ``action(t, x, xdot)``, with arguments as above, is called at the event
-        and returns the values with which the integration is started anew there, which are made
-        consistent as the options say, an array or a dict of those that change; None: it goes on as
-        it is.
+        and returns the values with which the integration restarts, an array or a dict of those that
+        change; they are made consistent according to the options. None: the integration continues
+        without a restart.
     name : str, optional
-        For messages; the name of the function if it is not given.
+        For messages; by default the name of the function.
 
     Notes
     -----
-    A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be attributes of
-    it.
+    A plain function can be used, too; ``terminal``, ``direction`` and ``action`` may be attributes
+    of it.
     """
 
     def __init__(
@@ -75,7 +74,7 @@ class EventRecord(NamedTuple):
     x, xdot : numpy.ndarray
         n values, before the action.
     index : int
-        Of the event function.
+        Index of the event function.
     name : str
     direction : int
         +1: rising, -1: falling.

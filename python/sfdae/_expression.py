@@ -20,7 +20,7 @@ _ARRAYS = "Arrays of expressions need like=x: np.array([...], like=x), np.zeros(
 _NUMBERS = "Use np.sin, np.exp, ... (not those of math), and np.zeros(n, like=x) for arrays. "
 
 
-# What to write instead of code of other packages that needs numbers, by the name of the module.
+# Replacements for code of other packages that needs numbers, by the name of the module.
 _INSTEAD = {
     "scipy.sparse": "write x @ A.T instead of A @ x. ",
     "scipy.interpolate": "write sfdae.table(t, spline) instead of spline(t). ",
@@ -30,7 +30,7 @@ _INSTEAD = {
 
 
 def _hint(modules: list[str]) -> str | None:
-    """What to do where code of these modules, one a frame, needs numbers; None for other modules."""
+    """Advice if code of these modules, one per frame, needs numbers; None for other modules."""
     for start, instead in _INSTEAD.items():
         for module in modules:
             if module.startswith(start):
@@ -39,7 +39,7 @@ def _hint(modules: list[str]) -> str | None:
 
 
 def no_value(what: str, frame: Any) -> TypeError:
-    """The error of code that needs a value, with the change that the code in this frame needs."""
+    """The error of code that needs a value, with the change required in the code of this frame."""
     modules = [frame.f_globals.get("__name__", "")]
     while frame.f_back is not None and modules[-1].split(".")[0] in ("numpy", "sfdae"):
         frame = frame.f_back
@@ -59,7 +59,7 @@ def no_value(what: str, frame: Any) -> TypeError:
 
 
 def explain(exception: BaseException, traceback: Any) -> None:
-    """Adds to an exception of another package, raised while equations are recorded, what to do."""
+    """Adds advice to an exception of another package raised while equations are recorded."""
     modules = []
     while traceback is not None:
         modules.append(traceback.tb_frame.f_globals.get("__name__", ""))
@@ -78,14 +78,14 @@ def explain(exception: BaseException, traceback: Any) -> None:
 
 
 class Recording:
-    """A recording under way; expressions of it are of no use after it has ended."""
+    """An open recording; its expressions are unusable after it has ended."""
 
     __slots__ = ("c", "is_open", "state", "refused")
 
     def __init__(self, record: Any, state: Any = None) -> None:
         self.c = record
         self.is_open = True
-        self.state = state  # of the callbacks of the solver, which keeps what is needed later
+        self.state = state  # of the callbacks of the solver, which stores objects needed later
         self.refused: TypeError | None = None  # == was used; numpy < 1.25 ignores the exception
 
     def __enter__(self) -> Recording:
@@ -111,7 +111,7 @@ class Recording:
 
 
 def _as_c(value: Any) -> Any:
-    """A number as an expression of C, or None if it is something else."""
+    """A number as a C expression, or None for other values."""
     if isinstance(value, (float, int, np.floating, np.integer, np.bool_)):
         return lib.sfdae_number(float(value))
     if isinstance(value, numbers.Real):
@@ -180,7 +180,7 @@ class Expression:
     """A number, or a part of a formula that is being recorded.
 
     Operators, numpy's functions (``np.sin(x[0])``, also of arrays of expressions) and the functions
-    of this package (``sfdae.sin``, ``sfdae.choose``) make larger ones. There are no values yet to
+    of this package (``sfdae.sin``, ``sfdae.choose``) combine expressions. They have no values to
     branch on: ``if x > 0`` is an error, ``np.where(x > 0, a, b)`` is recorded.
     """
 
@@ -285,7 +285,7 @@ class Expression:
 
 class Condition(Expression):
     """A comparison of expressions, for ``np.where(a > b, x, y)`` and sfdae.choose: the expression 1
-    where it holds, else 0. Conditions are combined by ``&``, ``|`` and ``~``.
+    if it holds, else 0. Conditions are combined by ``&``, ``|`` and ``~``.
     """
 
     __slots__ = ()
@@ -320,14 +320,14 @@ def _condition(function: Callable[[Any, Any], Any], a: Any, b: Any) -> Any:
 
 
 def parameter(inside: Any, name: str, value: float) -> Expression:
-    """A constant with a name, whose value can be changed later without recording anew.
+    """A named constant, whose value can be changed later without a new recording.
 
     Parameters
     ----------
     inside : Expression
         Any expression of the recording, for example ``t``.
     name : str
-        Not empty. Asked for again by its name it is the same parameter, and the first value counts.
+        Not empty. The same name denotes the same parameter, and the first value is used.
     value : float
         Finite.
     """

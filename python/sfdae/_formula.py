@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions of the user that write formulas: their parameters and what they return."""
+"""User-supplied functions that write formulas: their parameters and results."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ._expression import Expression, Recording, as_expression, parameter
 
 
 class Formula:
-    """A function whose first arguments are given by the library and whose others are named
+    """A function whose first arguments are passed by the library and whose others are named
     parameters.
 
     Attributes
     ----------
     positional : tuple of str
-        The arguments that are given by the library.
+        The arguments that the library passes.
     defaults : dict
-        Default values of the named parameters, None where there is none.
+        Default values of the named parameters, None without a default.
     """
 
     def __init__(self, function: Callable[..., Any], positional: Sequence[str], name: str) -> None:
@@ -32,11 +32,11 @@ class Formula:
         self.defaults = self.arguments.defaults
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any]) -> Any:
-        """The formulas; each parameter is recorded where `arguments` are recorded."""
+        """The formulas; each parameter is recorded in the recording of `arguments`."""
         return self.function(*arguments, **self.recorded(arguments[0], values))
 
     def recorded(self, inside: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-        """The named parameters, recorded where `inside` is recorded."""
+        """The named parameters, recorded in the recording of `inside`."""
         return {name: recorded_parameter(inside, name, values[name]) for name in self.defaults}
 
 
@@ -60,8 +60,8 @@ def parameter_values(
     Raises
     ------
     TypeError
-        For a name that no function has, for a parameter without a value, and for one with several
-        defaults that is not given.
+        For a name that no function has, for a parameter without a value, and for a parameter with
+        several defaults and no given value.
     ValueError
         For a value that is not finite.
     """
@@ -106,7 +106,7 @@ def checked_value(name: str, value: Any) -> Any:
 
 
 def flatten(value: Any, name: str) -> list[Any]:
-    """The entries of nested sequences and arrays, in their order."""
+    """The entries of nested sequences and arrays, in order."""
     if isinstance(value, (Expression, float, int)):
         return [value]
     if value is None:
@@ -147,7 +147,7 @@ def _object_array(value: Any, name: str) -> np.ndarray:
 
 
 def probe(count: int) -> np.ndarray:
-    """Plain numbers in place of unknowns, to see what shape formulas have."""
+    """Plain numbers in place of unknowns, to determine the shape of formulas."""
     return np.array([Expression(lib.sfdae_number(1.0), None) for _ in range(count)], dtype=object)
 
 

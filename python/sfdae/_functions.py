@@ -51,7 +51,7 @@ OF_C = _functions_of_c()
 
 
 def truth(a: Any) -> Any:
-    """What numpy takes for true: a comparison that holds, and every number but 0."""
+    """The truth value as in numpy: a comparison that holds, and every number but 0."""
     if isinstance(a, Condition) or not isinstance(a, Expression):
         return a if isinstance(a, Condition) else bool(a)
     return (a < 0.0) | (a > 0.0)
@@ -167,7 +167,7 @@ def _external_erf(name: str, sign: float) -> Callable[[Any], Expression]:
     return lambda a: external(name, derivatives, a)
 
 
-# Those that numpy calls otherwise, and some that are made of others.
+# Functions with other names in numpy, and some composed of others.
 UFUNCS: dict[str, Callable[..., Any]] = {
     "add": OF_C["add"],
     "subtract": OF_C["subtract"],
@@ -270,7 +270,7 @@ def _is_recorded(value: Any) -> bool:
 
 
 def _public(name: str, ufunc: np.ufunc) -> Callable[..., Any]:
-    """A function that serves expressions, numbers and arrays of both."""
+    """A function for expressions, numbers and arrays of both."""
 
     def function(*arguments: Any) -> Any:
         if any(_is_recorded(argument) for argument in arguments):
@@ -283,7 +283,7 @@ def _public(name: str, ufunc: np.ufunc) -> Callable[..., Any]:
 
 
 def choose(condition: Any, a: Any, b: Any) -> Any:
-    """a where the condition holds, else b; the other one need not be defined. Arrays are broadcast.
+    """a if the condition holds, else b; the other one may be undefined. Arrays are broadcast.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def where(condition: Any, a: Any, b: Any) -> Any:
 
 
 def derivative(a: Any, variable: Any) -> Any:
-    """The derivative of a formula by a variable, all others held; arrays are broadcast.
+    """The derivative of a formula with respect to a variable; arrays are broadcast.
 
     ``derivative(lam * g, q)`` is the force of a constraint g(q) = 0 on the positions q.
 
@@ -308,8 +308,8 @@ def derivative(a: Any, variable: Any) -> Any:
     ----------
     a : Expression, float or array of these
     variable : Expression or array of these
-        t, unknowns or their derivatives as they were handed to the function that writes the
-        equations, or parameters.
+        t, unknowns or their derivatives as passed to the function that writes the equations, or
+        parameters.
     """
     return elementwise(OF_C["derivative"], (a, variable))
 
@@ -320,7 +320,7 @@ def time_derivative(a: Any) -> Any:
     Parameters
     ----------
     a : Expression, float or array of these
-        Without x' in it, whose derivative is no variable, and not of a MultibodyProblem.
+        Without x', whose derivative is not a variable, and not in a MultibodyProblem.
     """
     return elementwise(OF_C["time_derivative"], (a,))
 

@@ -23,8 +23,8 @@ from ._transition import Passage, Transition, _State
 
 
 class Hybrid:
-    """A system with several modes, each a problem of its own with the same unknowns, and transitions
-    between them. A mode is analyzed when it is entered first.
+    """A system with several modes, each a problem of its own with the same unknowns, and
+    transitions between them. A mode is analyzed when it is first entered.
 
     Parameters
     ----------
@@ -32,16 +32,16 @@ class Hybrid:
         Problems, or solvers, by the names of their modes.
     transitions : sequence of Transition
     switches : sequence of Switch
-        Each adds a mode, which transitions may name. Transitions are counted from 0 on, the four of
-        each switch first.
+        Each adds a mode, to which transitions may refer. Transitions are counted from 0 on, the
+        four of each switch first.
     **options
-        Of the solvers of modes that are given as problems. max_steps limits the steps that a call
-        attempts between two transitions.
+        Options of the solvers of modes that are given as problems. max_steps limits the attempted
+        steps of a call between two transitions.
 
     Raises
     ------
     Error
-        ``ILLEGAL_ARGUMENT`` with what is wrong in the message.
+        ``ILLEGAL_ARGUMENT`` with the reason in the message.
     """
 
     def __init__(
@@ -170,19 +170,19 @@ class Hybrid:
 
     @property
     def message(self) -> str:
-        """What the last call had to say; what a solver says begins with its mode."""
+        """Message of the last call; a message of a solver begins with its mode."""
         text = ffi.string(lib.sfdae_get_hybrid_message(self._box[0]))
         return self._problem.with_names(text.decode(errors="replace"))
 
     def request_stop(self) -> None:
-        """Stops the call that is running, or else the next one; any thread may do so."""
+        """Stops the current call, or else the next one; any thread may call it."""
         lib.sfdae_request_stop_hybrid(self._box[0])
 
     # ---- Integration -----------------------------------------------------------------------------
 
     def start(self, mode: str, t: float, x: Any, toward: float) -> Point:
-        """Starts at (t, x) in a mode; the consistent values, of the mode reached if a condition of
-        that mode holds there.
+        """Starts at (t, x) in a mode and returns the consistent values, in the mode reached if a
+        condition of that mode holds there.
         """
         values = self._problem.values(x, "x")
         xdot = np.zeros_like(values)
@@ -198,7 +198,7 @@ class Hybrid:
         Raises
         ------
         Error
-            ``ZENO`` where transitions accumulate, see accumulation; error.point is the one reached.
+            ``ZENO`` if transitions accumulate, see accumulation; error.point is the one reached.
         """
         return self._point(lib.sfdae_advance_hybrid, tout)
 
@@ -209,7 +209,8 @@ class Hybrid:
         return self._point(lib.sfdae_advance_to_transition, tout)
 
     def record(self, solution: RecordedSolution | None) -> None:
-        """From now on all accepted steps in all modes go to the solution; None: no more."""
+        """Records all following accepted steps in all modes in the solution; None: stops recording.
+        """
         self._call(lib.sfdae_record_hybrid, ffi.NULL if solution is None else solution._box[0])
 
     # ---- Sensitivities ---------------------------------------------------------------------------
@@ -223,15 +224,15 @@ class Hybrid:
         adjoint: bool = False,
         max_kept_steps: int = 0,
     ) -> None:
-        """Asks for derivatives of the solution from the next start() on, over all modes and
+        """Requests derivatives of the solution from the next start() on, over all modes and
         transitions: see Solver.set_sensitivities. The names are those of parameters of some mode,
-        or of unknowns: then by their start values. None: no sensitivities any more.
+        or of unknowns, for their start values. None: no sensitivities.
 
         Raises
         ------
         ValueError
-            For a parameter of conditions, guards or jumps, which may depend on parameters through x
-            alone.
+            For a parameter of conditions, guards or jumps, which may depend on parameters only
+            through x.
         """
         for state in self._states:
             if isinstance(state, _State):
@@ -243,8 +244,8 @@ class Hybrid:
         self._num_sensitivities = request.count
 
     def sensitivities(self, t: float, slopes: bool = True) -> tuple[np.ndarray, np.ndarray | None]:
-        """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last
-        step; after a transition at t, those after it. slopes: whether S' is wanted; else None.
+        """S = dx/dp and S' at t, n x p each, at the time returned by the last call or within the
+        last step; after a transition at t, those after it. slopes: False: None instead of S'.
         """
         shape = (max(self._num_sensitivities, 1), self._problem.num_unknowns)
         S, Sdot = np.empty(shape), np.empty(shape) if slopes else None
@@ -265,8 +266,8 @@ class Hybrid:
 
     def gradient(self, t: Any, weights: Any) -> np.ndarray:
         """Gradients of functionals by the adjoint, back over all transitions and along surfaces,
-        for set_sensitivities(..., adjoint=True): see Solver.gradient. At the time of a
-        transition weights are those of x after it.
+        for set_sensitivities(..., adjoint=True): see Solver.gradient. At the time of a transition,
+        weights refer to x after it.
         """
         return _gradient(
             lambda *arguments: self._call(lib.sfdae_get_hybrid_gradient, *arguments),
@@ -279,14 +280,14 @@ class Hybrid:
 
     @property
     def mode(self) -> str:
-        """The mode that the system is in."""
+        """The current mode."""
         number = ffi.new("int*")
         self._call(lib.sfdae_get_current_mode, number)
         return self._names[number[0]]
 
     @property
     def modes(self) -> dict[str, Struct]:
-        """What was done in each mode since the start: visits, duration, steps, num_analyses,
+        """Statistics of each mode since the start: visits, duration, steps, num_analyses,
         strangeness_index (-1: not analyzed yet), differential, algebraic.
         """
         return {
@@ -296,20 +297,20 @@ class Hybrid:
 
     @property
     def num_passages(self) -> int:
-        """How many transitions have happened since the start, also before a checkpoint."""
+        """Number of transitions since the start, including those before a checkpoint."""
         count = ffi.new("long*")
         self._call(lib.sfdae_get_num_passages, count)
         return count[0]
 
     def passage(self, index: int) -> Passage:
-        """The transition that happened as number `index`, from 0 on."""
+        """The transition with number `index`, from 0 on."""
         found = filled("passage", lambda p: self._call(lib.sfdae_get_passage, index, p))._asdict()
         source, target = self._names[found.pop("from")], self._names[found.pop("to")]
         return Passage(source=source, target=target, **found)
 
     @property
     def last_jump(self) -> Jump:
-        """Values before and after the last transition, with the impulse of order 0 alone."""
+        """Values before and after the last transition, with only the impulse of order 0."""
         n = self._problem.num_unknowns
         before, after = np.empty((2, n))
         impulses = np.empty((n, 1))
@@ -358,8 +359,8 @@ class Hybrid:
     def restore_checkpoint(self, checkpoint: Any) -> None:
         """Continues from a checkpoint instead of start(), with the same modes and transitions.
 
-        They are compared, also the formulas, arrays and parameters of all modes; functions that are
-        called with numbers, such as conditions, cannot be compared: give the same ones.
+        Formulas, arrays and parameters of all modes are compared; functions that are called with
+        numbers, such as conditions, cannot be compared: pass the same ones.
         """
         values = without_numbers(checkpoint, self._numbers())
         self._call(lib.sfdae_restore_hybrid_checkpoint, _address(values), values.size)

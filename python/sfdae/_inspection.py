@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a solver knows: index analysis, report, statistics, the theory's objects, checks of
+"""Results of a solver: index analysis, report, statistics, objects of the theory, checks of
 derivatives.
 """
 
@@ -31,7 +31,7 @@ class Projectors(NamedTuple):
 
 
 class StrangenessFreeSystem(NamedTuple):
-    """E1 x' = A1 x + f1, 0 = A2 x + f2, or that of changes; see sfdae_get_strangeness_free."""
+    """E1 x' = A1 x + f1, 0 = A2 x + f2, or that for changes; see sfdae_get_strangeness_free."""
 
     E1: np.ndarray
     A1: np.ndarray
@@ -69,11 +69,11 @@ class ConditionSwitch(NamedTuple):
     Attributes
     ----------
     t : float
-        The zero of the condition: located, or where a line within the step leads through it.
+        The zero of the condition: located, or from linear interpolation within the step.
     condition : str
         ``"sin(t) - x[0] > 0"``, as text of C.
     before, after : float
-        Branches: 1 if the condition is met, else 0; the integer of a floor or remainder of t; the
+        Branches: 1 if the condition holds, else 0; the integer of a floor or remainder of t; the
         number of knots of a table of t up to there.
     jumps : bool
         Differential unknowns jump there, by impulses.
@@ -95,9 +95,7 @@ def _address(array: np.ndarray | None) -> Any:
 
 
 class Inspection:
-    """The part of a solver that answers questions. Structs have the members that the headers
-    explain.
-    """
+    """The part of a solver that returns results. The headers explain the members of structs."""
 
     problem: Any
     _call: Callable[..., int]
@@ -129,23 +127,23 @@ class Inspection:
 
     @property
     def change(self) -> Struct:
-        """Where the characteristic values changed, after ``CHARACTERISTICS_CHANGED``."""
+        """The place of the last ``CHARACTERISTICS_CHANGED``."""
         return self._filled("change", lib.sfdae_get_change)
 
     @property
     def initial_report(self) -> Struct:
-        """What the last start() or make_consistent() did to the initial values."""
+        """Changes of the initial values by the last start() or make_consistent()."""
         return self._filled("initial_report", lib.sfdae_get_initial_report)
 
     @property
     def statistics(self) -> Struct:
-        """Counts and step sizes of the integration under way."""
+        """Counts and step sizes of the current integration."""
         return self._filled("statistics", lib.sfdae_get_statistics)
 
     @property
     def switches(self) -> list[ConditionSwitch]:
         """Switches of conditions that the integration has passed since start() or
-        restore_checkpoint(), in the order of time.
+        restore_checkpoint(), ordered by time.
         """
         count = ffi.new("long*")
         self._call(lib.sfdae_get_num_switches, count)
@@ -186,7 +184,7 @@ class Inspection:
         Parameters
         ----------
         name
-            What its functions begin with: letters, digits and underscores, a letter first.
+            Prefix of its function names: letters, digits and underscores, beginning with a letter.
         language
             "c" (C99) or "fortran" (a module of Fortran 2008).
         """
@@ -206,20 +204,20 @@ class Inspection:
         Returns
         -------
         float
-            The smallest relative change of the data that gives other characteristic values, about;
-            at most 1.
+            The approximate smallest relative change of the data that changes the characteristic
+            values; at most 1.
         """
         distance = ffi.new("double*")
         self._call(lib.sfdae_certify, distance)
         return distance[0]
 
     def structure(self) -> Structure:
-        """What follows from which unknowns recorded equations contain, and whether numbers agree.
+        """Structural analysis of recorded equations and its numerical confirmation.
 
         Returns
         -------
         Structure
-            Of as many equations as unknowns.
+            For square systems.
         """
         n = self.problem.num_unknowns
         arrays = [np.zeros(n, dtype=np.intc) for _ in range(4)]
@@ -235,8 +233,8 @@ class Inspection:
     # ---- The theory's objects --------------------------------------------------------------------
 
     def jet(self, t: float, level: int, x: Any = None) -> np.ndarray:
-        """x and its derivatives x', ..., x^(level+1) with F and its derivatives zero, n x (level +
-        2).
+        """The derivatives x, x', ..., x^(level+1) for which F and its derivatives vanish, n x
+        (level + 2).
 
         Parameters
         ----------
@@ -276,8 +274,8 @@ class Inspection:
     def projectors(self, t: float, jet: Any = None, with_array: bool = True) -> Projectors:
         """Z1, Z2, Z3 and T2 at t, or at a jet, n x (mu + 2).
 
-        With with_array=False Z2 and Z3 are None: callbacks of mechanical systems have no derivative
-        array.
+        If with_array is False, Z2 and Z3 are None: callbacks of mechanical systems have no
+        derivative array.
         """
         c = self.characteristics
         m, n = self.problem.num_equations, self.problem.num_unknowns
@@ -297,7 +295,7 @@ class Inspection:
         return Projectors(Z1, Z2, Z3, T2)
 
     def strangeness_free_system(self, t: float, jet: Any = None) -> StrangenessFreeSystem:
-        """The strangeness-free system at t, or for changes of a jet, n x (mu + 2), of mechanical
+        """The strangeness-free system at t, or for changes of a jet, n x (mu + 2), for mechanical
         systems n x 2.
         """
         c = self.characteristics
@@ -336,15 +334,15 @@ class Inspection:
     # ---- Checks of derivatives -------------------------------------------------------------------
 
     def check_derivatives(self, t: float, max_order: int, jet: Any = None) -> Struct:
-        """Compares derivatives that callbacks supply with differences; the worst mismatch.
+        """Compares derivatives from callbacks with finite differences; returns the worst mismatch.
 
         Parameters
         ----------
         t : float
         max_order : int
-            Highest order that is compared.
+            Highest order to be compared.
         jet : array_like, optional
-            For total_derivative: n x (max_order + 2), best without zeros.
+            For total_derivative: n x (max_order + 2), preferably without zeros.
         """
         if self.problem.kind == "linear":
             return filled(
@@ -362,7 +360,7 @@ class Inspection:
         )
 
     def check_multibody_derivatives(self, t: float, q: Any, v: Any) -> Struct:
-        """Compares derivatives of constraints that callbacks supply with differences near (t, q,
+        """Compares derivatives of constraints from callbacks with finite differences near (t, q,
         v).
         """
         positions, velocities = np.array(q, dtype=float, ndmin=1), np.array(v, dtype=float, ndmin=1)

@@ -28,9 +28,9 @@ class LinearProblem(HasConditions, Matrices, Problem):
     E, A : array_like or callable
         m x n.
     f : array_like or callable, optional
-        m entries, 0 if it is not given.
+        m entries; 0 by default.
     num_equations, num_unknowns : int, optional
-        Needed where neither E nor A is an array; m is n if it is not given.
+        Required if neither E nor A is an array; m is n by default.
     names, units, equation_names, parameters, prescribed
         As for NonlinearProblem.
     E_pattern, A_pattern : pair of array_like, optional
@@ -92,7 +92,7 @@ class LinearProblem(HasConditions, Matrices, Problem):
         self.parameters = parameter_values([functions[name] for name in formulas], parameters)
         self._set_conditions(conditions)
         if self.conditions and self.kind != "linear":
-            raise TypeError("conditions are for functions of (t, order): those of formulas are known")
+            raise TypeError("conditions are for functions of (t, order)")
         self._set_prescribed(prescribed)
 
     def _shape(

@@ -26,8 +26,8 @@ def _doubles(array: np.ndarray | None) -> Any:
 
 
 class Spectrum(NamedTuple):
-    """Finite eigenvalues of a pencil, sorted by size, with estimates of their absolute errors, and
-    what else is known of it: num_infinite, strangeness_index, ...; see sfdae_get_poles.
+    """Finite eigenvalues of a pencil, sorted by size, with estimates of their absolute errors and
+    other properties: num_infinite, strangeness_index, ...; see sfdae_get_poles.
     """
 
     values: np.ndarray
@@ -36,8 +36,8 @@ class Spectrum(NamedTuple):
 
 
 class Descriptor:
-    """A descriptor system: E x' = A x + B u, y = C x + D u. Solver.linearize makes them of problems;
-    this makes one of matrices. E may be singular, of any index.
+    """A descriptor system: E x' = A x + B u, y = C x + D u. Solver.linearize derives them from
+    problems; this class constructs one from matrices. E may be singular, of any index.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ class Descriptor:
     B, C, D : array_like, optional
         m x q, p x n, p x q; by default there are no inputs, no outputs, and D is 0.
     rank_tol : float, optional
-        As of the options, for poles and zeros.
+        As in the options, for poles and zeros.
 
     Raises
     ------
     ValueError
-        For shapes that do not fit.
+        For shapes that do not match.
     Error
         ``ILLEGAL_ARGUMENT`` for numbers that are not finite.
     """
@@ -142,13 +142,13 @@ class Descriptor:
         return Spectrum(parts[0, :count] + 1j * parts[1, :count], parts[2, :count], members(struct))
 
     def poles(self) -> Spectrum:
-        """The finite eigenvalues of lambda E - A; how many are infinite is in the summary.
+        """The finite eigenvalues of lambda E - A; the summary has the number of infinite ones.
 
         Raises
         ------
         Error
             ``SINGULAR`` for a singular pencil, ``RANK_UNCLEAR``, ``INDEX_TOO_HIGH``,
-            ``CHARACTERISTICS_CHANGED`` where solutions have another number of modes.
+            ``CHARACTERISTICS_CHANGED`` if solutions have another number of modes.
         """
         return self._spectrum(lib.sfdae_get_poles)
 
@@ -216,20 +216,20 @@ class Linearizing:
         xdot : array_like, optional
             n values; by default those of the solution through x.
         input_parameters : sequence of str
-            Named parameters that are inputs, first of all inputs.
+            Named parameters that are inputs, before all other inputs.
         input_unknowns : sequence of int or str
             Unknowns that are inputs: one more equation each.
         input_columns : array_like, optional
             m x k right-hand sides.
         output_unknowns : sequence of int or str
-            Unknowns that are outputs, first of all outputs.
+            Unknowns that are outputs, before all other outputs.
         output_rows : array_like, optional
             k x n combinations of unknowns.
 
         Returns
         -------
         Descriptor
-            It belongs to no solver, and stays as it is.
+            It does not depend on the solver and does not change with it.
         """
         m, n = self.problem.num_equations, self.problem.num_unknowns
         c = prepared("linearization")

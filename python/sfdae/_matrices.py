@@ -15,7 +15,7 @@ MATRICES = ("dense", "compressed", "differences")  # in the order of SFDAE_MATRI
 
 
 class Matrices:
-    """Of a problem: the patterns of its matrices by name, and what functions return for them."""
+    """Patterns of the matrices of a problem by name, and the format that functions return."""
 
     num_equations: int | None
     num_unknowns: int
@@ -32,7 +32,7 @@ class Matrices:
         self.matrices = matrices
 
     def matrix_shape(self, name: str) -> tuple[int, ...]:
-        """Shape of what functions return as the matrix of this name: m x n, or the entries."""
+        """Shape of the matrix of this name as returned by functions: m x n, or the entries."""
         if self.matrices == "dense":
             return (int(self.num_equations or 0), self.num_unknowns)
         return (len(self.patterns[name][1]),)
@@ -92,8 +92,8 @@ def coefficient(name: str, given: Any, dimension: int, parameters: Mapping[str, 
 
 
 def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(col_start, row_index) of n columns, as they are or of a matrix; the library says what else is
-    wrong with it.
+    """(col_start, row_index) of n columns, as given or from a matrix; the library reports other
+    errors in it.
     """
     if hasattr(given, "tocsc"):
         matrix = given.tocsc()

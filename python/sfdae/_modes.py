@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Modes: breakpoints of data, and what is kept when equations change."""
+"""Modes: breakpoints of data, and transfer of values when equations change."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _address(array: np.ndarray | None) -> Any:
 
 
 class Modes:
-    """The part of a solver that switches."""
+    """The part of a solver that handles breakpoints and jumps."""
 
     problem: Any
     _call: Callable[..., int]
@@ -47,10 +47,10 @@ class Modes:
         Parameters
         ----------
         times : sequence of float
-            Increasing; none: no breakpoints any more.
+            Increasing; none: no breakpoints.
         kinds : str or sequence of str
-            "kink": what is differentiated goes on continuously; "jump": x may jump, and values
-            are found by impulses of the equations, as by jump(). One for all, or one for each.
+            "kink": differential variables remain continuous; "jump": x may jump, and values are
+            computed from impulses of the equations, as in jump(). One for all, or one for each.
         """
         values = np.array(times, dtype=float, ndmin=1)
         names = [kinds] * values.size if isinstance(kinds, str) else list(kinds)
@@ -64,7 +64,7 @@ class Modes:
 
     @property
     def last_jump(self) -> Jump:
-        """The jump crossed last at a breakpoint, with the impulse of order 0 alone."""
+        """The last jump crossed at a breakpoint, with only the impulse of order 0."""
         n = self.problem.num_unknowns
         t = ffi.new("double*")
         before, after = np.empty((2, n))
@@ -75,8 +75,8 @@ class Modes:
         return Jump(t[0], before, after, impulses)
 
     def jump(self, t: float, before: Any, toward: float, orders: int = 1) -> Jump:
-        """The values with which these equations begin at t if others have led to `before`, by
-        impulses of these equations; start() with what is after goes on. See sfdae_jump.
+        """The initial values of these equations at t after other equations led to `before`, from
+        impulses of these equations; to continue, call start() with `after`. See sfdae_jump.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class Modes:
         before : array_like or mapping
             n values, or values by name.
         orders : int
-            How many impulses are wanted, of delta, delta', ...
+            Number of impulses to be computed, of delta, delta', ...
         """
         values = self.problem.values(before, "before")
         after = np.array(values)

@@ -15,8 +15,7 @@ from ._names import as_names, c_names
 from ._problem import Problem
 from ._unknowns import Watch, require_same_names
 
-# Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written
-# to.
+# Functions that can be recorded, with the members of sfdae_multibody_formulas that receive them.
 FORMULA_PLACES = {
     "mass": "M",
     "forces": "f",
@@ -39,44 +38,43 @@ class MultibodyProblem(Problem):
     lambda, kappa).
 
     The functions are called with expressions when a solver is created, and recorded; arguments
-    after t, q and v are named parameters. With ``record=False`` they are called at every point
-    with numbers, and the derivatives of the constraints have to be given, too. Each of them may be
-    an array, if it is constant; a vector in place of a square matrix is its diagonal.
+    after t, q and v are named parameters. With ``record=False`` they are called at every point with
+    numbers, and the derivatives of the constraints must be given, too. A constant function may be
+    replaced by an array; a vector in place of a square matrix is its diagonal.
 
     Parameters
     ----------
     num_positions : int
         nq.
     mass : array_like or callable, optional
-        M, nv x nv, ``mass(t, q)``; the identity if it is not given.
+        M, nv x nv, ``mass(t, q)``; by default the identity.
     forces : array_like or callable, optional
-        f, nv entries, ``forces(t, q, v)``; 0 if it is not given.
+        f, nv entries, ``forces(t, q, v)``; by default 0.
     constraints : callable, optional
         g, nl entries, ``constraints(t, q)``.
     kinematics : array_like or callable, optional
-        S, nq x nv, ``kinematics(t, q)``; the identity if it is not given.
+        S, nq x nv, ``kinematics(t, q)``; by default the identity.
     nonholonomic_matrix, nonholonomic_offset : array_like or callable, optional
         H, nk x nv, and h, nk entries, of (t, q).
     num_velocities : int, optional
-        nv; nq if it is not given.
+        nv; by default nq.
     num_constraints, num_nonholonomic : int, optional
-        nl and nk; counted if they are not given.
+        nl and nk; counted by default.
     record : bool
         False: functions of numbers, called at every point.
     constraint_jacobian, constraint_rate : array_like or callable, optional
-        With ``record=False``: g_q, nl x nq, and g_t, nl entries (0 if it is not given), of (t,
-        q).
+        With ``record=False``: g_q, nl x nq, and g_t, nl entries (by default 0), of (t, q).
     constraint_curvature, nonholonomic_curvature : array_like or callable, optional
         With ``record=False``: gamma, nl entries, and eta, nk entries, of (t, q, v), see
-        sfdae_multibody_problem; by differences if they are not given.
+        sfdae_multibody_problem; by default computed by finite differences.
     coordinates : str
         ``"orthogonal"`` or ``"permutation"``.
     constraint_names : sequence of str, optional
         For messages of the library, holonomic constraints first: "holonomic constraint 1 (length of
         the rod)"; "" for those without one.
     names, units : sequence of str, optional
-        Of all unknowns. By default ``q[0]``, ..., ``v[0]``, ..., ``lambda[0]``, ..., ``kappa[0]``,
-        ...
+        Names and units of all unknowns. By default ``q[0]``, ..., ``v[0]``, ..., ``lambda[0]``,
+        ..., ``kappa[0]``, ...
     parameters : dict, optional
         Values of named parameters that replace defaults.
     """
@@ -201,7 +199,7 @@ class MultibodyProblem(Problem):
         return result
 
     def shape(self, name: str) -> tuple[int, ...]:
-        """Shape of what a function returns."""
+        """Shape of the result of a function."""
         nq, nv, nl, nk = (
             self.num_positions,
             self.num_velocities,

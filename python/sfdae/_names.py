@@ -15,7 +15,7 @@ def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:
 
 
 def c_names(names: Sequence[str], count: int, what: str, keep: list[Any]) -> Any:
-    """Names for C, of `count` things; what they are made of is added to `keep`."""
+    """Names for C, of `count` items; the memory that they need is added to `keep`."""
     if len(names) != count:
         raise ValueError(f"there are {len(names)} names for {count} {what}")
     texts = [ffi.new("char[]", name.encode()) for name in names]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions of numpy that need code of their own for expressions: those that decide by values, or
-that make arrays of numbers inside.
+"""numpy functions with special implementations for expressions: those that decide by values, or
+that create arrays of numbers internally.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _round(a: Any, decimals: int = 0, out: Any = None) -> Any:
 def _interp(
     x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None, period: Any = None
 ) -> Any:
-    """Hat functions where the values are expressions, else a table of degree 1."""
+    """Hat functions if the values are expressions, else a table of degree 1."""
     values = as_array(fp)
     if _is_recorded(values):
         return sum(
@@ -124,7 +124,7 @@ def _gradient(f: Any, *spacing: Any, axis: Any = None, edge_order: int = 1) -> A
 
 
 def _rows(matrix: Any) -> Iterable[tuple[Sequence[int], Sequence[Any]]] | None:
-    """Columns and values of the entries that are not zero, row by row, of a matrix of numbers."""
+    """Columns and values of the nonzero entries, row by row, of a matrix of numbers."""
     if hasattr(matrix, "tocsr"):  # scipy.sparse
         matrix = matrix.tocsr()
         ends = list(zip(matrix.indptr[:-1], matrix.indptr[1:]))
@@ -145,7 +145,7 @@ def _times_vector(rows: Iterable[tuple[Sequence[int], Sequence[Any]]], x: np.nda
 
 
 def matmul(a: Any, b: Any, out: Any = None) -> Any:
-    """a @ b. Zeros of matrices of numbers, also of scipy.sparse, are left out."""
+    """a @ b. Zeros in matrices of numbers, including scipy.sparse, are skipped."""
     a, b = plain(a), plain(b)
     for first, second in ((a, b), (b, a)):
         if isinstance(second, np.ndarray) and second.ndim == 0 or np.isscalar(second):
@@ -172,7 +172,7 @@ def _dot(a: Any, b: Any, out: Any = None) -> Any:
 
 
 def _einsum(subscripts: str, *operands: Any, **kwargs: Any) -> Any:
-    """All operands in the space of all letters, multiplied, and summed over those left out."""
+    """All operands in the space of all letters, multiplied, and summed over omitted letters."""
     if not isinstance(subscripts, str) or "." in subscripts:
         raise TypeError("np.einsum of expressions needs letters, as in np.einsum('ij,j->i', A, x)")
     text = subscripts.replace(" ", "")

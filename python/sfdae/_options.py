@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options by name, as sfdae_options has them."""
+"""Options by name, as in sfdae_options."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ._problem import Problem
 from ._unknowns import by_name
 
 _FIELDS = dict(ffi.typeof("sfdae_options").fields)
-# Set otherwise: by the solver, and by arrays given for rtol and atol.
+# Set elsewhere: by the solver, and by arrays given for rtol and atol.
 _NOT_GIVEN = {"size", "monitor", "monitor_user", "rtol_vector", "atol_vector"}
 #: Names of all options.
 OPTION_NAMES = tuple(name for name in _FIELDS if name not in _NOT_GIVEN)
 
 
-# The headers have other constants that begin as those of these options.
+# Other constants in the headers begin like those of these options.
 _CHOICES = {
     "structure": ("off", "automatic", "required"),
     "conditions": ("smooth", "events"),
@@ -29,9 +29,7 @@ _CHOICES = {
 
 @functools.lru_cache(maxsize=None)
 def choices(option: str) -> dict[str, int]:
-    """The constants SFDAE_<OPTION>_<CHOICE> of the headers, in lower case, of an option that is a
-    choice.
-    """
+    """The constants SFDAE_<OPTION>_<CHOICE> of an option in the headers, in lower case."""
     prefix = f"SFDAE_{option.split('_')[0].upper()}_"
     found = {
         name.removeprefix(prefix).lower(): getattr(lib, name)
@@ -42,8 +40,7 @@ def choices(option: str) -> dict[str, int]:
 
 
 def constant(option: str, value: Any) -> int:
-    """The number of a choice that is given by its name, such as ``"radau"`` for method, or by its
-    number.
+    """The number of a choice given by its name, such as ``"radau"`` for method, or by its number.
 
     Raises
     ------
@@ -59,7 +56,7 @@ def constant(option: str, value: Any) -> int:
 
 
 def check_names(options: Iterable[str]) -> None:
-    """TypeError, with the nearest name that there is, for an option that there is not."""
+    """TypeError for an unknown option, with the most similar name."""
     for name in options:
         if name not in OPTION_NAMES:
             nearest = difflib.get_close_matches(name, OPTION_NAMES, n=1)
@@ -77,8 +74,7 @@ def c_options(problem: Problem, options: Mapping[str, Any], keep: list[Any]) -> 
     Raises
     ------
     TypeError, ValueError, KeyError
-        For names, choices, shapes and unknowns that there are not; ranges are checked by the
-        library.
+        For unknown names, choices and unknowns, and wrong shapes; the library checks ranges.
     """
     check_names(options)
     c = ffi.new("sfdae_options*")

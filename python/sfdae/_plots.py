@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures, by matplotlib."""
+"""Plots by matplotlib."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Sequence
 
 import numpy as np
 
-_POINTS_PER_STEP = 8  # of dense output in a picture
+_POINTS_PER_STEP = 8  # of dense output in a plot
 _MOST_POINTS = 20000
 
 
@@ -19,7 +19,7 @@ def _new_axes(count: int = 1) -> Any:
 
 
 def _curve(solution: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values to draw: of dense output, if there is one, between the outputs."""
+    """Times and values to draw: of dense output if available, between the outputs."""
     t = solution.t
     if solution.dense is None or solution.dense.is_empty or t.size < 2:
         return t, solution.x
@@ -90,7 +90,7 @@ def plot_decisions(report: Any, ax: Any) -> Any:
     axis = _new_axes()[0] if ax is None else ax
     decisions = report.decisions
     number = np.arange(1, len(decisions) + 1)
-    floor = 1e-17  # zeros are drawn there, below all rounding errors
+    floor = 1e-17  # zeros are drawn at this value, below all rounding errors
     for member, marker, color, label in (
         ("kept", "^", "C0", "smallest kept"),
         ("dropped", "v", "C3", "largest dropped"),
@@ -118,7 +118,7 @@ def plot_decisions(report: Any, ax: Any) -> Any:
 
 
 def _is_there(decision: Any, member: str) -> bool:
-    """Nothing is kept where the rank is 0, nothing dropped where it is full."""
+    """True if the member exists: nothing is kept if the rank is 0, or dropped if it is full."""
     if member == "kept":
         return decision.rank > 0
     if member == "dropped":

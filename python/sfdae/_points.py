@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Points of a solution, and what monitors get to see."""
+"""Points of a solution, and arguments of monitors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Point(NamedTuple):
     status : Status
         ``OK``, or a warning of the call that returned the point.
     message : str
-        What the call had to say.
+        Message of the call.
     """
 
     t: float
@@ -33,8 +33,8 @@ class Point(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """What a monitor gets after every accepted step: t, signed step size, order, number of steps, x
-    (n values).
+    """The argument of a monitor, after every accepted step: t, signed step size, order, number of
+    steps, x (n values).
     """
 
     t: float

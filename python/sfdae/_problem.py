@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Problems: what all have in common, and nonlinear ones."""
+"""Problems: their common part, and nonlinear problems."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ._status import CannotEvaluate
 from ._types import Values
 from ._unknowns import Watch, by_name, require_confirmed, require_same_names
 
-_MOST_UNKNOWNS = 50_000  # of the library, which says it when a solver is created
+_MOST_UNKNOWNS = 50_000  # limit of the library, which checks it when a solver is created
 
 _MISSING_ORDER = "Provide it, or set the option difference_derivatives."
 _NOT_RECORDED = (
@@ -32,16 +32,16 @@ Prescribed = Mapping[Union[str, int], Callable[[float], float]]
 
 
 class Problem:
-    """What all problems have: sizes, names and units of the unknowns, parameters.
+    """The common part of all problems: sizes, names and units of the unknowns, parameters.
 
     Attributes
     ----------
     kind : str
-        ``"linear"``, ``"nonlinear"`` or ``"multibody"``: the interface of C that it is solved with.
+        ``"linear"``, ``"nonlinear"`` or ``"multibody"``: the C interface that solves it.
     num_equations, num_unknowns : int
-        m and n. num_equations may be None until a solver has been created: it is then counted.
+        m and n. num_equations may be None until it is counted when a solver is created.
     names : tuple of str
-        Of the unknowns, by default ``x[0]``, ``x[1]``, ...
+        Names of the unknowns, by default ``x[0]``, ``x[1]``, ...
     units : dict
         Units by name, for plots.
     parameters : dict
@@ -60,7 +60,7 @@ class Problem:
         names: Sequence[str] | None,
         units: Mapping[str, str] | Sequence[str] | None,
     ) -> None:
-        if count > _MOST_UNKNOWNS:  # before as many names are made
+        if count > _MOST_UNKNOWNS:  # before creating this many names
             raise ValueError(f"{count} unknowns are too many: at most {_MOST_UNKNOWNS}")
         self._has_names = names is not None
         if names is None:
@@ -83,12 +83,12 @@ class Problem:
                 self.index(name)
 
     def index(self, unknown: str | int) -> int:
-        """Index of an unknown that is given by its name or its index.
+        """Index of an unknown given by its name or its index.
 
         Raises
         ------
         KeyError
-            For a name that there is not.
+            For an unknown name.
         IndexError
             For an index out of range.
         """
@@ -112,7 +112,7 @@ class Problem:
             n numbers, or values by name or index, also a Series of pandas; all others have the
             value, or values, `missing`.
         name : str
-            What they are, for messages.
+            Description of the values, for messages.
         """
         given = by_name(given)
         if isinstance(given, Mapping):
@@ -166,7 +166,7 @@ class Problem:
             c.prescribed_values = getattr(lib, f"python_{self.kind}_problem_prescribed_values")
 
     def _c_problem(self, keep: list[Any]) -> Any:
-        """The struct of C without `user`; what it points to is added to `keep`."""
+        """The struct of C without `user`; memory that it points to is added to `keep`."""
         c = ffi.new(f"sfdae_{self.kind}_problem*")
         getattr(lib, f"sfdae_{self.kind}_problem_init")(c, ffi.sizeof(c[0]))
         self._fill(c, keep)
@@ -176,8 +176,8 @@ class Problem:
         raise NotImplementedError
 
     def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Numbers that belong to the problem and that the library does not know, by their names:
-        what checkpoints compare. values: of the parameters.
+        """Numbers of the problem, by name, that only Python knows; checkpoints compare them.
+        values: of the parameters.
         """
         return {}
 
@@ -197,14 +197,14 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         xdot, g=9.81)``. A fourth argument called ``res`` or ``out`` is an array that takes the
         residuals: ``def F(t, x, xdot, res)``.
     num_unknowns : int, optional
-        n; not needed where names are given.
+        n; not required if names are given.
     names, units : sequence of str, optional
-        Of the unknowns. units may be a dictionary by name, with ``"t"`` for the time.
+        Names and units of the unknowns. units may be a dict by name, with ``"t"`` for the time.
     equation_names : sequence of str, optional
         m names for messages of the library, which then say "equation 7 (balance of mass)"; "" for
         equations without one.
     num_equations : int, optional
-        m; counted if it is not given.
+        m; counted by default.
     parameters : dict, optional
         Values of named parameters that replace defaults; an array makes an array of parameters.
     total_derivative : callable, optional
@@ -212,7 +212,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         total derivative of this order of F along a jet, or if jacobians is true ``(F, F_x,
         F_xdot)``, total derivatives of F (m) and of its Jacobians (m x n); None if the order is not
         available. derivatives: n x (order + 2), column k is the k-th derivative of x. num_equations
-        is then n if it is not given.
+        is then n by default.
     mass : float, array_like, matrix of scipy.sparse, or callable, optional
         M of M x' = f(t, x), m x n, a diagonal, a number, or a function ``M(t)`` or ``M(t, x)``; the
         equations are then ``f(t, x, ...)``. Further arguments of M are named parameters, too.
@@ -225,19 +225,19 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
         They have no parameters of the equations.
     differentiations : sequence of int, optional
-        How often each equation is differentiated at most; see sfdae_nonlinear_problem.
+        Maximum number of differentiations of each equation; see sfdae_nonlinear_problem.
     F_x_pattern, F_xdot_pattern : pair of array_like, numpy.ndarray or scipy.sparse matrix, optional
         For total_derivative or record=False: sparsity by compressed columns, ``(col_start,
-        row_index)`` with n + 1 numbers and as many rows as there are entries, from 0, or an m x n
-        matrix that is not zero at these entries: both matrices or none.
+        row_index)`` with n + 1 numbers and one row per entry, from 0, or an m x n matrix that is
+        nonzero at these entries: both matrices or none.
     matrices : {"dense", "compressed", "differences"}, optional
-        What total_derivative returns as F_x and F_xdot. "compressed": the entries in the order of
-        the pattern; "differences": nothing, jacobians is false then, and they are differences of F.
+        Format of F_x and F_xdot from total_derivative. "compressed": the entries in the order of
+        the pattern; "differences": finite differences of F are used, and jacobians is always false.
     conditions : callable or sequence of callable, optional
-        For total_derivative or record=False: functions ``g(t, x)`` or ``g(t, x, xdot)``, events
-        then as conditions in recorded equations are. The equations compare nothing themselves but
-        read ``branches``, an argument of this name with record=False (an array of bool) or the
-        attribute: ``branches[k]`` is true where g_k > 0, or is held a little beyond the zero.
+        For total_derivative or record=False: functions ``g(t, x)`` or ``g(t, x, xdot)``, which are
+        events as conditions in recorded equations are. The equations do not compare values but read
+        ``branches``, an argument of this name with record=False (an array of bool) or the
+        attribute: ``branches[k]`` is true if g_k > 0, or is held slightly beyond the zero.
     """
 
     kind = "nonlinear"
@@ -274,7 +274,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         if (equations is None) == (total_derivative is None):
             raise TypeError("either equations or total_derivative is needed")
         self.records = bool(record) or equations is None
-        if not self.records:  # a comparison of differences with differences
+        if not self.records:  # else finite differences would be compared with themselves
             self.default_options = {"check_derivatives": 0}
         self._counts = num_equations is None and equations is not None
         self.num_equations = self.num_unknowns if num_equations is None else int(num_equations)
@@ -284,7 +284,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         self.total_derivative = total_derivative
         self._set_conditions(conditions)
         if self.conditions and self.equations is not None and self.records:
-            raise TypeError("conditions are for functions that are called with numbers: record=False")
+            raise TypeError("conditions are for functions called with numbers: record=False")
         self._set_parameters(parameters)
         self._must_confirm_names = False  # they were read from the equations
         self._has_checked_names = False
@@ -304,7 +304,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         self.parameters.pop(BRANCHES if own else "", None)
 
     def residual(self, t: float, x: Values, xdot: Values, **parameters: Any) -> np.ndarray:
-        """F(t, x, x') for numbers: the function that writes the equations, evaluated.
+        """Evaluates F(t, x, x') for numbers with the function that writes the equations.
 
         Parameters
         ----------
@@ -349,7 +349,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         return result
 
     def with_names(self, text: str) -> str:
-        """A message of the library; what it says of missing derivatives fits record=False."""
+        """A message of the library; remarks on missing derivatives are adapted to record=False."""
         if not self.records:
             text = text.replace(_MISSING_ORDER, _NOT_RECORDED)
         return super().with_names(text)
@@ -357,7 +357,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
     def _derivative_of_numbers(
         self, t: float, order: int, jet: np.ndarray, values: Mapping[str, Any]
     ) -> np.ndarray | None:
-        """The total derivative of equations that are not recorded: of order 0 alone."""
+        """The total derivative of equations that are not recorded: only order 0."""
         if order > 0:
             return None
         if self._takes_branches:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A progress bar: time reached, step size and order; by tqdm if it is there."""
+"""A progress bar: time reached, step size and order; by tqdm if installed."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import sys
 import time
 from typing import Any, Callable, TextIO
 
-_INTERVAL = 0.1  # seconds between two updates: what a reader can follow
+_INTERVAL = 0.1  # seconds between two updates: as fast as one can read
 
 
 class ProgressBar:
-    """Shows how far an integration from t0 to t1 has come, on standard error by default."""
+    """Shows the progress of an integration from t0 to t1, on standard error by default."""
 
     def __init__(self, t0: float, t1: float, file: TextIO | None = None) -> None:
         self._t0, self._length = t0, t1 - t0
@@ -28,7 +28,7 @@ class ProgressBar:
         self._bar = tqdm(total=100.0, file=self._file, unit="%", bar_format=layout, leave=True)
 
     def watch(self, monitor: Callable[[Any], Any] | None) -> Callable[[Any], Any]:
-        """A monitor that updates the bar, and then asks the user's."""
+        """A monitor that updates the bar, and then calls the user's."""
 
         def after_step(progress: Any) -> Any:
             self.update(progress.t, progress.step, progress.order)
@@ -44,7 +44,7 @@ class ProgressBar:
             self._draw(t, f"t={t:.6g}, step={abs(step):.2g}, order={order}")
 
     def close(self, t: float, steps: int) -> None:
-        """Shows where the integration ended."""
+        """Shows the end of the integration."""
         self._draw(t, f"t={t:.6g}, {steps} steps")
         if self._bar is not None:
             self._bar.close()

@@ -17,11 +17,11 @@ def _checked(status: int, what: str) -> None:
 
 
 class RecordedSolution:
-    """The solution over a whole run, at any time: what ``sol(t)`` of sfdae.solve evaluates, or what
-    Solver.record recorded. Polynomials for all steps, which can be saved and loaded.
+    """The solution over a whole run, at any time: evaluated by ``sol(t)`` of sfdae.solve, or
+    recorded by Solver.record. Polynomials for all steps, which can be saved and loaded.
 
-    They agree to a third of the tolerances with what the integrator interpolates, whose own error
-    is up to half a tolerance, where the solution has no jumps and kinks within steps.
+    They agree to a third of the tolerances with the integrator's interpolation, whose own error is
+    up to half a tolerance, if the solution has no jumps and kinks within steps.
     """
 
     def __init__(self) -> None:
@@ -46,18 +46,18 @@ class RecordedSolution:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing was recorded."""
+        """True if nothing was recorded."""
         null = ffi.NULL
         return lib.sfdae_get_solution_range(self._box[0], null, null, null) < 0
 
     @property
     def start(self) -> float:
-        """Where the recording began."""
+        """The start of the recording."""
         return self._range()[1]
 
     @property
     def end(self) -> float:
-        """The end of the last step, or where the solution was cut."""
+        """The end of the last step, or of the part that was not cut."""
         return self._range()[2]
 
     @property
@@ -72,23 +72,23 @@ class RecordedSolution:
 
     @property
     def accuracy(self) -> float:
-        """The largest difference to the integrator's own values that is to be expected, in units of
-        rtol |x| + atol. Large where the solution has jumps or kinks within a step.
+        """The largest expected difference to the integrator's own values, in units of rtol |x| +
+        atol. Large if the solution has jumps or kinks within a step.
         """
         return self._accuracy()[0]
 
     @property
     def worst_t(self) -> float:
-        """The beginning of the part of a step where that is."""
+        """The beginning of the part of a step with the largest difference."""
         return self._accuracy()[1]
 
     def cut(self, t: float) -> None:
-        """Forgets what was recorded after t.
+        """Discards the recording after t.
 
         Raises
         ------
         ValueError
-            For a time outside of what was recorded.
+            For a time outside the recording.
         """
         n, start, end = self._range()
         if lib.sfdae_cut_solution(self._box[0], t) < 0:
@@ -117,8 +117,8 @@ class RecordedSolution:
         return values[part, 0].copy() if times.ndim == 0 else values[part].T.copy()
 
     def __call__(self, t: Any) -> np.ndarray:
-        """x at a time, shape (n,), or at N times in any order, shape (n, N). Where the run was
-        started anew, by the action of an event, say, these are the values after it.
+        """x at a time, shape (n,), or at N times in any order, shape (n, N). At a restart, for
+        example by the action of an event, these are the values after it.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class RecordedSolution:
         return self._evaluate(t, 1)
 
     def save(self) -> np.ndarray:
-        """All of it as numbers, for ``np.save`` and the like."""
+        """The solution as an array of numbers, for ``np.save`` and similar functions."""
         length = ffi.new("size_t*")
         _checked(lib.sfdae_get_solution_length(self._box[0], length), "out of memory")
         values = np.empty(length[0])
@@ -146,12 +146,12 @@ class RecordedSolution:
 
     @classmethod
     def load(cls, values: Any) -> RecordedSolution:
-        """What was saved.
+        """Restores a saved solution.
 
         Raises
         ------
         Error
-            If the numbers are damaged or something else.
+            If the numbers are damaged or not a solution.
         """
         array = np.ascontiguousarray(values, dtype=float).ravel()
         solution = cls()

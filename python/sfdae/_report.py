@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is known of a run: index analysis, initial values, statistics."""
+"""Reports on a run: index analysis, initial values, statistics."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Report:
         Every rank decision: t, level, stage, what, rows, columns, rank, kept, dropped, noise,
         threshold, gap, verdict.
     initial : Struct or None
-        What was done to the initial values: residual_before, residual_after, largest_change,
-        component, ...
+        Changes of the initial values: residual_before, residual_after, largest_change, component,
+        ...
     statistics : Struct or None
         steps, reductions, factorizations, evaluations, ...
     multibody : Struct or None
-        Of mechanical systems: redundant, degrees_of_freedom, condition, ...
+        For mechanical systems: redundant, degrees_of_freedom, condition, ...
     names : tuple of str
-        Of the unknowns.
+        Names of the unknowns.
     """
 
     def __init__(self, solver: Any) -> None:
@@ -74,7 +74,7 @@ class Report:
 
 
 def _or_none(function: Callable[[], Any]) -> Any:
-    """None where the library does not know yet, as before an analysis."""
+    """None if the result is not available yet, as before an analysis."""
     try:
         return function()
     except Error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One integration from start to end, with what is collected along the way."""
+"""One integration from start to end, with the collection of its results."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ._recorded_solution import RecordedSolution
 from ._solver import Solver
 from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
 
-_log = logging.getLogger("sfdae")  # level INFO: notes as they come, events, the end
+_log = logging.getLogger("sfdae")  # level INFO: messages as they occur, events, the end
 
 _GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
-# Attempts in a run with times of outputs, over those between two of them, unless a limit is given.
+# Ratio of attempts in a run to those between two outputs, unless a limit is given.
 _SPANS_OF_RUN = 100
 _UNKNOWN_ACCURACY = 1e300  # sfdae_get_solution_accuracy
-_ACCURACY_TO_WARN = 10.0  # tolerances that dense output may err by without a warning
+_ACCURACY_TO_WARN = 10.0  # warning threshold for the error of dense output, in tolerances
 
 
 class Run:
-    """An integration under way: calls the solver, records points, events and steps.
+    """A running integration: calls the solver, records points, events and steps.
 
-    Whatever ends it (the end, an event, a failure, Ctrl-C) leaves the points that were reached.
+    The points reached are kept after any end: normal, an event, a failure, Ctrl-C.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Run:
     # ---- Integration -----------------------------------------------------------------------------
 
     def start(self, t0: float, x0: np.ndarray, xdot0: Any) -> None:
-        """The consistent values at the start; a warning where they are not what was meant."""
+        """The consistent values at the start; a warning if they differ from the given ones."""
         if self.events:
             directions = [event.direction for event in self.events]
             function = joined(self.events, self.parameters)
@@ -76,9 +76,9 @@ class Run:
         self._add(point)
 
     def integrate(self, t_eval: np.ndarray | None, max_steps: int | None) -> None:
-        """To the end, or as far as it goes. max_steps: attempts in the whole run; None: the default
-        of the library, or if there are times of outputs, that between two of them and a hundred
-        times that in the whole run.
+        """Integrates to the end, or as far as possible. max_steps: attempts in the whole run; None:
+        the default of the library, or with output times, this default between two of them and a
+        hundred times as many in the whole run.
         """
         self._limit_steps(max_steps, t_eval is None)
         try:
@@ -104,12 +104,12 @@ class Run:
         limit.direction = 1.0 if self.t1 > self.last.t else -1.0
 
     def _attempts(self) -> int:
-        """Since the last start."""
+        """Number of attempts since the last start."""
         statistics = self.solver.statistics
         return statistics.steps + statistics.error_failures + statistics.other_failures
 
     def _through(self, t_eval: np.ndarray) -> None:
-        """Outputs at given times, as many as possible in one call."""
+        """Integrates to given output times, as many as possible in one call."""
         n = self.solver.problem.num_unknowns
         count = t_eval.size
         t = np.full(count + 1, np.nan)
@@ -122,11 +122,11 @@ class Run:
         pointers = [self.solver._pointer(array) for array in (t, x, xdot)]
         c_times = self.solver._pointer(times)
         if not done[0] and self._S is not None:
-            self._S.clear()  # the start is no output
+            self._S.clear()  # the start is not an output
         try:
             is_on = True
             while is_on and done[0] < count:
-                # Sensitivities are known within the last step only.
+                # Sensitivities are available within the last step only.
                 limit = count if self._S is None else done[0] + 1
                 status = lib.python_advance_through(
                     self.solver._box[0], self._limit, c_times, limit, done, *pointers, n
@@ -143,12 +143,12 @@ class Run:
             self.points = [(t[i], x[i], xdot[i]) for i in range(done[0])]
 
     def _to_end(self) -> None:
-        """From the last output to the end of the interval, which may hold events or failures."""
+        """Integrates from the last output to the end, which may include events or failures."""
         while self._next(*self._call(0)) and self.last.t != self.t1:
             pass
 
     def _step_by_step(self) -> None:
-        """Every step on its own: their ends are the outputs."""
+        """Integrates step by step: the outputs are the ends of the steps."""
         while self.last.t != self.t1:
             status, point = self._call(1)
             goes_on = self._next(status, point)
@@ -157,7 +157,7 @@ class Run:
                 return
 
     def _call(self, one_step: int) -> tuple[int, Point]:
-        """To the end, or one step toward it."""
+        """Integrates to the end, or one step toward it."""
         solver = self.solver
         t = ffi.new("double*", np.nan)
         x, xdot = np.empty((2, solver.problem.num_unknowns))
@@ -166,8 +166,8 @@ class Run:
         return status, Point(t[0], x, xdot, Status(status), "")
 
     def _add_reached(self, point: Point) -> None:
-        """The point that a call returned if it is new, and the one after an action, which has the
-        same time.
+        """Adds the point returned by a call if it is new, and the one after an action, at the same
+        time.
         """
         reached = self.last
         if not np.isnan(point.t) and point.t != self.points[-1][0]:
@@ -182,7 +182,7 @@ class Run:
             self._S.append(self.solver.sensitivities(point.t, False)[0])
 
     def _next(self, status: int, point: Point) -> bool:
-        """Takes what a call returned; whether the integration goes on."""
+        """Handles the result of a call; returns whether the integration continues."""
         exception = self.solver._state.take_exception()
         is_ahead = (point.t - self.last.t) * (
             self.t1 - self.last.t
@@ -210,7 +210,7 @@ class Run:
     # ---- Events ----------------------------------------------------------------------------------
 
     def _handle_event(self, point: Point) -> bool:
-        """Records the events at a point, calls their actions; whether the integration goes on."""
+        """Records the events at a point and calls their actions; returns whether it continues."""
         which = self.solver.events
         x, xdot = point.x, point.xdot
         is_restarted = ends = False
@@ -253,7 +253,7 @@ class Run:
     # ---- Result ----------------------------------------------------------------------------------
 
     def warn(self, stacklevel: int) -> None:
-        """Issues the warnings that were collected."""
+        """Issues the collected warnings."""
         for message, category in self._warnings:
             warnings.warn(message, category, stacklevel=stacklevel + 1)
 
@@ -266,7 +266,7 @@ class Run:
         self.status, self.message = status, message
 
     def solution(self) -> Solution:
-        """Everything that was collected; warns where the run ended early."""
+        """The collected results; warns if the run ended early."""
         solver, problem = self.solver, self.solver.problem
         if self.status < 0:
             text = self.message or self.status.name
@@ -313,7 +313,7 @@ class Run:
         )
 
     def _finish_dense(self) -> None:
-        """The dense output ends where the run did, within the last step, say."""
+        """Cuts the dense output at the end of the run, for example within the last step."""
         dense = self.dense
         self.solver.record(None)
         if dense.is_empty:

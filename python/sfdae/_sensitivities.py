@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Derivatives of the solution by parameters and start values, for Solver."""
+"""Derivatives of the solution with respect to parameters and start values, for Solver."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._structs import filled, prepared
 
 
 class _Request:
-    """The arguments of sfdae_set_sensitivities after the solver, and what they point to."""
+    """The arguments of sfdae_set_sensitivities after the solver, and their memory."""
 
     def __init__(
         self,
@@ -55,8 +55,8 @@ class _Request:
 
 
 def _gradient(call: Any, shape: tuple[int, int], t: Any, weights: Any) -> np.ndarray:
-    """What sfdae_get_gradient or sfdae_get_hybrid_gradient say. shape: n and the number of
-    parameters; t, weights: see Sensitivities.gradient.
+    """Calls sfdae_get_gradient or sfdae_get_hybrid_gradient. shape: n and the number of parameters;
+    t, weights: see Sensitivities.gradient.
     """
     n, count = shape
     times = np.ascontiguousarray(np.atleast_1d(np.array(t, dtype=float)))
@@ -81,7 +81,7 @@ def _gradient(call: Any, shape: tuple[int, int], t: Any, weights: Any) -> np.nda
 
 
 class Sensitivities(Inspection):
-    """The methods of a Solver that are about sensitivities."""
+    """The sensitivity methods of a Solver."""
 
     _num_sensitivities = 0
 
@@ -94,25 +94,25 @@ class Sensitivities(Inspection):
         adjoint: bool = False,
         max_kept_steps: int = 0,
     ) -> None:
-        """Asks for derivatives of the solution from the next start() on.
+        """Requests derivatives of the solution from the next start() on.
 
         Parameters
         ----------
         names : sequence of str
-            Of parameters of recorded equations, or of unknowns: then by their start values. None:
-            no sensitivities any more.
+            Names of parameters of recorded equations, or of unknowns, for their start values. None:
+            no sensitivities.
         directions : array_like, optional
-            n x p: derivatives of the guess of x by each of these, added to the unit vectors of
-            start values.
+            n x p: derivatives of the initial guess of x with respect to these, added to the unit
+            vectors of start values.
         error_test : bool
-            Whether steps are chosen for them as well.
+            True: steps are controlled for the sensitivities, too.
         scales : array_like, optional
             p typical sizes of the parameters, for the error test; by default 1.
         adjoint : bool
-            Steps are kept for gradient() instead: for many parameters and few functionals.
+            Steps are stored for gradient() instead: for many parameters and few functionals.
         max_kept_steps : int
-            With the adjoint: at most so many at a time, where memory counts; earlier ones are
-            computed again for each gradient. 0: all are kept.
+            With the adjoint: maximum number stored at a time, to save memory; earlier ones are
+            recomputed for each gradient. 0: all are stored.
         """
         request = _Request(
             self.problem, names, directions, error_test, scales, adjoint, max_kept_steps
@@ -121,8 +121,8 @@ class Sensitivities(Inspection):
         self._num_sensitivities = request.count
 
     def sensitivities(self, t: float, slopes: bool = True) -> tuple[np.ndarray, np.ndarray | None]:
-        """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last
-        step. slopes: whether S' is wanted, which costs more than S; else None.
+        """S = dx/dp and S' at t, n x p each, at the time returned by the last call or within the
+        last step. slopes: False: None instead of S', which costs more than S.
         """
         shape = (max(self._num_sensitivities, 1), self.problem.num_unknowns)
         S, Sdot = np.zeros(shape), np.zeros(shape) if slopes else None
@@ -135,14 +135,16 @@ class Sensitivities(Inspection):
         return S.T, None if Sdot is None else Sdot.T
 
     def gradient(self, t: Any, weights: Any) -> np.ndarray:
-        """Gradients of functionals by the adjoint: sum_k S(t_k)^T w_k, for set_sensitivities(..., adjoint=True).
+        """Gradients of functionals by the adjoint: sum_k S(t_k)^T w_k, for set_sensitivities(...,
+        adjoint=True).
 
         Parameters
         ----------
         t : array_like
-            K points in time, in any order, from the start to where steps have led.
+            K times, in any order, from the start to the time reached.
         weights : array_like
-            n x K derivatives of a functional by x(t_k); or f x n x K for f functionals.
+            n x K derivatives of a functional with respect to x(t_k); or f x n x K for f
+            functionals.
 
         Returns
         -------

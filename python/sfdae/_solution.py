@@ -24,7 +24,7 @@ class Steps(NamedTuple):
 
 
 class Solution:
-    """What an integration returned.
+    """The result of an integration.
 
     Attributes
     ----------
@@ -32,21 +32,21 @@ class Solution:
         N times: those of t_eval, or the start, the ends of all steps and the events.
     x, xdot : numpy.ndarray
         n x N, the unknowns at these times and their derivatives. x satisfies all constraints to
-        rounding.
+        machine precision.
     S : numpy.ndarray or None
-        n x p x N: derivatives of x at these times by the p parameters or start values that
-        ``sensitivities`` names.
+        n x p x N: derivatives of x at these times with respect to the p parameters or start values
+        in ``sensitivities``.
     status : Status
         ``OK``: the end was reached; ``EVENT``: a terminal event; ``STOPPED``: by the monitor or
         Ctrl-C; negative: a failure.
     success : bool
         The end, or a terminal event, was reached.
     message : str
-        Why the integration ended, and what the library had to say.
+        The reason for the end of the integration, and the message of the library.
     last : Point
         The last point reached, whether or not it is among the outputs.
     events : list of EventRecord
-        All events in their order: t, x, xdot, index, name, direction.
+        All events in order: t, x, xdot, index, name, direction.
     t_events, x_events : list of numpy.ndarray
         Times of the events of each function, and values there, (number of events) x n.
     switches : list of ConditionSwitch
@@ -56,12 +56,12 @@ class Solution:
     steps : Steps
         Ends, sizes and orders of all accepted steps.
     dense : RecordedSolution or None
-        What ``sol(t)`` evaluates; ``dense.accuracy`` is its error in units of the tolerances.
-        ``dense.save()`` makes numbers of it, RecordedSolution.load reads them.
+        The solution evaluated by ``sol(t)``; ``dense.accuracy`` is its error in units of the
+        tolerances. ``dense.save()`` converts it to numbers, RecordedSolution.load reads them.
     names : tuple of str
-        Of the unknowns.
+        Names of the unknowns.
     units : dict
-        By name.
+        Units by name.
     """
 
     t: np.ndarray
@@ -86,17 +86,17 @@ class Solution:
 
     @property
     def success(self) -> bool:
-        """Whether the end, or a terminal event, was reached."""
+        """True if the end, or a terminal event, was reached."""
         return self.status >= 0 and self.status != Status.STOPPED
 
     def __call__(self, t: Any) -> np.ndarray:
-        """The solution at a time, shape (n,), or at N times, shape (n, N), within what was
-        integrated.
+        """The solution at a time, shape (n,), or at N times, shape (n, N), within the integrated
+        interval.
 
-        It agrees with the integrator's own values to a part of the tolerances rtol |x| + atol where
-        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest difference to be
-        expected, in units of the tolerances, and there is a warning if it is above 10. Constraints
-        hold as well as that, at sol.t to rounding.
+        It agrees with the integrator's own values to a part of the tolerances rtol |x| + atol if
+        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest expected
+        difference in units of the tolerances, with a warning if it is above 10. Constraints hold to
+        the same accuracy, at sol.t to machine precision.
 
         Raises
         ------
@@ -119,8 +119,8 @@ class Solution:
         return self.dense
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """One unknown at the times t, N values, by its name (or the time, by ``"t"`` where no
-        unknown has this name).
+        """One unknown at the times t, N values, by its name (or the time, by ``"t"`` if no unknown
+        has this name).
         """
         if name in self.names:
             return self.x[self.names.index(name)]
@@ -134,7 +134,7 @@ class Solution:
         Raises
         ------
         ImportError
-            If pandas is not there.
+            If pandas is not installed.
         """
         import pandas
 
@@ -150,12 +150,12 @@ class Solution:
         *names : str
             Unknowns; all if none is given.
         ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if it is not given.
+            The axes; by default a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Its ``axes`` are a list, ``savefig`` writes a file.
+            Its ``axes`` are a list; ``savefig`` writes a file.
         """
         from ._plots import plot_solution
 

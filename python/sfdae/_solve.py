@@ -53,7 +53,7 @@ def solve(
     monitor: Callable[[Progress], Any] | None = None,
     **options: Any,
 ) -> Solution:
-    """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's
+    """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, similar to scipy's
     solve_ivp.
 
     Parameters
@@ -65,10 +65,11 @@ def solve(
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name, also as a Series of pandas: the names are those of the
-        problem, those in ``names``, or those under which the function unpacks x, as in ``p, q, u = x``. What is not known at the
-        start (forces, currents) is guessed as 0, which is what unknowns not named are: the library
-        finds consistent values and keeps what is differentiated where it can.
+        n values, or values by name, also as a pandas Series: the names are those of the problem,
+        those in ``names``, or those under which the function unpacks x, as in ``p, q, u = x``. Use
+        0 as the initial guess of anything unknown at the start (forces, currents); it is the
+        default for unknowns without a value. The library finds consistent values and keeps the
+        differential variables if possible.
     method : str
         ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or
         ``"automatic"``.
@@ -78,67 +79,70 @@ def solve(
         Times of the outputs, in the order of integration, within t_span. By default the ends of all
         steps.
     dense_output : bool, optional
-        Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
+        True: ``sol(t)`` can be evaluated at any t. By default true if t_eval is not given; it costs
         a few interpolations a step. ``sol.dense`` is a RecordedSolution, which can be saved.
     events : callable, Event, or sequence of these, optional
         Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; further arguments are
-        named parameters; see Event. As in solve_ivp, attributes ``terminal`` and ``direction`` of
-        functions count.
+        named parameters; see Event. The attributes ``terminal`` and ``direction`` of functions are
+        used as in solve_ivp.
     breakpoints : sequence of float or dict, optional
-        Times at which data have kinks, where steps end; or a dict of times and ``"kink"`` or
-        ``"jump"``, the latter where x may jump. See Solver.set_breakpoints.
+        Times of kinks in the data, at which steps end; or a dict of times and ``"kink"`` or
+        ``"jump"``, the latter if x may jump. See Solver.set_breakpoints.
     fixed : sequence of str or int or bool, or dict, optional
         Unknowns whose initial values must not change; a dict has flags by name.
     parameters : dict, optional
         Values of named parameters, of the equations and of events.
     max_steps : int, optional
-        Steps attempted in the whole run at most, restarts after events included. By default 100,000
-        in the whole run, or with t_eval 100,000 between two outputs and 10,000,000 in the run.
+        Maximum number of attempted steps in the whole run, including restarts after events. By
+        default 100,000 in the whole run, or with t_eval 100,000 between two outputs and 10,000,000
+        in the run.
     sensitivities : sequence of str, optional
-        Names of parameters, or of unknowns (by their start values), by which the solution is
-        differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities. Actions of
-        events must not change x then (ValueError): Hybrid carries sensitivities over jumps.
+        Names of parameters, or of unknowns (for their start values), with respect to which the
+        solution is differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.
+        Actions of events must not change x then (ValueError): Hybrid supports sensitivities over
+        jumps.
     xdot0 : array_like or dict, optional
-        A guess of x', for problems that allow several.
+        An initial guess of x', for problems that allow several.
     names, units : sequence of str, optional
-        Of the unknowns, in the order of x, where the problem is a function. Needed where x0 is a
-        dict and the function does not unpack x as a whole; the order of the keys does not matter.
+        Names and units of the unknowns, in the order of x, if the problem is a function. Required
+        if x0 is a dict and the function does not unpack x as a whole; the order of the keys does
+        not matter.
     mass : float, array_like, matrix of scipy.sparse, or callable, optional
-        M of M x' = f(t, x), where the problem is a function ``f(t, x)``; see NonlinearProblem.
+        M of M x' = f(t, x), if the problem is a function ``f(t, x)``; see NonlinearProblem.
     record : bool
-        False, where the problem is a function: it is called with numbers at every point, and
-        Jacobians are central differences. For code that cannot be recorded; see NonlinearProblem.
+        False, if the problem is a function: it is called with numbers at every point, and Jacobians
+        are central differences. For code that cannot be recorded; see NonlinearProblem.
     progress : bool
         Shows a bar with time, step size and order.
     monitor : callable, optional
         Called after every step with a Progress; a true result stops.
     **options
         Further members of sfdae_options by name, such as max_step, max_index, initial_step:
-        ``sfdae.OPTION_NAMES``. Large problems have sparse matrices by themselves, where the numbers
-        confirm the structure; ``structure="required"`` takes sparse matrices or fails and says why,
-        ``"off"`` takes the whole derivative array, ``"automatic"`` is the default.
+        ``sfdae.OPTION_NAMES``. Large problems use sparse matrices automatically if the structural
+        analysis is confirmed numerically; ``structure="required"`` uses sparse matrices or fails
+        with the reason, ``"off"`` uses the full derivative array, ``"automatic"`` is the default.
 
     Returns
     -------
     Solution
         ``sol.t, sol.x`` (n x N), ``sol.xdot, sol(t), sol["name"], sol.events, sol.report,
-        sol.status, sol.message``. If the integration fails or is stopped (Ctrl-C included), what
-        was reached, with a warning.
+        sol.status, sol.message``. If the integration fails or is stopped (including Ctrl-C), the
+        part reached, with a warning.
 
     Raises
     ------
     Error
-        If the problem cannot be started: mistakes in arguments, an index that is too high or
-        unclear, values for which there is no solution.
+        If the problem cannot be started: invalid arguments, an index that is too high or unclear,
+        values for which there is no solution.
     Exception
-        Whatever a callback raises stops the solver and is raised with its traceback.
+        An exception of a callback stops the solver and is raised with its traceback.
 
     Warns
     -----
     InitialValuesWarning
-        If initial values that are differentiated had to change, or the solution is not unique.
+        If initial values of differential variables had to change, or the solution is not unique.
     IntegrationWarning
-        If the end was not reached, with ``Status.MAX_STEPS`` because max_steps was too small, say.
+        If the end was not reached, for example with ``Status.MAX_STEPS`` because of max_steps.
 
     Examples
     --------
@@ -224,7 +228,7 @@ def analyze(
     x : array_like or dict, optional
         Values near the solution; linear problems need none.
     names, mass, record, parameters, **options
-        As for solve; names are needed for a dict x where they cannot be read from the function.
+        As for solve; names are required for a dict x if they cannot be read from the function.
 
     Returns
     -------
@@ -234,7 +238,7 @@ def analyze(
     Raises
     ------
     Error
-        If the index cannot be determined; ``error.report`` then has the rank decisions.
+        If the index cannot be determined; ``error.report`` has the rank decisions.
     """
     if x is None and not isinstance(problem, Problem):
         raise TypeError("x is needed: the index of a nonlinear problem depends on the solution")
@@ -269,20 +273,20 @@ def make_consistent(
         As for solve; initial_values is ``"nearest"``, ``"fixed"`` or ``"accept"``.
     t : float
     x : array_like or dict
-        n values, or values by name; others are guessed as 0.
+        n values, or values by name; the initial guess of others is 0.
     xdot : array_like or dict, optional
-        A guess of x', for problems that allow several.
+        An initial guess of x', for problems that allow several.
 
     Returns
     -------
     Point
-        ``t, x, xdot, status, message``; status is ``VALUES_CHANGED`` if values that are
-        differentiated changed.
+        ``t, x, xdot, status, message``; status is ``VALUES_CHANGED`` if values of differential
+        variables changed.
 
     Raises
     ------
     Error
-        If there are no such values.
+        If there are no consistent values.
     """
     problem = as_problem(problem, x, names, mass=mass, record=record, parameters=parameters)
     solver = Solver(problem, parameters=parameters, fixed=fixed, **options)
@@ -292,8 +296,8 @@ def make_consistent(
 def as_problem(
     problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, **more: Any
 ) -> Problem:
-    """A problem as it is; a function as a nonlinear one, with as many unknowns as x0 has. more:
-    further arguments of NonlinearProblem; parameters may have names that the function has not.
+    """A problem unchanged; a function as a nonlinear one, with as many unknowns as x0 has. more:
+    further arguments of NonlinearProblem; parameters may include names unknown to the function.
     """
     if isinstance(problem, Problem):
         if names is not None or more.get("units") is not None:
@@ -323,7 +327,7 @@ def as_problem(
 def _split_parameters(
     given: Mapping[str, Any], problem: Problem, events: Sequence[Event]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Values of parameters of the equations, and of those that events alone have."""
+    """Values of parameters of the equations, and of those that only events have."""
     of_events = {
         name: checked_value(name, value)
         for name, value in given.items()
@@ -355,7 +359,7 @@ def output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
 
 
 def with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
-    """The options, with the end as the time beyond which nothing is evaluated unless others are
+    """The options, with the end as stop time, beyond which nothing is evaluated, unless another is
     given.
     """
     check_names(options)

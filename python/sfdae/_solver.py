@@ -31,11 +31,11 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
     """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
     call.
 
-    Failures are raised as sfdae.Error; where a point was reached nevertheless it is
-    ``error.point``. Exceptions of callbacks stop the call and are raised with their traceback. A
-    solver belongs to one thread at a time: calls from a second one fail with ``Status.BUSY``. The
-    library works without Python's lock, so that different solvers run in parallel. Solvers cannot
-    be copied or pickled; see save_checkpoint.
+    Failures are raised as sfdae.Error; a point that was reached is ``error.point``. Exceptions of
+    callbacks stop the call and are raised with their traceback. A solver belongs to one thread at a
+    time: calls from a second one fail with ``Status.BUSY``. The library releases Python's lock, so
+    that different solvers run in parallel. Solvers cannot be copied or pickled; see
+    save_checkpoint.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
     Raises
     ------
     Error
-        ``ILLEGAL_ARGUMENT`` with what is wrong in the message.
+        ``ILLEGAL_ARGUMENT`` with the reason in the message.
     """
 
     def __init__(
@@ -101,12 +101,12 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         raise Error(status, problem.with_names(ffi.string(lib.sfdae_message(ffi.NULL)).decode(errors="replace")))
 
     def _set_monitor(self, monitor: Callable[[Any], Any] | None) -> None:
-        """Has the monitor called after every step; without one Python only notices Ctrl-C."""
+        """Sets the monitor called after every step; without one Python only checks for Ctrl-C."""
         self._state.monitor = None if monitor is None else wrapped(monitor)
         self._recorder.calls_python = monitor is not None
 
     def _steps(self) -> np.ndarray:
-        """t, signed size and order of the steps that were recorded, N x 3."""
+        """t, signed size and order of the recorded steps, N x 3."""
         count = self._recorder.count
         if count == 0:
             return np.empty((0, 3))
@@ -128,7 +128,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
     # ---- Calls -----------------------------------------------------------------------------------
 
     def _call(self, function: Callable[..., int], *arguments: Any) -> int:
-        """Calls a function of C with this solver; its status if it is not a failure."""
+        """Calls a C function with this solver and returns its status unless it is a failure."""
         if not self._lock.acquire(blocking=False):
             raise Error(Status.BUSY, "the solver is in use by another thread")
         try:
@@ -146,7 +146,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
 
     @property
     def message(self) -> str:
-        """What the last call had to say: what, where, with which numbers, what to do next; "" after
+        """Message of the last call: the event, its place, the numbers and a remedy; "" after
         ``OK``.
         """
         return self.problem.with_names(
@@ -154,14 +154,14 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         )
 
     def request_stop(self) -> None:
-        """Stops the call that is running, or else the next one; any thread may do so."""
+        """Stops the current call, or else the next one; any thread may call it."""
         lib.sfdae_request_stop(self._box[0])
 
     def _pointer(self, array: np.ndarray) -> Any:
         return ffi.cast("double*", array.ctypes.data)
 
     def _point(self, function: Callable[..., int], *arguments: Any) -> Point:
-        """What a function of C that returns a point returned."""
+        """Calls a C function that returns a point."""
         t = ffi.new("double*", np.nan)
         x, xdot = np.full((2, self.problem.num_unknowns), np.nan)
         try:
@@ -175,8 +175,8 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
     # ---- Options and parameters ------------------------------------------------------------------
 
     def set_options(self, **options: Any) -> None:
-        """Replaces some options; others stay. See sfdae_set_options for those that make a new start
-        necessary.
+        """Replaces some options; others are unchanged. See sfdae_set_options for those that require
+        a new start.
         """
         merged = {**self._options, **options}
         c, alive = self._c_options(merged)
@@ -184,7 +184,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         self._options = merged
 
     def _c_options(self, options: Mapping[str, Any]) -> tuple[Any, list[Any]]:
-        """A struct sfdae_options with the monitor of this solver, and what it points to."""
+        """A struct sfdae_options with the monitor of this solver, and its memory."""
         keep: list[Any] = []
         c = c_options(self.problem, options, keep)
         c.monitor = ffi.addressof(lib, "python_record_step")
@@ -197,21 +197,21 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return dict(self._state.values)
 
     def set_parameters(self, **parameters: Any) -> None:
-        """Changes named parameters without recording anew.
+        """Changes named parameters without a new recording.
 
-        An integration goes on with the next advance() from the point returned last, as at a jump of
-        data: x moves by impulses where it has to. After it has begun with sensitivities, and where
-        the problem has record=False, start() has to follow.
+        The next advance() continues the integration from the point returned last, as at a jump of
+        data: x changes by impulses if necessary. With sensitivities, and if the problem has
+        record=False, start() must be called first.
 
         Raises
         ------
         TypeError
-            For a name that there is not, and a value that is no number or has another shape.
+            For an unknown name, and a value that is not a number or has another shape.
         ValueError
             For a value that is not finite.
         """
         for name, value in self._set_values(parameters).items():
-            if not self.problem.records:  # the function gets the values at every call
+            if not self.problem.records:  # the function receives the values in every call
                 continue
             if np.ndim(value) == 0:
                 self._call(lib.sfdae_set_parameter, name.encode(), value)
@@ -236,8 +236,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return checked
 
     def get_parameter(self, name: str) -> float:
-        """The value that the library has of a parameter, also of ``sfdae.parameter`` and of
-        ``"k[1]"``.
+        """The value of a parameter in the library, also of ``sfdae.parameter`` and of ``"k[1]"``.
         """
         if not self.problem.records and np.ndim(self._state.values.get(name, [])) == 0:
             return float(self._state.values[name])
@@ -253,9 +252,9 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         Parameters
         ----------
         t, toward : float
-            Not equal. The point reached is forgotten: start() has to follow.
+            Not equal. The point reached is discarded: start() must follow.
         x : array_like or mapping, optional
-            Values near which the solution is; linear problems need none.
+            Values near the solution; linear problems need none.
 
         Returns
         -------
@@ -275,16 +274,16 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return self.characteristics
 
     def make_consistent(self, t: float, x: Values, xdot: Values | None = None) -> Point:
-        """Makes x consistent at t as the options say and computes the derivative of the solution
-        through it.
+        """Makes x consistent at t according to the options and computes the derivative of the
+        solution through it.
 
         Parameters
         ----------
         t : float
         x : array_like or mapping
-            n values, or values by name; unknowns that are not named are guessed as 0.
+            n values, or values by name; the initial guess of others is 0.
         xdot : array_like or mapping, optional
-            A guess of x', where F(t, x, x') = 0 allows several.
+            An initial guess of x', if F(t, x, x') = 0 allows several.
         """
         return self._values(lib.sfdae_make_consistent, (t,), x, xdot)
 
@@ -316,7 +315,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return Point(float(times[0]), x, derivatives, Status(status), self.message)
 
     def advance(self, tout: float) -> Point:
-        """Integrates to tout; the point there, or that of an event, or the one reached when
+        """Integrates to tout and returns the point there, that of an event, or the one reached when
         stopped.
         """
         return self._point(lib.sfdae_advance, tout)
@@ -326,13 +325,13 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         return self._point(lib.sfdae_step, tout)
 
     def interpolate(self, t: float) -> Point:
-        """The solution at any t within the last step taken; the point reached stays."""
+        """The solution at any t within the last step; the point reached is unaffected."""
         x, xdot = np.empty((2, self.problem.num_unknowns))
         status = self._call(lib.sfdae_interpolate, t, self._pointer(x), self._pointer(xdot))
         return Point(float(t), x, xdot, Status(status), self.message)
 
     def record(self, solution: RecordedSolution | None) -> None:
-        """From now on all accepted steps go to the solution; None: no more."""
+        """Records all following accepted steps in the solution; None: stops recording."""
         self._call(lib.sfdae_record_solution, ffi.NULL if solution is None else solution._box[0])
 
     # ---- Events ----------------------------------------------------------------------------------
@@ -349,10 +348,10 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
         ----------
         function : callable or None
             ``function(t, x)`` or ``function(t, x, xdot)`` returns num_events numbers; arguments are
-            those of Event. None: no events any more.
+            those of Event. None: no events.
         num_events : int
         directions : sequence of int, optional
-            +1 where only rising zeros count, -1 where only falling ones do, else 0.
+            +1: only rising zeros count, -1: only falling ones, 0: both.
         """
         if function is None:
             self._call(lib.sfdae_set_events, 0, ffi.NULL, ffi.NULL, ffi.NULL)
@@ -373,8 +372,7 @@ class Solver(Sensitivities, Linearizing, Modes, Branches, Checkpoints):
 
     @property
     def events(self) -> np.ndarray:
-        """Which events happened at the point that was returned with ``EVENT``: +1 rising, -1
-        falling, else 0.
+        """The events at the point that was returned with ``EVENT``: +1 rising, -1 falling, else 0.
         """
         which = np.zeros(max(self._state.num_events, 1), dtype=np.intc)
         self._call(lib.sfdae_get_events, ffi.cast("int*", which.ctypes.data))

@@ -15,12 +15,12 @@ def status_name(status: int) -> str:
 
 
 def version() -> str:
-    """Version of the library that is running, for example ``"0.2.0"``."""
+    """Version of the library in use, for example ``"0.2.0"``."""
     return ffi.string(lib.sfdae_version()).decode()
 
 
 def _status_codes() -> dict[str, int]:
-    """All constants SFDAE_<NAME> of the headers that are the status of that name."""
+    """All constants SFDAE_<NAME> of the headers that are status codes, by name."""
     codes = {}
     for name in dir(lib):
         value = getattr(lib, name) if name.startswith("SFDAE_") else None
@@ -51,9 +51,9 @@ class Error(RuntimeError):
     Attributes
     ----------
     status : Status
-        What failed, for example ``Status.INDEX_TOO_HIGH``.
+        The failure, for example ``Status.INDEX_TOO_HIGH``.
     message : str
-        What, where, with which numbers, and what to do next.
+        The failure, its place, the numbers and a remedy.
     """
 
     def __init__(self, status: int, message: str = "") -> None:
@@ -70,11 +70,11 @@ class Error(RuntimeError):
 
 
 class SfdaeWarning(UserWarning):
-    """The solver did what it could, but the answer needs attention."""
+    """The call succeeded in part, and the result needs attention."""
 
 
 class InitialValuesWarning(SfdaeWarning):
-    """Initial values that are differentiated were changed, or the solution through them is not
+    """Initial values of differential variables were changed, or the solution through them is not
     unique.
     """
 

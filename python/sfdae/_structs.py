@@ -11,7 +11,7 @@ from ._binding import ffi, lib
 
 
 class Struct(types.SimpleNamespace):
-    """Members of a struct of the library by name; the headers say what they mean."""
+    """Members of a struct of the library by name; the headers explain them."""
 
     def _asdict(self) -> dict[str, Any]:
         """The members as a dictionary."""
@@ -27,7 +27,7 @@ def prepared(name: str) -> Any:
 
 @functools.lru_cache(maxsize=None)
 def _names(struct_type: Any) -> tuple[str, ...]:
-    """Members that are numbers or characters, but for the size."""
+    """Members that are numbers or characters, except the size."""
     fields = struct_type.item.fields
     return tuple(
         name for name, field in fields if name != "size" and field.type.kind == "primitive"
@@ -35,7 +35,7 @@ def _names(struct_type: Any) -> tuple[str, ...]:
 
 
 def members(struct: Any) -> Struct:
-    """All members but the size; characters as strings of one letter, "" for none."""
+    """All members except the size; characters as strings of one letter, "" for none."""
     values = {name: getattr(struct, name) for name in _names(ffi.typeof(struct))}
     if isinstance(values.get("function"), bytes):
         values["function"] = values["function"].decode("ascii").strip("\0")

@@ -13,18 +13,18 @@ from ._problem import Problem
 
 
 class Switch:
-    """A surface g(t, x) = 0 between two modes, and the mode of the motion along it where both lead
+    """A surface g(t, x) = 0 between two modes, and the mode of the motion along it if both lead
     toward it. See sfdae_add_switch.
 
     Parameters
     ----------
     below, above : str
-        Modes, of recorded equations, that hold where g < 0 and where g > 0.
+        Modes, of recorded equations, for g < 0 and for g > 0.
     surface : callable
-        ``surface(t, x, ...)`` returns the formula g. Its other arguments are named parameters: those
-        that the modes have, too, have the same value there, and others their defaults.
+        ``surface(t, x, ...)`` returns the formula g. Its other arguments are named parameters:
+        those that are also in the modes have the same value there, and others keep their defaults.
     name : str
-        Of the sliding mode.
+        Name of the sliding mode.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Switch:
 
 
 class SurfaceState:
-    """What the callback of a switch gets as `user`."""
+    """The `user` argument of the callback of a switch."""
 
     def __init__(self, switch: Switch, problem: Problem) -> None:
         switch.surface.arguments.require_same_defaults(problem.parameters, problem.parameters)

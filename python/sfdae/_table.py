@@ -16,18 +16,17 @@ from ._functions import external
 def table(a: Any, x: Any, y: Any = None, degree: int = 3) -> Any:
     """The value at a of the spline through points (x, y); see sfdae_table of the C library.
 
-    Outside of the data there is no value: hold the ends with ``np.clip``, or use ``a % period``.
+    The value is undefined outside the data: clip a with ``np.clip``, or use ``a % period``.
 
     Parameters
     ----------
     a : Expression, float or array of these
     x : array_like, or a spline of scipy.interpolate
-        At least degree + 1 points, increasing. A spline takes the place of all other arguments:
-        ``table(t, CubicSpline(...))``. Linear and cubic interp1d and a CubicSpline with its default
-        boundary conditions become tables; other splines are called at every point, with their
-        derivatives.
+        At least degree + 1 points, increasing. A spline replaces all other arguments: ``table(t,
+        CubicSpline(...))``. Linear and cubic interp1d and a CubicSpline with its default boundary
+        conditions become tables; other splines are called at every point, with their derivatives.
     y : array_like
-        Values at the points, or rows of k values, of which the result has k, too.
+        Values at the points, or rows of k values for a result with k values.
     degree : int
         1, 3, 5 or 7.
     """

@@ -21,21 +21,21 @@ class Transition:
     source, target : str
         Names of modes.
     condition : callable, optional
-        ``condition(t, x)`` or ``condition(t, x, xdot)``: the transition happens as soon as it is
-        > 0, by more than what the tolerances of x leave unknown; also where the mode begins. xdot
-        is passed by this name. Other arguments are named parameters: those that the equations of
-        the source have, too, have the same value there, and others their defaults.
+        ``condition(t, x)`` or ``condition(t, x, xdot)``: the transition happens as soon as it
+        exceeds 0 by more than the uncertainty from the tolerances of x; also at the start of the
+        mode. xdot is passed by this name. Other arguments are named parameters: those that are also
+        in the equations of the source have the same value there, and others keep their defaults.
     zero : callable, optional
-        A function of the same kind: the transition happens where it passes zero.
+        A function of the same kind: the transition happens at its zeros.
     direction : int
-        Of zeros: +1 rising ones, -1 falling ones, 0 both.
+        Direction of zeros: +1 rising, -1 falling, 0 both.
     time : float, optional
         The transition happens at this time. Exactly one of condition, zero and time is given.
     guard : callable, optional
-        A function of the same kind: no transition unless it is > 0 then.
+        A function of the same kind: the transition requires that it is > 0.
     jump : callable, optional
         ``jump(t, x)``, with named parameters as above, returns the values after the transition,
-        which are made consistent. None: they follow from impulses of the equations, as by
+        which are made consistent. None: they follow from impulses of the equations, as in
         Solver.jump.
     """
 
@@ -79,9 +79,9 @@ class Passage(NamedTuple):
     transition : int
         Its number, from 0 on.
     largest_impulse, largest_change : float
-        In size; 0 where there is none.
+        Absolute values; 0 if there is none.
     impulse_component, changed_component : int
-        Where; -1 where there is none.
+        Their components; -1 if there is none.
     """
 
     t: float

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Types of arguments that are given in several ways."""
+"""Types of arguments that can be given in several ways."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names of unknowns as a user-supplied function writes them: ``p, q, u = x``.
+"""Names of unknowns in a user-supplied function: ``p, q, u = x``.
 
-They are read from the bytecode, which every Python function has, also one without source text.
-They count only if they are confirmed when the function runs, with expressions or first with
-numbers: a Watch sees which unknowns it unpacks under which names, so that wrappers that rearrange x
-and branches that are not taken do not mislead.
+They are read from the bytecode, which every Python function has, even without source text. They
+count only if they are confirmed when the function runs, with expressions or first with numbers: a
+Watch records which unknowns are unpacked under which names, so that wrappers that rearrange x and
+branches that are not taken are not misleading.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _Operation(NamedTuple):
 
 @functools.lru_cache(maxsize=256)
 def _operations(code: types.CodeType) -> list[_Operation]:
-    """The operations of a function. Later versions of Python join two loads or stores in one."""
+    """The operations of a function. Later versions of Python combine two loads or stores."""
     result = []
     prefix = None  # offset of the first EXTENDED_ARG, where the operation after it begins
     for instruction in dis.get_instructions(code):
@@ -56,7 +56,7 @@ def _operations(code: types.CodeType) -> list[_Operation]:
 
 def _stored(operations: Sequence[_Operation], k: int) -> list[tuple[int, str]]:
     """The names to which an unpacking, operation k, assigns its values: (place, name) up to the
-    first target that is no name. Places after ``*rest`` count from the end, -1 being the last one.
+    first target that is not a name. Places after ``*rest`` count from the end, -1 for the last.
     """
     count, after = int(operations[k].argument), 0
     is_whole = operations[k].kind == "UNPACK_SEQUENCE"
@@ -73,8 +73,8 @@ def _stored(operations: Sequence[_Operation], k: int) -> list[tuple[int, str]]:
 
 
 def _code_of(function: Any) -> tuple[types.CodeType, int] | None:
-    """The code that a callable runs in the end, and the place of x among its arguments; None if it
-    is not written in Python.
+    """The code that a callable finally runs, and the place of x among its arguments; None if it is
+    not written in Python.
     """
     place = _X
     for _ in range(100):  # wrappers of wrappers
@@ -142,8 +142,8 @@ class WatchedNumbers(np.ndarray):
 
 
 def _keys(vector: np.ndarray) -> list[Any]:
-    """Keys that tell the entries of a vector apart as long as they are alive: of expressions their
-    ids, of numbers their places in memory and their values, which a function might change.
+    """Keys that distinguish the entries of a vector while they are alive: for expressions their
+    ids, for numbers their memory places and values, which a function might change.
     """
     if vector.dtype == object:
         return [id(unknown) for unknown in vector.view(np.ndarray)]
@@ -152,7 +152,7 @@ def _keys(vector: np.ndarray) -> list[Any]:
 
 
 class Watch:
-    """Sees which unknowns a function unpacks under which names while it runs.
+    """Records which unknowns a function unpacks under which names while it runs.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ class Watch:
         self._seen: dict[str, set[int | None]] = {}
 
     def over(self, part: np.ndarray, first: int = 0) -> Any:
-        """A part of the unknowns, an ExpressionArray or numbers, to be handed to the function.
+        """A part of the unknowns, an ExpressionArray or numbers, to be passed to the function.
         first: the index of its first unknown.
         """
         self._parts.append(part)
@@ -191,7 +191,7 @@ class Watch:
                 self._seen.setdefault(name, set()).add(index)
 
     def names(self) -> dict[str, int]:
-        """Those names that stood for one unknown alone, with its index."""
+        """Names that stood for exactly one unknown, with its index."""
         single = {name: next(iter(seen)) for name, seen in self._seen.items() if len(seen) == 1}
         return {name: index for name, index in single.items() if index is not None}
 
@@ -200,12 +200,12 @@ class Watch:
 
 
 def by_name(given: Any) -> Any:
-    """A mapping, or a Series of pandas, whose index has the names, as a dict; all else as it is.
+    """A mapping, or a pandas Series indexed by names, as a dict; other values unchanged.
 
     Raises
     ------
     ValueError
-        For a name that has two values.
+        For a name with two values.
     """
     if not (hasattr(given, "keys") and hasattr(given, "items")):
         return given
