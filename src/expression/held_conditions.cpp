@@ -292,12 +292,13 @@ double HeldConditions::value_on_line(std::size_t k, const Point& from, const Poi
 bool HeldConditions::residuals(double t, const double* jet, const double* g, std::vector<double>& F) {
   const auto branch = [&](std::size_t k) { return g == nullptr ? 0.0 : is_met(g[k]) ? held : -held; };
   if (supplied_.evaluate) {
+    std::vector<double> held_until_now(count());
     for (std::size_t k = 0; k < count(); ++k) {
-      on_line_[k] = evaluator_.parameter(conditions_[k].parameter);
+      held_until_now[k] = evaluator_.parameter(conditions_[k].parameter);
       evaluator_.set_parameter(conditions_[k].parameter, branch(k));
     }
     const bool is_found = supplied_.evaluate(t, jet, F.data());
-    for (std::size_t k = 0; k < count(); ++k) evaluator_.set_parameter(conditions_[k].parameter, on_line_[k]);
+    for (std::size_t k = 0; k < count(); ++k) evaluator_.set_parameter(conditions_[k].parameter, held_until_now[k]);
     return is_found;
   }
   if (!beside_) beside_.emplace(evaluator_);

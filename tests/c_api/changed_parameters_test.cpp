@@ -121,6 +121,29 @@ TEST(ChangedParameters, DoNotLoseWhatHasBeenCounted) {
   EXPECT_GT(solver.statistics().steps, steps);
 }
 
+// While x moves along a surface: a block at rest breaks loose when it is pulled harder.
+TEST(ChangedParameters, ApplyWhileBlocksAreAtRest) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::NonlinearProblem problem(1, 1);
+    problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      F[0] = xdot[0] + choose(x[0] > 0.0, 1.0, -1.0) - sfdae::parameter(t, "pull", 0.5);
+    };
+    sfdae::Solver solver(problem, sfdae_test::solver_options(1e-6, method));
+    sfdae::Point point{0.0, {0.25}, {}};
+    solver.start(point, 3.0);
+    solver.advance(1.0, point);  // at rest from t = 0.5 on
+    EXPECT_NEAR(point.x[0], 0.0, 1e-5);
+    const long steps = solver.statistics().steps;
+    solver.set_parameter("pull", 1.5);
+    EXPECT_EQ(solver.statistics().steps, steps);
+    solver.advance(2.0, point);
+    EXPECT_NEAR(point.x[0], 0.5, 1e-4);
+    solver.set_parameter("pull", 0.0);
+    solver.advance(3.0, point);
+    EXPECT_NEAR(point.x[0], 0.0, 1e-4);
+  }
+}
+
 // A change that the equations do not allow fails, and the point stays: the next value goes on from there.
 TEST(ChangedParameters, MayBeTakenBack) {
   sfdae::NonlinearProblem problem(2, 2);
