@@ -351,8 +351,9 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted, doub
     throw;
   }
   if (is_jump) {
+    const bool is_large = jumps->is_large(integrator_);
     withdraw();
-    cross_gap(tout);
+    cross_gap(tout, is_large);
     return std::nullopt;
   }
   if (!is_searched) {
@@ -542,7 +543,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   if (outcome == StepOutcome::callback_error && !system.callback_error().is_recoverable())
     return CallResult{system.callback_error().status, system.callback_error().message()};
   if (outcome != StepOutcome::changed && crosses_kink(options_, integrator_.stepper->state().t, h)) {
-    cross_gap(tout);
+    cross_gap(tout, true);
     return std::nullopt;
   }
   if (outcome == StepOutcome::error_too_large) {

@@ -154,10 +154,11 @@ class Integration {
   }
   void restart_at_kink();
   bool move(std::vector<double>& x, double h, const std::vector<double>& xdot);
-  void cross_gap(double tout);
+  // is_large: E x has to move.
+  void cross_gap(double tout, bool is_large);
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void change_branches(double tout);
-  ConsistentPoint values_with_branches(const PointOfInterest& before);
+  ConsistentPoint values_with_branches(const PointOfInterest& before, double none);
   struct MovingSwitch;
   void go_on_after_jump(double t, const ConsistentPoint& after, const MovingSwitch* moving);
   bool moves_with_parameters(double h);

@@ -16,6 +16,14 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// In tolerances: what E x may change by if it can stay. Kinks of t are many, and their changes must not add up; the
+// zero of a condition on x is known less accurately. (Chosen.)
+constexpr double none_at_kink = 1e-3, none_at_zero = 0.1;
+
+}  // namespace
+
 // x += h xdot; true if the change is significant.
 bool Integration::move(std::vector<double>& x, double h, const std::vector<double>& xdot) {
   constexpr double much = 0.1;  // of the tolerances
@@ -26,11 +34,12 @@ bool Integration::move(std::vector<double>& x, double h, const std::vector<doubl
 }
 
 // From a point in the gap. Nothing is evaluated beyond the stop time.
-void Integration::cross_gap(double tout) {
+void Integration::cross_gap(double tout, bool is_large) {
   TimeBreakpoints::Gap gap = *options_.breakpoints->gap_at(integrator_.stepper->state().t);
   const double direction = integrator_.direction;
   double& end = direction > 0.0 ? gap.end : gap.start;
   if (options_.stop_time && (end - *options_.stop_time) * direction > 0.0) end = *options_.stop_time;
+  gap.is_jump = gap.is_jump || is_large;
   cross_jump(gap, tout);
 }
 
@@ -92,9 +101,9 @@ std::vector<double> Integration::sensitivities_after(const MovingSwitch& moving,
   return result;
 }
 
-ConsistentPoint Integration::values_with_branches(const PointOfInterest& before) {
+ConsistentPoint Integration::values_with_branches(const PointOfInterest& before, double none) {
   const auto tolerance = [this](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
-  return options_.jumps->values(before, integrator_.system, tolerance);
+  return options_.jumps->values(before, integrator_.system, tolerance, none);
 }
 
 // An exception leaves the point before the jump the last one.
@@ -112,7 +121,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const bool moves = move(before, half, slopes);
   const auto values = [&] {
     const PointOfInterest place{t, toward, before.data()};
-    return gap.is_jump ? options_.jumps->values_after(place) : values_with_branches(place);
+    return gap.is_jump ? options_.jumps->values_after(place) : values_with_branches(place, none_at_kink);
   };
   ConsistentPoint after = values();
   if (move(before, half, after.xdot) || moves) after = values();
@@ -168,7 +177,7 @@ void Integration::change_branches(double tout) {
   }
   try {
     const ConsistentPoint after =
-        conditions_.change_branches(integrator_, [&] { return values_with_branches(place); });
+        conditions_.change_branches(integrator_, [&] { return values_with_branches(place, none_at_zero); });
     std::vector<PassedSwitch> changed = conditions_.changed();
     const bool jumps = is_jump(conditions_.x_after(), after.x);
     std::optional<MovingSwitch> moving;

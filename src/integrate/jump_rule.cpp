@@ -14,8 +14,9 @@ namespace sfdae::core {
 
 // Impulses are computed only where E x has to move. Where it can stay, impulses have nothing to do, and it does not
 // matter whether they are determined. Many changes that are passed over must not add up.
-ConsistentPoint JumpRule::values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance) {
-  constexpr double none = 1e-3, little = 0.1;  // of the tolerances. (Chosen.)
+ConsistentPoint JumpRule::values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance,
+                                 double none) {
+  constexpr double little = 0.1;  // of the tolerances. (Chosen.)
   if (!all_finite(before.x, index(system.unknowns())))
     throw Failure(SFDAE_NOT_FINITE, format("values before the jump at t = %.15g are not finite.", before.t));
   std::optional<ConsistentPoint> near;

@@ -28,8 +28,9 @@ class JumpRule {
 
   // The values near those before if E x can stay, otherwise those after impulses. tolerance: of a component, at this x.
   // The system has these equations. Throws Failure.
+  // none: what E x may change by in tolerances if it can stay.
   using Tolerance = std::function<double(int i, const double* x)>;
-  ConsistentPoint values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance);
+  ConsistentPoint values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance, double none);
 };
 
 // Rule for the continuation of a solution across a singular point.

@@ -47,6 +47,8 @@ class JumpTest {
  public:
   explicit JumpTest(std::size_t unknowns) : jump_(unknowns), tolerances_(unknowns), x_(unknowns), slopes_(unknowns) {}
   bool has_jump(const Integrator& integrator, bool only_large);
+  // After that: whether the jump is so large that E x has to move.
+  bool is_large(const Integrator& integrator) const { return is_clear(integrator, true); }
 
  private:
   bool is_clear(const Integrator& integrator, bool only_large) const;

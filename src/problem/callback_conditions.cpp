@@ -23,6 +23,7 @@ double increment_of(double value) { return increment * std::max(std::fabs(value)
 
 ColumnPattern full_columns(int rows, int columns) {
   ColumnPattern pattern;
+  pattern.start.clear();
   for (int j = 0; j <= columns; ++j) pattern.start.push_back(rows * j);
   for (int j = 0; j < columns; ++j)
     for (int i = 0; i < rows; ++i) pattern.row.push_back(i);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <new>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -248,20 +249,24 @@ void Solver::set_parameter(const char* name, double value, bool goes_on) {
 
 // Empty if the solution cannot be evaluated there.
 std::optional<Solver::Changed> Solver::point_returned() {
-  Changed found{integration->last_returned(), std::vector<double>(index(model.n())), model.shared_system(), nullptr};
   try {
+    Changed found{integration->last_returned(), std::vector<double>(index(model.n())), model.shared_system(),
+                  nullptr};
     integration->want_slopes(false);
     if (integration->interpolate(found.t, false, found.x.data(), nullptr).status < 0) return std::nullopt;
+    found.integration = std::move(integration);
+    return found;
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
-    return std::nullopt;
+  } catch (const std::bad_alloc&) {
+    // The parameter changes all the same.
   }
-  found.integration = std::move(integration);
-  return found;
+  return std::nullopt;
 }
 
 // Continues as after a jump of data. If this throws, the next call tries it again.
 void Solver::go_on_with_parameters(double tout) {
+  constexpr double none = 1e-3;  // tolerances: changes of many calls must not add up. (Chosen.)
   Changed before = std::move(*changed);
   changed.reset();
   try {
@@ -274,7 +279,7 @@ void Solver::go_on_with_parameters(double tout) {
     const UserTime user_time(problem(), t);
     const std::vector<double> sizes = options.model.request_at(point.x).sizes();
     const auto tolerance = [&sizes](int i, const double*) { return sizes[index(i)]; };
-    const ConsistentPoint after = jumps.values(point, *model.system(), tolerance);
+    const ConsistentPoint after = jumps.values(point, *model.system(), tolerance, none);
     auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
                                               InitialPoint{t, toward, after.x, after.xdot});
     breakpoints->set_differentiations(system()->analysis().values.mu);

@@ -365,7 +365,7 @@ static void parameters_can_be_changed(void) {
   CHECK_STATUS(sfdae_set_parameter(solver, "g", 0), SFDAE_OK);
   CHECK_STATUS(sfdae_get_parameter(solver, "g", &value), SFDAE_OK);
   CHECK(value == 0);
-  CHECK_STATUS(sfdae_advance(solver, 0.2, &t, x, NULL), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_advance(solver, 0.2, &t, x, NULL), SFDAE_OK); /* it goes on without gravity */
   memset(x, 0, sizeof x);
   x[0] = x[3] = 1;
   x[4] = 0.5;
