@@ -1599,7 +1599,7 @@ module sfdae_c
 
 contains
 
-  !> Of a sfdae_conditions_function; the compiler compares its arguments.
+  !> Address of a sfdae_conditions_function; the compiler compares its arguments.
   function address_of_conditions_function(callback) result(address)
     procedure(sfdae_conditions_function) :: callback
     type(c_funptr) :: address
@@ -1607,7 +1607,7 @@ contains
     address = c_funloc(callback)
   end function address_of_conditions_function
 
-  !> Of a sfdae_ensemble_monitor_function; the compiler compares its arguments.
+  !> Address of a sfdae_ensemble_monitor_function; the compiler compares its arguments.
   function address_of_ensemble_monitor_function(callback) result(address)
     procedure(sfdae_ensemble_monitor_function) :: callback
     type(c_funptr) :: address
@@ -1615,7 +1615,7 @@ contains
     address = c_funloc(callback)
   end function address_of_ensemble_monitor_function
 
-  !> Of a sfdae_equations_function; the compiler compares its arguments.
+  !> Address of a sfdae_equations_function; the compiler compares its arguments.
   function address_of_equations_function(callback) result(address)
     procedure(sfdae_equations_function) :: callback
     type(c_funptr) :: address
@@ -1623,7 +1623,7 @@ contains
     address = c_funloc(callback)
   end function address_of_equations_function
 
-  !> Of a sfdae_event_function; the compiler compares its arguments.
+  !> Address of a sfdae_event_function; the compiler compares its arguments.
   function address_of_event_function(callback) result(address)
     procedure(sfdae_event_function) :: callback
     type(c_funptr) :: address
@@ -1631,7 +1631,7 @@ contains
     address = c_funloc(callback)
   end function address_of_event_function
 
-  !> Of a sfdae_external_function; the compiler compares its arguments.
+  !> Address of a sfdae_external_function; the compiler compares its arguments.
   function address_of_external_function(callback) result(address)
     procedure(sfdae_external_function) :: callback
     type(c_funptr) :: address
@@ -1639,7 +1639,7 @@ contains
     address = c_funloc(callback)
   end function address_of_external_function
 
-  !> Of a sfdae_jump_function; the compiler compares its arguments.
+  !> Address of a sfdae_jump_function; the compiler compares its arguments.
   function address_of_jump_function(callback) result(address)
     procedure(sfdae_jump_function) :: callback
     type(c_funptr) :: address
@@ -1647,7 +1647,7 @@ contains
     address = c_funloc(callback)
   end function address_of_jump_function
 
-  !> Of a sfdae_linear_equations_function; the compiler compares its arguments.
+  !> Address of a sfdae_linear_equations_function; the compiler compares its arguments.
   function address_of_linear_equations_function(callback) result(address)
     procedure(sfdae_linear_equations_function) :: callback
     type(c_funptr) :: address
@@ -1655,7 +1655,7 @@ contains
     address = c_funloc(callback)
   end function address_of_linear_equations_function
 
-  !> Of a sfdae_matrix_function; the compiler compares its arguments.
+  !> Address of a sfdae_matrix_function; the compiler compares its arguments.
   function address_of_matrix_function(callback) result(address)
     procedure(sfdae_matrix_function) :: callback
     type(c_funptr) :: address
@@ -1663,7 +1663,7 @@ contains
     address = c_funloc(callback)
   end function address_of_matrix_function
 
-  !> Of a sfdae_monitor_function; the compiler compares its arguments.
+  !> Address of a sfdae_monitor_function; the compiler compares its arguments.
   function address_of_monitor_function(callback) result(address)
     procedure(sfdae_monitor_function) :: callback
     type(c_funptr) :: address
@@ -1671,7 +1671,7 @@ contains
     address = c_funloc(callback)
   end function address_of_monitor_function
 
-  !> Of a sfdae_multibody_equations_function; the compiler compares its arguments.
+  !> Address of a sfdae_multibody_equations_function; the compiler compares its arguments.
   function address_of_multibody_equations_function(callback) result(address)
     procedure(sfdae_multibody_equations_function) :: callback
     type(c_funptr) :: address
@@ -1679,7 +1679,7 @@ contains
     address = c_funloc(callback)
   end function address_of_multibody_equations_function
 
-  !> Of a sfdae_position_function; the compiler compares its arguments.
+  !> Address of a sfdae_position_function; the compiler compares its arguments.
   function address_of_position_function(callback) result(address)
     procedure(sfdae_position_function) :: callback
     type(c_funptr) :: address
@@ -1687,7 +1687,7 @@ contains
     address = c_funloc(callback)
   end function address_of_position_function
 
-  !> Of a sfdae_total_derivative_function; the compiler compares its arguments.
+  !> Address of a sfdae_total_derivative_function; the compiler compares its arguments.
   function address_of_total_derivative_function(callback) result(address)
     procedure(sfdae_total_derivative_function) :: callback
     type(c_funptr) :: address
@@ -1695,7 +1695,7 @@ contains
     address = c_funloc(callback)
   end function address_of_total_derivative_function
 
-  !> Of a sfdae_vector_function; the compiler compares its arguments.
+  !> Address of a sfdae_vector_function; the compiler compares its arguments.
   function address_of_vector_function(callback) result(address)
     procedure(sfdae_vector_function) :: callback
     type(c_funptr) :: address
@@ -1703,7 +1703,7 @@ contains
     address = c_funloc(callback)
   end function address_of_vector_function
 
-  !> Of a sfdae_velocity_function; the compiler compares its arguments.
+  !> Address of a sfdae_velocity_function; the compiler compares its arguments.
   function address_of_velocity_function(callback) result(address)
     procedure(sfdae_velocity_function) :: callback
     type(c_funptr) :: address

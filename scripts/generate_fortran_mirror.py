@@ -429,7 +429,7 @@ def functions_module(api):
     for name, callback in sorted(api.callbacks.items()):
         interfaces += function_lines(name, name, callback, None, api)
         address = "address_of_" + name[len("sfdae_"):]
-        addresses += ["", f"  !> Of a {name}; the compiler compares its arguments.",
+        addresses += ["", f"  !> Address of a {name}; the compiler compares its arguments.",
                       f"  function {address}(callback) result(address)",
                       f"    procedure({name}) :: callback", "    type(c_funptr) :: address", "",
                       "    address = c_funloc(callback)", f"  end function {address}"]

@@ -140,8 +140,9 @@ typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* 
  * its formulas must be defined slightly beyond it.
  *  - If E x has to jump at a zero, or a step fails because of it, the step ends there and x jumps by impulses of the
  *    new equations (modes.h). sfdae_get_switch lists the zeros.
- *  - Conditions that switch twice within one step are not detected (limit max_step). If both branches lead back to the
- *    zero, the call ends with SFDAE_ZENO. Recorded equations have neither limitation. */
+ *  - Conditions that switch twice within one step are detected if they differ at one of seven places in between (limit
+ *    max_step). If both branches lead back to the zero, the call ends with SFDAE_ZENO. Recorded equations have neither
+ *    limitation. */
 
 /** Writes the switching functions g(t, x, x') of all conditions, num_conditions entries, zeros before the call. x and
  * xdot have n entries each. Zeros of g should not depend on whether the condition holds. Return values are those of the

@@ -57,7 +57,7 @@ int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
     if (x == nullptr) refuse_argument("x is NULL.");
     if (!std::isfinite(t)) refuse_argument(format("t is %g.", t));
-    if (!solver->integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+    solver->demand_integration();
     solver->integration->want_slopes(xdot != nullptr);
     return solver->integration->interpolate(t, true, x, xdot);
   });

@@ -80,12 +80,14 @@ void add_conditions(const CallbackProblemStruct& problem, CallbackProblem& callb
 
 // With branches that depend on x, equations are not linear.
 std::unique_ptr<FormulatedModel> make_model_with_conditions(const sfdae_linear_problem& problem) {
-  auto residuals = std::make_shared<LinearResiduals>(problem);
-  auto callback = std::make_unique<CallbackProblem>(problem.num_equations, problem.num_unknowns,
-                                                    LinearResiduals::evaluate, residuals.get(), PrescribedInputs());
+  const LinearFunctions functions = functions_of(problem);
+  auto residuals = std::make_shared<LinearResiduals>(functions);
+  auto callback = std::make_unique<CallbackProblem>(functions.m, functions.n, LinearResiduals::evaluate,
+                                                    residuals.get(), PrescribedInputs());
   callback->own_user(std::move(residuals));
+  if (functions.patterns) callback->set_patterns(functions.patterns, JacobianForm::dense);
   add_conditions(problem, *callback);
-  callback->set_equation_names(names_of(problem.equation_names, problem.num_equations));
+  callback->set_equation_names(functions.names);
   return formulated(std::make_unique<NonlinearModel>(std::move(callback)));
 }
 

@@ -180,7 +180,7 @@ void Bdf::commit() {
 }
 
 void Bdf::prepare_interpolation() {
-  // Of the time: the fictitious point of a straight line may be anywhere, but not where rounding errors make its slope.
+  // Least distance of the fictitious point of a straight line, relative to t: nearer, rounding errors make its slope.
   static const double far_enough = std::sqrt(std::numeric_limits<double>::epsilon());
   if (has_differences_) return;
   if (history_.is_at_start() && last_.order == 0) {

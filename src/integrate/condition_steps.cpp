@@ -50,6 +50,7 @@ void ConditionSteps::resize(HeldConditions* conditions, std::size_t n) {
     each->g.resize(conditions_->count());
   }
   branches_.resize(conditions_->count());
+  next_.g.resize(conditions_->count());
   passed_.visits.resize(conditions_->count());
   near_.is_near.assign(conditions_->count(), 0);
   near_.x.resize(n);
@@ -128,8 +129,10 @@ bool ConditionSteps::ends_between_switches(const Integrator& integrator) {
   find_tolerances(integrator, points.x[1]);
   for (double& tolerance : tolerances_) tolerance *= located;
   find_switches(points);
-  if (search.times_between().empty() && search.known_to() == points.t[1]) return false;
-  const std::optional<double> hidden = first_hidden(points, search.times_between());
+  find_sampled(points);
+  const std::vector<double>& times = next_.times.empty() ? search.times_between() : next_.times;
+  if (times.empty() && search.known_to() == points.t[1]) return false;
+  const std::optional<double> hidden = first_hidden(points, times);
   if (!hidden && search.known_to() == points.t[1]) return false;
   const double h = points.t[1] - points.t[0];
   const double part = std::max(shorter_at_switch, (search.known_to() - points.t[0]) / h);
@@ -157,6 +160,33 @@ void ConditionSteps::find_switches(const PointsOfCurve& points) {
   std::vector<double> margins;
   for (const std::size_t k : conditions_->searched()) margins.push_back(changes[k]);
   search.find(points, margins.data());
+}
+
+// Adds places at which conditions that cannot be searched have other branches than at both ends: nothing is known of
+// these conditions in between, so several places are looked at. Nothing is allocated if there are none.
+void ConditionSteps::find_sampled(const PointsOfCurve& points) {
+  constexpr int places = 8;  // within the step. (Chosen, as for sides of surfaces.)
+  next_.times.clear();
+  const std::vector<std::size_t>& searched = conditions_->searched();
+  if (searched.size() == conditions_->count()) return;
+  const auto differs = [&](std::size_t k) {
+    const bool is_searched = std::binary_search(searched.begin(), searched.end(), k);
+    const bool before = is_met(branches_[k]), after = is_met(tried_.g[k]);
+    return !is_searched && before == after && is_met(next_.g[k]) != before;
+  };
+  for (int place = 1; place < places; ++place) {
+    const double t = points.t[0] + place * (points.t[1] - points.t[0]) / places;
+    points.evaluate(t, change_.size(), change_.data(), slopes_.data());
+    conditions_->functions().evaluate(t, change_.data(), slopes_.data(), next_.g.data());
+    bool any = false;
+    for (std::size_t k = 0; k < next_.g.size(); ++k) any = any || differs(k);
+    if (any) next_.times.push_back(t);
+  }
+  if (next_.times.empty()) return;
+  const std::vector<double>& between = conditions_->search().times_between();
+  next_.times.insert(next_.times.end(), between.begin(), between.end());
+  const bool is_forward = points.t[1] > points.t[0];
+  std::sort(next_.times.begin(), next_.times.end(), [&](double a, double b) { return is_forward ? a < b : b < a; });
 }
 
 // The first of these times at which the effect of branches on residuals is not visible at the end of the step.

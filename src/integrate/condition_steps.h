@@ -103,6 +103,7 @@ class ConditionSteps {
   bool moves_as_slopes_say(const Integrator& integrator);
   bool are_kinks(const Integrator& integrator);
   void find_switches(const PointsOfCurve& points);
+  void find_sampled(const PointsOfCurve& points);
   std::optional<double> first_hidden(const PointsOfCurve& points, const std::vector<double>& times);
   void find_branches(const Integrator& integrator);
   void hold();
@@ -145,8 +146,9 @@ class ConditionSteps {
   };
   Nearness near_;
   struct Next {
-    std::optional<double> end;  // of the next attempt
-    int slow = 0;               // consecutive attempts that have not halved the interval
+    std::optional<double> end;     // of the next attempt
+    int slow = 0;                  // consecutive attempts that have not halved the interval
+    std::vector<double> times, g;  // within the step tried, where it may end; of all conditions at one of them
   };
   Next next_;
   std::vector<double> slopes_, slopes_before_, change_, tolerances_;

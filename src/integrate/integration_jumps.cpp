@@ -18,9 +18,8 @@ namespace sfdae::core {
 
 namespace {
 
-// In tolerances: what E x may change by if it can stay. Kinks of t are many, and their changes must not add up; the
-// zero of a condition on x is known less accurately. (Chosen.)
-constexpr double none_at_kink = 1e-3, none_at_zero = 0.1;
+// As negligible_jump, at the zero of a condition on x, which is known less accurately. (Chosen.)
+constexpr double negligible_jump_at_zero = 0.1;
 
 }  // namespace
 
@@ -121,7 +120,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const bool moves = move(before, half, slopes);
   const auto values = [&] {
     const PointOfInterest place{t, toward, before.data()};
-    return gap.is_jump ? options_.jumps->values_after(place) : values_with_branches(place, none_at_kink);
+    return gap.is_jump ? options_.jumps->values_after(place) : values_with_branches(place, negligible_jump);
   };
   ConsistentPoint after = values();
   if (move(before, half, after.xdot) || moves) after = values();
@@ -176,8 +175,8 @@ void Integration::change_branches(double tout) {
     shifts = conditions_.shifts(*before, sensitivities()->columns(), sensitivities()->parameters());
   }
   try {
-    const ConsistentPoint after =
-        conditions_.change_branches(integrator_, [&] { return values_with_branches(place, none_at_zero); });
+    const ConsistentPoint after = conditions_.change_branches(
+        integrator_, [&] { return values_with_branches(place, negligible_jump_at_zero); });
     std::vector<PassedSwitch> changed = conditions_.changed();
     const bool jumps = is_jump(conditions_.x_after(), after.x);
     std::optional<MovingSwitch> moving;

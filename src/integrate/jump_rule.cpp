@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/jump_rule.h"
 
-#include <optional>
-#include <utility>
+#include <limits>
 #include <vector>
 
 #include "linalg/index.h"
@@ -12,35 +11,33 @@
 
 namespace sfdae::core {
 
-// Impulses are computed only where E x has to move. Where it can stay, impulses have nothing to do, and it does not
-// matter whether they are determined. Many changes that are passed over must not add up.
+// Impulses are computed only if E x has to move. Otherwise they are zero, and it does not matter whether the equations
+// determine them.
 ConsistentPoint JumpRule::values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance,
                                  double none) {
-  constexpr double little = 0.1;  // of the tolerances. (Chosen.)
+  constexpr double little = 0.1;  // tolerances, if impulses are not determined. (Chosen.)
   if (!all_finite(before.x, index(system.unknowns())))
     throw Failure(SFDAE_NOT_FINITE, format("values before the jump at t = %.15g are not finite.", before.t));
-  std::optional<ConsistentPoint> near;
+  double moved = std::numeric_limits<double>::infinity();
   try {
-    near = values_near(before);
-    std::vector<double> change(near->x), tolerances(near->x.size());
+    ConsistentPoint near = values_near(before);
+    std::vector<double> change(near.x), tolerances(near.x.size());
     for (std::size_t i = 0; i < change.size(); ++i) {
       change[i] -= before.x[i];
-      tolerances[i] = tolerance(static_cast<int>(i), near->x.data());
+      tolerances[i] = tolerance(static_cast<int>(i), near.x.data());
     }
-    const double moved = system.change_of_differentiated(change.data(), tolerances.data());
-    if (all_finite(change.data(), change.size()) && moved <= none) return std::move(*near);
-    if (!(moved <= little)) near.reset();
+    if (all_finite(change.data(), change.size()))
+      moved = system.change_of_differentiated(change.data(), tolerances.data());
+    if (moved <= none) return near;
   } catch (const Failure& failure) {
     if (failure.status() == SFDAE_CALLBACK_FAILED) throw;
-    near.reset();
   }
-  if (!near) return values_after(before);
   try {
     return values_after(before);
   } catch (const Failure& failure) {
-    if (ends_everything(failure.status())) throw;
+    if (!(moved <= little) || ends_everything(failure.status())) throw;
   }
-  return values_near(before);  // the system stands there
+  return values_near(before);
 }
 
 }  // namespace sfdae::core

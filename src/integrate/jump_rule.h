@@ -11,6 +11,10 @@
 
 namespace sfdae::core {
 
+// Changes of E x at jumps of data that do not count, in tolerances: a thousand of them, as those of a staircase, add up
+// to one tolerance. (Chosen.)
+inline constexpr double negligible_jump = 1e-3;
+
 class JumpRule {
  public:
   virtual ~JumpRule() = default;
@@ -26,9 +30,8 @@ class JumpRule {
   // Failure.
   virtual bool differentiate(const MovingJump& jump, View after) = 0;
 
-  // The values near those before if E x can stay, otherwise those after impulses. tolerance: of a component, at this x.
-  // The system has these equations. Throws Failure.
-  // none: what E x may change by in tolerances if it can stay.
+  // The values near those before if E x stays there within `none` tolerances, otherwise those after impulses.
+  // tolerance: of a component, at this x. The system has these equations. Throws Failure.
   using Tolerance = std::function<double(int i, const double* x)>;
   ConsistentPoint values(const PointOfInterest& before, DaeSystem& system, const Tolerance& tolerance, double none);
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "integrate/jump_rule.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -15,9 +16,8 @@ namespace {
 
 // Maximum size of a step across a gap, relative to the gap.
 constexpr double about_a_gap = 1.5;
-// In tolerances: a jump of E x is larger. A thousand steps of a staircase add up to one tolerance at most; iterations
-// leave less than a large jump. (Chosen.)
-constexpr double least_jump = 1e-3, large_jump = 10.0;
+// In tolerances: E x has to move if it jumps by more. Errors of iterations are smaller. (Chosen.)
+constexpr double large_jump = 10.0;
 
 // A jump is larger than so many times the change that slopes at both ends explain. (Chosen.)
 constexpr double clear_of_slopes = 2.0;
@@ -110,7 +110,7 @@ bool JumpTest::has_jump(const Integrator& integrator, bool only_large) {
 }
 
 bool JumpTest::is_clear(const Integrator& integrator, bool only_large) const {
-  const double least = only_large ? large_jump : least_jump;
+  const double least = only_large ? large_jump : negligible_jump;
   return integrator.system.change_of_differentiated(jump_.data(), tolerances_.data()) > least;
 }
 

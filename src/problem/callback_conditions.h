@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "expression/equation_source.h"
 #include "expression/taylor_evaluator.h"
-#include "problem/problem.h"
+#include "problem/colored_differences.h"
+#include "problem/patterned_equations.h"
 
 namespace sfdae::core {
 
@@ -19,32 +19,28 @@ struct DeclaredConditions {
   void* user = nullptr;
 };
 
-// The functions g as equations of a record, with derivatives by differences.
-class ConditionSource final : public EquationSource {
+// The functions g as equations of a record, with derivatives by differences; total derivatives up to order 1.
+class ConditionEquations final : public PatternedEquations {
  public:
-  ConditionSource(const DeclaredConditions& declared, int num_unknowns);
-
+  // problem: of limits; must outlive this object.
+  ConditionEquations(const DeclaredConditions& declared, const Problem& problem, int num_unknowns);
+  bool has_differences() const override { return true; }
   CallbackError call(double t, const double* x, const double* xdot, double* g);
-  // order: 0 or 1.
-  bool values(double t, const double* jet, int order, double* g) override;
-  // order: 0.
-  bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values) override;
-  void set_targets(const Tape& tape);
+
+ protected:
+  CallbackError coefficient(double t, const double* jet, int k, double* g) override;
+  CallbackError coefficient_of_entries(double t, const double* jet, int k, double* g_x, double* g_xdot) override;
 
  private:
-  bool find_derivative(double t, const double* jet, double* g_1);
-
   DeclaredConditions declared_;
-  std::size_t n_;
-  struct Target {
-    std::size_t condition, column;  // the column of (x, x')
-  };
-  std::vector<Target> targets_;
+  GroupedPattern pattern_;
+  ChangeSizes of_x_, of_xdot_;
 };
 
 class CallbackConditions {
  public:
-  CallbackConditions(const DeclaredConditions& declared, int num_unknowns);
+  // problem: whose functions have these conditions; must outlive this object.
+  CallbackConditions(const DeclaredConditions& declared, const Problem& problem, int num_unknowns);
 
   // Has the functions g as equations and as conditions (held_conditions.h), whose parameters tell which branches are
   // held.
@@ -72,7 +68,7 @@ class CallbackConditions {
  private:
   DeclaredConditions declared_;
   std::size_t n_;
-  std::shared_ptr<ConditionSource> source_;
+  std::shared_ptr<ConditionEquations> equations_;
   TaylorEvaluator evaluator_;
   std::vector<double> g_;
   int kept_ = 0;

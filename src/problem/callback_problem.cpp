@@ -61,7 +61,7 @@ void CallbackProblem::set_patterns(std::shared_ptr<const JacobianPatterns> patte
 }
 
 void CallbackProblem::set_conditions(const DeclaredConditions& declared) {
-  conditions_ = std::make_unique<CallbackConditions>(declared, n());
+  conditions_ = std::make_unique<CallbackConditions>(declared, *this, n());
 }
 
 void CallbackProblem::take_differences() {

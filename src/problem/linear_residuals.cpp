@@ -8,44 +8,36 @@
 
 namespace sfdae::core {
 
-LinearResiduals::LinearResiduals(const sfdae_linear_problem& problem)
-    : m_(problem.num_equations),
-      n_(problem.num_unknowns),
-      E_(problem.E),
-      A_(problem.A),
-      f_(problem.f),
-      user_(problem.user),
-      is_constant_E_(problem.constant_E != 0),
-      is_constant_A_(problem.constant_A != 0),
-      matrix_(index(m_) * index(n_)),
-      vector_(index(m_)) {}
+LinearResiduals::LinearResiduals(const LinearFunctions& functions)
+    : functions_(functions), matrix_(index(functions.m) * index(functions.n)), vector_(index(functions.m)) {}
 
 // Returns the result of the user's function, as the others do.
 int LinearResiduals::find_matrix(char which, double t, int order) {
   std::fill(matrix_.begin(), matrix_.end(), 0.0);
-  if (order > 0 && (which == 'E' ? is_constant_E_ : is_constant_A_)) return 0;
-  return (which == 'E' ? E_ : A_)(t, order, matrix_.data(), user_);
+  if (order > 0 && (which == 'E' ? functions_.constant_E : functions_.constant_A)) return 0;
+  return (which == 'E' ? functions_.E : functions_.A)(t, order, matrix_.data(), functions_.user);
 }
 
 // F^(k) = sum_r (k over r) (E^(k - r) x^(r + 1) - A^(k - r) x^(r)) - f^(k)
 int LinearResiduals::add(double t, int order, const double* derivatives, double* F) {
+  const int m = functions_.m, n = functions_.n;
   double binomial = 1.0;  // k over r
   for (int r = 0; r <= order; ++r) {
     for (const char which : {'E', 'A'}) {
       const int code = find_matrix(which, t, order - r);
       if (code != 0) return code;
-      const double* const x = derivatives + index(n_) * index(which == 'E' ? r + 1 : r);
-      for (int j = 0; j < n_; ++j) {
+      const double* const x = derivatives + index(n) * index(which == 'E' ? r + 1 : r);
+      for (int j = 0; j < n; ++j) {
         const double factor = (which == 'E' ? binomial : -binomial) * x[j];
-        for (int i = 0; i < m_; ++i) F[i] += factor * matrix_[index(i) + index(m_) * index(j)];
+        for (int i = 0; i < m; ++i) F[i] += factor * matrix_[index(i) + index(m) * index(j)];
       }
     }
     binomial = binomial * (order - r) / (r + 1);
   }
-  if (f_ == nullptr) return 0;
+  if (functions_.f == nullptr) return 0;
   std::fill(vector_.begin(), vector_.end(), 0.0);
-  const int code = f_(t, order, vector_.data(), user_);
-  for (int i = 0; i < m_; ++i) F[i] -= vector_[index(i)];
+  const int code = functions_.f(t, order, vector_.data(), functions_.user);
+  for (int i = 0; i < m; ++i) F[i] -= vector_[index(i)];
   return code;
 }
 

@@ -4,14 +4,14 @@
 
 #include <vector>
 
-#include "sfdae/expression.h"
+#include "problem/linear_problem.h"
 
 namespace sfdae::core {
 
 class LinearResiduals {
  public:
-  // Functions of the problem must outlive this object. It has no patterns and no prescribed inputs.
-  explicit LinearResiduals(const sfdae_linear_problem& problem);
+  // functions: with dense matrices, nothing prescribed.
+  explicit LinearResiduals(const LinearFunctions& functions);
 
   // A sfdae_total_derivative_function; user: a LinearResiduals.
   static int evaluate(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot,
@@ -21,11 +21,7 @@ class LinearResiduals {
   int find_matrix(char which, double t, int order);
   int add(double t, int order, const double* derivatives, double* F);
 
-  int m_, n_;
-  sfdae_matrix_function E_, A_;
-  sfdae_vector_function f_;
-  void* user_;
-  bool is_constant_E_, is_constant_A_;
+  LinearFunctions functions_;
   std::vector<double> matrix_, vector_;
 };
 

@@ -264,9 +264,14 @@ std::optional<Solver::Changed> Solver::point_returned() {
   return std::nullopt;
 }
 
+void Solver::demand_integration() const {
+  if (changed)
+    throw Failure(SFDAE_NOT_STARTED, "parameters have changed: the integration goes on with the next sfdae_advance.");
+  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+}
+
 // Continues as after a jump of data. If this throws, the next call tries it again.
 void Solver::go_on_with_parameters(double tout) {
-  constexpr double none = 1e-3;  // tolerances: changes of many calls must not add up. (Chosen.)
   Changed before = std::move(*changed);
   changed.reset();
   try {
@@ -279,7 +284,7 @@ void Solver::go_on_with_parameters(double tout) {
     const UserTime user_time(problem(), t);
     const std::vector<double> sizes = options.model.request_at(point.x).sizes();
     const auto tolerance = [&sizes](int i, const double*) { return sizes[index(i)]; };
-    const ConsistentPoint after = jumps.values(point, *model.system(), tolerance, none);
+    const ConsistentPoint after = jumps.values(point, *model.system(), tolerance, negligible_jump);
     auto next = std::make_unique<Integration>(*model.system(), model.change_watch(), options.integration,
                                               InitialPoint{t, toward, after.x, after.xdot});
     breakpoints->set_differentiations(system()->analysis().values.mu);
@@ -332,7 +337,7 @@ void Solver::use_continuation(IntegrationOptions& integration_options) {
 
 void Solver::record(std::weak_ptr<SolutionPieces> pieces) {
   solution = std::move(pieces);
-  if (integration) integration->record(solution);
+  if (Integration* const known = known_integration()) known->record(solution);
 }
 
 // No evaluations beyond the stop time or the first breakpoint; finite differences stay on this side of the start.
@@ -518,7 +523,7 @@ CallResult Solver::start(double t, double toward, double* x, double* xdot) {
 
 CallResult Solver::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
   if (changed) go_on_with_parameters(tout);
-  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  demand_integration();
   integration->want_slopes(xdot != nullptr);
   const auto attempts = [this] {
     const IntegrationCounts counts = integration->counts();
@@ -557,6 +562,7 @@ std::vector<double> Solver::solution_at(double t) {
     if (result.status < 0) throw Failure(result.status, result.message);
     return x;
   }
+  if (changed) demand_integration();
   if (!system()) throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
   const Jet point = model.accepted_point();
   if (point.n == 0) throw Failure(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
@@ -567,7 +573,7 @@ std::vector<double> Solver::solution_at(double t) {
 }
 
 void Solver::demand_checkpoints() const {
-  if (!integration) throw Failure(SFDAE_NOT_STARTED, "call sfdae_start first.");
+  demand_integration();
   if (integration->adjoint() != nullptr) refuse_argument(no_checkpoints);
 }
 

@@ -48,7 +48,9 @@ struct Solver {
 
   Problem& problem() { return model.problem(); }
   // The current integration, or the one that continues after a change of parameters; may be null.
-  const Integration* known_integration() const { return changed ? changed->integration.get() : integration.get(); }
+  Integration* known_integration() const { return changed ? changed->integration.get() : integration.get(); }
+  // Throws Failure if there is no integration under way: it has not started, or parameters have changed since.
+  void demand_integration() const;
   // Null before an analysis.
   const DaeSystem* system() const { return model.system(); }
   void forget_analysis();

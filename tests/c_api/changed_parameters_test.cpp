@@ -27,8 +27,8 @@ using sfdae::Expressions;
 using sfdae_test::RandomNumbers;
 using Vector = std::vector<double>;
 
-// A divider of two capacitors with a resistor beside one, source u: i = u' - v' = rate v + v', charge' = i. Beside it
-// z' = gain (u - z), w = z^3. Unknowns: source, v, i, charge, z, w.
+// A divider of two capacitors, one with a parallel resistor, and a source u: i = u' - v' = rate v + v', charge' = i. An
+// independent part: z' = gain (u - z), w = z^3. Unknowns: source, v, i, charge, z, w.
 sfdae::NonlinearProblem divider() {
   sfdae::NonlinearProblem problem(6, 6);
   problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
@@ -142,6 +142,27 @@ TEST(ChangedParameters, ApplyWhileBlocksAreAtRest) {
     solver.advance(3.0, point);
     EXPECT_NEAR(point.x[0], 0.0, 1e-4);
   }
+}
+
+// Between the change and the next call nothing is known within the last step; steps go where they are asked to go.
+TEST(ChangedParameters, AreNamedBeforeTheNextCall) {
+  sfdae::Solver solver(divider(), sfdae_test::solver_options(1e-6, SFDAE_METHOD_BDF));
+  sfdae::Point point{0.0, Vector(6), {}};
+  solver.start(point, 2.0);
+  solver.advance(0.5, point);
+  solver.set_parameter("u", 1.0);
+  sfdae::Point within{0.4, Vector(6), {}};
+  try {
+    solver.interpolate(within);
+    ADD_FAILURE() << "no error";
+  } catch (const sfdae::Error& error) {
+    EXPECT_EQ(error.status(), SFDAE_NOT_STARTED);
+    EXPECT_NE(std::string(error.what()).find("sfdae_advance"), std::string::npos) << error.what();
+  }
+  sfdae::Solution solution;
+  solver.record(solution);
+  solver.advance(1.0, point);
+  EXPECT_NEAR(solution(0.75).x[0], 1.0, 1e-5);
 }
 
 // A change that the equations do not allow fails, and the point stays: the next value goes on from there.

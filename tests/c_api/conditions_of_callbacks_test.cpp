@@ -178,7 +178,7 @@ sfdae::LinearProblem linear_problem(const Problem& of, std::vector<int>& branche
   return problem;
 }
 
-// Of the matrices in x.
+// Matrices in x, as arrays.
 struct Mixed {
   Vector entries_E, entries_A;
   Mixed(const Problem& of, bool is_met) : entries_E(static_cast<std::size_t>(of.n() * of.n())), entries_A(entries_E) {
@@ -269,6 +269,35 @@ TEST(ConditionsOfCallbacks, MakeUnknownsJumpByImpulses) {
   }
 }
 
+// Entries of linear problems beyond their patterns are found.
+TEST(ConditionsOfCallbacks, LeavePatternsOfLinearProblemsAsTheyAre) {
+  RandomNumbers random(36127);
+  for (const bool has_all : {true, false}) {
+    Problem of = random_problem(true, random);
+    for (std::size_t i = 0; i < of.P.size(); ++i)
+      for (std::size_t j = 0; j < of.P.size(); ++j) of.P[i][j] = of.Q[i][j] = i == j ? 1.0 : 0.0;
+    std::vector<int> branches;
+    sfdae::LinearProblem problem = linear_problem(of, branches);
+    const Mixed mixed_matrices(of, false);
+    Vector entries_A = mixed_matrices.entries_A;
+    if (!has_all) entries_A[static_cast<std::size_t>(3 + 6 * 3)] = 0.0;
+    problem.A_pattern = pattern_of(entries_A, of.n());
+    problem.E_pattern = pattern_of(mixed_matrices.entries_E, of.n());
+    if (has_all) {
+      check(of, problem, random);
+      continue;
+    }
+    sfdae::Solver solver(problem, sfdae::Options());
+    sfdae::Point point{0.0, mixed(of, exact(of, 0.0)), {}};
+    try {
+      solver.start(point, 1.0);
+      ADD_FAILURE() << "no error";
+    } catch (const sfdae::Error& error) {
+      EXPECT_EQ(error.status(), SFDAE_WRONG_PATTERN) << error.what();
+    }
+  }
+}
+
 TEST(ConditionsOfCallbacks, AreKnownWithoutJacobians) {
   RandomNumbers random(36121);
   for (int trial = 0; trial < sfdae_test::scaled_count(120, 12); ++trial) {
@@ -321,6 +350,55 @@ TEST(ConditionsOfCallbacks, AreNamedWhereBothBranchesLeadBack) {
   else EXPECT_TRUE(status == SFDAE_ZENO || status == SFDAE_MAX_STEPS) << solver.message();
 }
 
+// A tank y is filled while its level is below a source, and leaks otherwise, so that y follows the source for a while.
+// No step may lead across that.
+TEST(ConditionsOfCallbacks, AreNamedOrRightWhereMotionAlongTheirZeroIsShort) {
+  RandomNumbers random(36128);
+  int right = 0;
+  for (int trial = 0; trial < sfdae_test::scaled_count(100, 20); ++trial) {
+    const double gain = std::pow(10.0, random.uniform(-1.0, 2.0)), level = random.uniform(0.1, 0.6),
+                 leak = random.uniform(0.1, 1.0), unit = std::pow(10.0, random.uniform(-8.0, 4.0));
+    const double tolerance = std::pow(10.0, -random.integer(4, 7));
+    SCOPED_TRACE("trial " + std::to_string(trial) + ", gain " + std::to_string(gain) + ", tolerance " +
+                 std::to_string(tolerance));
+    const auto slope = [=](bool is_filled, double t, double y) {
+      return is_filled ? gain * (std::sin(2.0 * t) - level - y) : -leak * y;
+    };
+    std::vector<int> branches;
+    sfdae::NonlinearProblem tank(1, 1);
+    tank.total_derivative = [&](double t, int order, ConstMatrixRef x, sfdae::TotalDerivatives to) {
+      if (order > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+      to.F[0] = x(0, 1) - unit * slope(branches[0] == 1, t, x(0, 0) / unit);
+      return SFDAE_OK;
+    };
+    tank.matrices = SFDAE_MATRICES_DIFFERENCES;
+    const auto g = [=](double t, ConstVectorRef x, ConstVectorRef, VectorRef to) {
+      to[0] = std::sin(2.0 * t) - level - x[0] / unit;
+    };
+    tank.conditions = {1, g, &branches};
+    sfdae::Options options = sfdae_test::solver_options(tolerance, random.integer(0, 1));
+    options.atol = tolerance * unit;
+    sfdae::Solver solver(tank, options);
+    sfdae::Point point{0.0, {0.0}, {}};
+    solver.start(point, 3.0);
+    try {
+      solver.advance(3.0, point);
+    } catch (const sfdae::Error& error) {
+      EXPECT_EQ(error.status(), SFDAE_ZENO) << error.what();
+      continue;
+    }
+    constexpr int steps = 300000;
+    double y = 0.0;
+    for (int k = 0; k < steps; ++k) {
+      const double t = 3.0 * k / steps;
+      y += 3.0 / steps * slope(std::sin(2.0 * t) - level - y > 0.0, t, y);
+    }
+    EXPECT_NEAR(point.x[0] / unit, y, 100.0 * tolerance + 1e-4);
+    ++right;
+  }
+  EXPECT_GT(right, 0);
+}
+
 // Recorded equations have the same option: the divider is wrong without a warning where its step counts as smooth.
 TEST(ConditionsOfCallbacks, CountAsSmoothIfAskedTo) {
   const auto end_of = [](int conditions) {
@@ -364,6 +442,56 @@ TEST(ConditionsOfCallbacks, MayFail) {
     };
     EXPECT_THROW(run(), sfdae::Error);
     EXPECT_NE(std::string(solver.message()).find("conditions"), std::string::npos) << solver.message();
+  }
+}
+
+TEST(ConditionsOfCallbacks, MustBeNumbers) {
+  RandomNumbers random(36125);
+  const Problem problem = random_problem(false, random);
+  std::vector<int> branches;
+  sfdae::NonlinearProblem failing = nonlinear_problem(problem, branches, SFDAE_MATRICES_DIFFERENCES);
+  int calls = 0;
+  failing.conditions.functions = [&](double, ConstVectorRef, ConstVectorRef, VectorRef g) {
+    g[0] = ++calls > 40 ? std::nan("") : -1.0;
+  };
+  sfdae::Solver solver(failing, sfdae::Options());
+  sfdae::Point point{0.0, mixed(problem, exact(problem, 0.0)), {}};
+  int status = SFDAE_OK;
+  try {
+    solver.start(point, 1.8);
+    solver.advance(1.8, point);
+  } catch (const sfdae::Error& error) {
+    status = error.status();
+  }
+  EXPECT_EQ(status, SFDAE_NOT_FINITE) << solver.message();
+  for (const double value : point.x) EXPECT_TRUE(std::isfinite(value));
+}
+
+// Nothing is evaluated beyond the stop time, where the functions may not exist.
+TEST(ConditionsOfCallbacks, AreNotAskedBeyondTheStopTime) {
+  RandomNumbers random(36126);
+  for (int trial = 0; trial < 10; ++trial) {
+    const Problem of = random_problem(trial % 2 == 0, random);
+    std::vector<int> branches;
+    sfdae::NonlinearProblem problem =
+        nonlinear_problem(of, branches, of.has_divider ? SFDAE_MATRICES_DENSE : SFDAE_MATRICES_DIFFERENCES);
+    const auto functions = conditions_of(of, branches).functions;
+    double latest = 0.0;
+    problem.conditions.functions = [&latest, functions](double t, ConstVectorRef x, ConstVectorRef xdot,
+                                                        VectorRef g) {
+      latest = std::max(latest, t);
+      return functions.call(t, x, xdot, g);
+    };
+    sfdae::Options options = sfdae_test::solver_options(1e-6, trial % 4 / 2);
+    options.atol = 1e-6 * of.unit;
+    const double stop = of.times[0] / of.rate + 1e-7;  // just after a switch
+    options.use_stop_time = 1;
+    options.stop_time = stop;
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, mixed(of, exact(of, 0.0)), {}};
+    solver.start(point, stop);
+    ASSERT_EQ(solver.advance(stop, point), SFDAE_OK) << solver.message();
+    EXPECT_LE(latest, stop);
   }
 }
 

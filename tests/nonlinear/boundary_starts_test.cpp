@@ -83,7 +83,7 @@ void add_tanks(std::vector<Case>& cases) {
                      F[0] = xdot[0] + sqrt(max(x[0], Expression(0.0)));
                    },
                    [](double t) { return Values{t < 2.0 ? (1 - t / 2) * (1 - t / 2) : 0.0}; }});
-  // The same without a word about negative levels, which x has within its tolerances.
+  // The equations do not mention negative levels, which x has within its tolerances.
   cases.push_back({"tank emptied into another one",
                    {1.0, 0.0},
                    4.0,

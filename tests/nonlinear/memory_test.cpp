@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What large recorded problems hold in steps (docs/design/memory.md).
+// Memory that large recorded problems hold in steps (docs/design/memory.md).
 #include <gtest/gtest.h>
 
 #include <cmath>
