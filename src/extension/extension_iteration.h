@@ -66,7 +66,7 @@ class ExtensionIteration {
     const StateChoice& choice;
   };
   template <class Value, class Slope>
-  void add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) const;
+  void add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows);
 
  private:
   class StepEquations;
@@ -87,24 +87,30 @@ class ExtensionIteration {
   double deviation_ = 0.0;  // of c: the contraction due to reuse of the matrix
   double waste_ = 0.0;      // iterations that its reuse has cost so far
   std::vector<double> r_, weights_;
-  double c_ = 0.0;  // of the step, with the weights of x, which live as long
+  std::vector<double> sizes_;  // by columns of the extension, of unknowns or changes
+  double c_ = 0.0;             // of the step, with the weights of x, which live as long
   const double* inverse_weights_ = nullptr;
   Jet longer_;
 };
 
 template <class Value, class Slope>
-void ExtensionIteration::add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) const {
-  for (int i = 0; i < extension_.num_rows(); ++i)
-    for (int e = extension_.first()[index(i)]; e < extension_.first()[index(i + 1)]; ++e) {
-      const int column = extension_.column()[index(e)];
-      const auto [unknown, order] = extension_.columns()[index(column)];
-      double size;
-      if (kind == RowSums::of_tolerances) size = std::pow(std::fabs(c_), order) / inverse_weights_[unknown];
-      else if (place.choice.is_slope(column)) size = slope(unknown);
-      else if (kind == RowSums::of_change) size = place.change[place.choice.slot(column)];
-      else size = place.now.column(order)[unknown];
-      rows[i] += std::fabs(value(index(e)) * size);
-    }
+void ExtensionIteration::add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) {
+  sizes_.resize(index(extension_.num_columns()));
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    double& size = sizes_[index(column)];
+    if (kind == RowSums::of_tolerances) size = std::pow(std::fabs(c_), order) / inverse_weights_[unknown];
+    else if (place.choice.is_slope(column)) size = slope(unknown);
+    else if (kind == RowSums::of_change) size = std::fabs(place.change[place.choice.slot(column)]);
+    else size = std::fabs(place.now.column(order)[unknown]);
+  }
+  const int* column = extension_.column().data();
+  const int* const first = extension_.first().data();
+  for (int i = 0; i < extension_.num_rows(); ++i) {
+    double sum = 0.0;
+    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(value(index(e))) * sizes_[index(*column++)];
+    rows[i] += sum;
+  }
 }
 
 }  // namespace sfdae::core

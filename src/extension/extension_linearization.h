@@ -32,6 +32,7 @@ class ExtensionLinearization {
   void archive_lists(Archive& archive) {
     held_.archive_list(archive, choice_);
     step_.archive_list(archive, choice_);
+    for (auto& pair : pairs_) pair.archive_list(archive, choice_);
   }
   // Forbids its use before renew() or restore().
   void forget() { is_usable_ = false; }

@@ -24,6 +24,7 @@ void ExtensionStages::predict(const StageEquations& equations, const JetHistory&
     if (jets->size() < stages) jets->resize(stages, history.accepted());
   for (auto* v : {&r_, &z_})
     if (v->size() < size) v->resize(size);
+  terms_.resize(index(extension_.n()) * stages + 1);
   pair_.resize(index(extension_.num_rows()) + 1);
   for (int i = 0; i < s_; ++i) {
     Jet& start = starts_[index(i)];
@@ -34,27 +35,36 @@ void ExtensionStages::predict(const StageEquations& equations, const JetHistory&
 
 void ExtensionStages::set_slopes(const StageEquations& equations, const StateChoice& choice) {
   const double h = equations.t_end - equations.t;
-  for (int i = 0; i < s_; ++i)
+  const std::ptrdiff_t n = extension_.n();
+  std::array<double*, max_stages> x{};
+  for (int i = 0; i < s_; ++i) x[index(i)] = jets_[index(i)].x.data();
+  with_stages(s_, [&](auto s) {
     for (int j : choice.states()) {
-      double slope = 0.0;
-      for (int k = 0; k < s_; ++k)
-        slope += equations.method.D_at(i, k) * (jets_[index(k)].x[index(j)] - equations.x[j]);
-      jets_[index(i)].column(1)[j] = slope / h;
+      std::array<double, max_stages> change{};
+      for (int k = 0; k < s; ++k) change[index(k)] = x[index(k)][j] - equations.x[j];
+      const std::array<double, max_stages> slope = product(equations.method.D, s, change);
+      for (int i = 0; i < s; ++i) x[index(i)][n + j] = slope[index(i)] / h;
     }
+  });
 }
 
-// The sum of the terms of x_j' at stage i, or of their changes.
-double ExtensionStages::slope_terms(const StageEquations& equations, RowSums kind, int i, int j,
-                                    const StateChoice& choice) {
-  const int slot = choice.slot(extension_.column_of(j, 0));
-  double sum = 0.0;
-  for (int k = 0; k < s_; ++k) {
-    const double size = kind == RowSums::of_change
-                            ? std::fabs(column(r_, k)[slot])
-                            : std::fabs(jets_[index(k)].x[index(j)]) + std::fabs(equations.x[j]);
-    sum += std::fabs(equations.method.D_at(i, k)) * size;
-  }
-  return sum / std::fabs(equations.t_end - equations.t);
+// terms_: for each state, the sums of the terms of x_j' at the stages, or of their changes.
+void ExtensionStages::sum_slope_terms(const StageEquations& equations, RowSums kind, const StateChoice& choice) {
+  const double h = std::fabs(equations.t_end - equations.t);
+  StageMatrix D;
+  for (std::size_t k = 0; k < D.size(); ++k) D[k] = std::fabs(equations.method.D[k]);
+  with_stages(s_, [&](auto s) {
+    for (int j : choice.states()) {
+      const int slot = choice.slot(extension_.column_of(j, 0));
+      std::array<double, max_stages> size{};
+      for (int k = 0; k < s; ++k)
+        size[index(k)] = kind == RowSums::of_change
+                             ? std::fabs(column(r_, k)[slot])
+                             : std::fabs(jets_[index(k)].x[index(j)]) + std::fabs(equations.x[j]);
+      const std::array<double, max_stages> sum = product(D, s, size);
+      for (int i = 0; i < s; ++i) terms_[index(i + j * s)] = sum[index(i)] / h;
+    }
+  });
 }
 
 void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLinearization& linearization) {
@@ -90,11 +100,12 @@ class ExtensionStages::Equations {
   PointStatus evaluate(double* rows) { return stages_.evaluate(iteration_, rows); }
   void add(RowSums kind, double* rows) const {
     const std::vector<double>& once = linearization_.derivatives().values;
+    stages_.sum_slope_terms(step_, kind, linearization_.choice());
     for (int i = 0; i < stages_.s_; ++i, rows += stages_.extension_.num_rows())
       iteration_.add_terms(
           kind, {stages_.jets_[index(i)], stages_.column(stages_.r_, i), linearization_.choice()},
           [&](std::size_t e) { return is_local_ ? stages_.local_.derivative(e, i) : once[e]; },
-          [&](int j) { return stages_.slope_terms(step_, kind, i, j, linearization_.choice()); }, rows);
+          [&](int j) { return stages_.terms_[index(i + j * stages_.s_)]; }, rows);
   }
   double change(const double* rows) {
     std::copy_n(rows, num_rows(), stages_.r_.data());

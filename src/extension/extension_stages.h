@@ -55,7 +55,7 @@ class ExtensionStages {
   class Equations;
   PointStatus evaluate(ExtensionIteration& iteration, double* r);
   void set_slopes(const StageEquations& equations, const StateChoice& choice);
-  double slope_terms(const StageEquations& equations, RowSums kind, int i, int j, const StateChoice& choice);
+  void sum_slope_terms(const StageEquations& equations, RowSums kind, const StateChoice& choice);
   void solve_transformed(const StageMethod& method, ExtensionLinearization& linearization);
   double* column(std::vector<double>& entries, int i) const {
     return entries.data() + static_cast<std::ptrdiff_t>(i) * extension_.num_rows();
@@ -66,6 +66,7 @@ class ExtensionStages {
   int s_ = 0, ill_served_ = -1;
   std::vector<Jet> starts_, jets_;
   std::vector<double> r_, z_;  // a column for each stage
+  std::vector<double> terms_;  // of x_j' at the stages, s for each unknown j; states alone
   std::vector<std::complex<double>> pair_;
 };
 

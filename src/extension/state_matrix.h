@@ -12,7 +12,6 @@
 #include <complex>
 #include <memory>
 #include <optional>
-#include <type_traits>
 #include <vector>
 
 #include "extension/minimal_extension.h"
@@ -101,7 +100,7 @@ void StateChoice::assemble(bool holds_states, const ExtensionDerivatives& from, 
     to[places[e]] += held[columns[e]] != 0 ? epsilon * own[e] : Number(own[e]);
 }
 
-// Matrix factored for one epsilon at a time. Real ones that are not too large are factored by a list of operations
+// Matrix factored for one epsilon at a time. Those that are not too large are factored by a list of operations
 // (linalg/listed_factors.h), whose pivots outlive the linearization (docs/design/sparse_algebra.md).
 template <class Number>
 class StateMatrix {
@@ -137,13 +136,12 @@ class StateMatrix {
   }
   // Archives the pivots of the list. Reading precedes all factorizations.
   void archive_list(Archive& archive, const StateChoice& choice) {
-    if constexpr (may_be_listed) list_.archive(choice.pattern(holds_states_), archive);
+    list_.archive(choice.pattern(holds_states_), archive);
   }
   // Archives the factors. Reading needs the same values, choice and list. False: singular.
   bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
     bool is_factored = is_valid();
     archive.small(is_factored, is_listed_);
-    if (is_listed_ && !may_be_listed) throw DamagedArchive();
     if (!is_factored) return true;
     Number now = epsilon_.value_or(Number(0)), pivots = is_listed_ ? now : epsilon_of_pivots_;
     archive.reals(parts(pivots), sizeof(Number) / sizeof(double));
@@ -153,13 +151,9 @@ class StateMatrix {
     return factor_unlisted(from, choice, pivots) && (now == pivots || factor_unlisted(from, choice, now));
   }
   void solve(Number* b, int count = 1) {
-    if constexpr (may_be_listed)
-      if (is_listed_) {
-        const std::size_t size = list_.elimination().size();
-        for (int k = 0; k < count; ++k) list_.solve(b + index(k) * size);
-        return;
-      }
-    lu_.solve(b, count);
+    if (!is_listed_) return lu_.solve(b, count);
+    const std::size_t size = list_.elimination().size();
+    for (int k = 0; k < count; ++k) list_.solve(b + index(k) * size);
   }
   double reciprocal_condition() {
     return is_listed_ ? list_.reciprocal_condition(values_.data()) : lu_.reciprocal_condition();
@@ -172,19 +166,14 @@ class StateMatrix {
   }
 
  private:
-  static constexpr bool may_be_listed = std::is_same_v<Number, double>;
-
   bool factor_listed(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
-    if constexpr (may_be_listed) {
-      const SparsePattern& pattern = choice.pattern(holds_states_);
-      if (!list_.may_factor(pattern)) return false;
-      values_.resize(pattern.row.size());
-      choice.assemble(holds_states_, from, epsilon, values_.data());
-      if (!list_.factor(pattern, values_.data())) return false;
-      epsilon_ = epsilon;
-      return true;
-    }
-    return false;
+    const SparsePattern& pattern = choice.pattern(holds_states_);
+    if (!list_.may_factor(pattern)) return false;
+    values_.resize(pattern.row.size());
+    choice.assemble(holds_states_, from, epsilon, values_.data());
+    if (!list_.factor(pattern, values_.data())) return false;
+    epsilon_ = epsilon;
+    return true;
   }
   bool factor_unlisted(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
     epsilon_.reset();
@@ -200,7 +189,7 @@ class StateMatrix {
   static double* parts(Number& number) { return reinterpret_cast<double*>(&number); }
 
   SparseLu<Number> lu_;
-  ListedFactors list_;
+  ListedFactors<Number> list_;
   bool holds_states_, is_analyzed_ = false, is_listed_ = false;
   std::vector<Number> values_;  // of the list
   std::optional<Number> epsilon_;

@@ -17,7 +17,7 @@ namespace sfdae::core {
 namespace {
 
 // The header has the layout version and the length in doubles; a checksum of the rest follows.
-constexpr int layout = 13;
+constexpr int layout = 14;
 constexpr std::size_t header_size = 2;
 
 struct Header {

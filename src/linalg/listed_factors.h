@@ -13,6 +13,8 @@
 
 namespace sfdae::core {
 
+// Number: double or std::complex<double>.
+template <class Number>
 class ListedFactors {
  public:
   // For larger ones the search for pivots takes longer than it saves: Stokes's equations in 239 unknowns.
@@ -30,34 +32,39 @@ class ListedFactors {
   // Values in the order of the pattern. False: A is singular to working precision, a value is not finite, or other
   // methods are faster; nothing may be solved then. Allocates where pivots are chosen; raises no floating-point
   // exception.
-  bool factor(const SparsePattern& pattern, const double* values) {
+  bool factor(const SparsePattern& pattern, const Number* values) {
     if (!may_factor(pattern) || !all_finite_numbers(values, pattern.row.size())) return false;
     const QuietArithmetic quiet;
-    factors_.resize(elimination_.fill());
+    make_room();
     if (elimination_.has_pivots() && elimination_.factor(values, factors_.data())) return true;
     const RecordedElimination::Choice choice = elimination_.choose(pattern, values);
     is_too_long_ = choice == RecordedElimination::Choice::too_long;
-    factors_.resize(elimination_.fill());
+    make_room();
     return choice == RecordedElimination::Choice::made && elimination_.factor(values, factors_.data());
   }
-  void solve(double* b) { elimination_.solve(factors_.data(), b); }
+  void solve(Number* b) { elimination_.solve(factors_.data(), b, work_.data()); }
   // values: those factored.
-  double reciprocal_condition(const double* values) const {
+  double reciprocal_condition(const Number* values) const {
     return elimination_.reciprocal_condition(values, factors_.data());
   }
-  Determinant<double> determinant() const { return elimination_.determinant(factors_.data()); }
+  Determinant<Number> determinant() const { return elimination_.determinant(factors_.data()); }
   const RecordedElimination& elimination() const { return elimination_; }
   // Archives all but the factors, which are the same in every bit for the same values.
   void archive(const SparsePattern& pattern, Archive& archive) {
     archive.small(is_too_long_);
     elimination_.archive(pattern, archive);
-    factors_.resize(elimination_.fill());
+    make_room();
   }
 
  private:
+  void make_room() {
+    factors_.resize(elimination_.fill());
+    work_.resize(elimination_.size());
+  }
+
   RecordedElimination elimination_;
   bool is_too_long_ = false;
-  std::vector<double> factors_;
+  std::vector<Number> factors_, work_;
 };
 
 }  // namespace sfdae::core

@@ -34,12 +34,29 @@ constexpr std::size_t most_updates_for_a_row = 20, few_updates = 1000;
 // Relative times; see docs/design/sparse_algebra.md.
 constexpr double time_of_pivot = 6.0, time_of_entry = 1.5, time_of_update = 1.0, time_of_unknown = 4.0;
 
+// Size of an entry for comparisons of pivots, at most sqrt(2) times the modulus.
+double size_of(double x) { return std::fabs(x); }
+double size_of(std::complex<double> x) { return std::fabs(x.real()) + std::fabs(x.imag()); }
+// Products and reciprocals of finite numbers; operators of std::complex look for infinities, at twice the cost.
+double product(double x, double y) { return x * y; }
+std::complex<double> product(std::complex<double> x, std::complex<double> y) {
+  return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
+}
+double reciprocal(double x) { return 1.0 / x; }
+// In sizes relative to the larger part, whose square may overflow or vanish.
+std::complex<double> reciprocal(std::complex<double> x) {
+  const double unit = 1.0 / std::max(std::fabs(x.real()), std::fabs(x.imag()));
+  const double re = unit * x.real(), im = unit * x.imag(), scale = unit / (re * re + im * im);
+  return {scale * re, -scale * im};
+}
+
 }  // namespace
 
 const RecordedElimination::PivotBounds RecordedElimination::pivot_bounds{vanishing_pivot, still_large_enough,
                                                                          largest_number};
 
 // The matrix while pivots are being chosen. Entries have slots, which stay where they are.
+template <class Number>
 class RecordedElimination::Search {
  public:
   explicit Search(const SparsePattern& pattern)
@@ -59,11 +76,11 @@ class RecordedElimination::Search {
   }
 
   int slot(int row, int column) const { return place_[index(row) * index(n_) + index(column)]; }
-  int add(int row, int column, double v) {
+  int add(int row, int column, Number v) {
     int& slot = place_[index(row) * index(n_) + index(column)];
     if (slot < 0) {
       slot = static_cast<int>(value.size());
-      value.push_back(0.0);
+      value.push_back(Number(0));
       rows[index(row)].push_back(column);
       columns[index(column)].push_back(row);
     }
@@ -89,11 +106,11 @@ class RecordedElimination::Search {
       const int i = left_[k];
       const std::vector<int>& row = rows[index(i)];
       double largest = 0.0;
-      for (int j : row) largest = std::max(largest, std::fabs(value[index(slot(i, j))]));
+      for (int j : row) largest = std::max(largest, size_of(value[index(slot(i, j))]));
       for (int j : row) {
         const std::size_t cost = (row.size() - 1) * (columns[index(j)].size() - 1);
         if (cost > least) continue;
-        const double here = std::fabs(value[index(slot(i, j))]);
+        const double here = size_of(value[index(slot(i, j))]);
         if (!(here >= large_enough * largest && here > vanishing_pivot) || (cost == least && here <= size)) continue;
         best = {i, j};
         least = cost;
@@ -114,14 +131,15 @@ class RecordedElimination::Search {
   }
 
   std::vector<std::vector<int>> rows, columns;  // of the remaining matrix, the other index of its entries
-  std::vector<double> value;                    // by slots
+  std::vector<Number> value;                    // by slots
 
  private:
   int n_;
   std::vector<int> place_, left_;
 };
 
-RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pattern, const double* values) {
+template <class Number>
+RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pattern, const Number* values) {
   forget();
   const int n = pattern.size;
   if (!all_finite_numbers(values, pattern.row.size())) return Choice::singular;
@@ -136,10 +154,11 @@ RecordedElimination::Choice RecordedElimination::choose(const SparsePattern& pat
 }
 
 // values: null if pivots are known.
-RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pattern, const double* values,
+template <class Number>
+RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pattern, const Number* values,
                                                         Pivots pivots) {
   const int n = pattern.size;
-  Search search(pattern);
+  Search<Number> search(pattern);
   list_.slot_of_entry.clear();
   list_.slot_of_entry.reserve(pattern.row.size());
   column_of_entry_.clear();
@@ -150,7 +169,7 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
     for (int k = pattern.first[index(j)]; k < pattern.first[index(j) + 1]; ++k) {
       const int i = pattern.row[index(k)];
       list_.scale.push_back(times_power_of_two(1.0, column_exponent_[index(j)] + row_exponent_[index(i)]));
-      list_.slot_of_entry.push_back(search.add(i, j, values != nullptr ? list_.scale.back() * values[k] : 0.0));
+      list_.slot_of_entry.push_back(search.add(i, j, values != nullptr ? list_.scale.back() * values[k] : Number(0)));
       column_of_entry_.push_back(j);
     }
   const Choice choice = eliminate(search, pivots);
@@ -164,14 +183,14 @@ RecordedElimination::Choice RecordedElimination::record(const SparsePattern& pat
   std::vector<int> column_of_row(index(n));
   for (int k = 0; k < n; ++k) column_of_row[index(list_.row[index(k)])] = list_.column[index(k)];
   is_odd_ = is_odd(column_of_row.data(), n);
-  work_.assign(index(n) + 1, 0.0);
   list_.size = n;
   list_.slots = static_cast<int>(search.value.size());
   return Choice::made;
 }
 
 // A = L U with ones on the diagonal of U.
-RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivots pivots) {
+template <class Number>
+RecordedElimination::Choice RecordedElimination::eliminate(Search<Number>& search, Pivots pivots) {
   const std::size_t n = search.rows.size(), most = std::max(most_updates_for_a_row * n, few_updates);
   list_.row.resize(n);
   list_.column.resize(n);
@@ -190,7 +209,7 @@ RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivot
   std::vector<int> place_of_row(n), place_of_column(n);
   for (std::size_t k = 0; k < n; ++k) {
     if (pivots == Pivots::wanted) {
-      const Search::Pivot pivot = search.choose();
+      const auto pivot = search.choose();
       if (pivot.row < 0) return Choice::singular;
       list_.row[k] = pivot.row;
       list_.column[k] = pivot.column;
@@ -205,7 +224,7 @@ RecordedElimination::Choice RecordedElimination::eliminate(Search& search, Pivot
     for (int j : row) {
       const int right = search.slot(list_.row[k], j);
       list_.upper.push_back({right, j});
-      const double factor = pivots == Pivots::wanted ? search.value[index(right)] /= search.value[index(slot)] : 0.0;
+      const Number factor = pivots == Pivots::wanted ? search.value[index(right)] /= search.value[index(slot)] : 0.0;
       for (int i : column) {
         const int left = search.slot(i, list_.column[k]);
         list_.updates.push_back({search.add(i, j, -factor * search.value[index(left)]), left, right});
@@ -228,47 +247,51 @@ double RecordedElimination::factorization_in_solutions() const {
 }
 
 // Pivots are replaced by their reciprocals.
-bool RecordedElimination::factor(const double* values, double* factors) const {
-  std::fill_n(factors, list_.slots, 0.0);
+template <class Number>
+bool RecordedElimination::factor(const Number* values, Number* factors) const {
+  std::fill_n(factors, list_.slots, Number(0));
   for (std::size_t e = 0; e < list_.slot_of_entry.size(); ++e)
     factors[list_.slot_of_entry[e]] += list_.scale[e] * values[e];
   for (std::size_t k = 0; k < index(list_.size); ++k) {
-    double& pivot = factors[list_.pivot[k]];
+    Number& pivot = factors[list_.pivot[k]];
     double largest = 0.0;
     for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
-      largest = std::max(largest, std::fabs(factors[list_.upper[index(u)].slot]));
-    const double size = std::fabs(pivot);
+      largest = std::max(largest, size_of(factors[list_.upper[index(u)].slot]));
+    const double size = size_of(pivot);
     if (!(size > pivot_bounds.least && size >= pivot_bounds.least_of_row * largest && size <= pivot_bounds.largest))
       return false;
-    pivot = 1.0 / pivot;
-    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u)
-      factors[list_.upper[index(u)].slot] *= pivot;
+    pivot = reciprocal(pivot);
+    for (int u = list_.first_upper[k]; u < list_.first_upper[k + 1]; ++u) {
+      Number& entry = factors[list_.upper[index(u)].slot];
+      entry = product(entry, pivot);
+    }
     for (int u = list_.first_update[k]; u < list_.first_update[k + 1]; ++u) {
       const Update& update = list_.updates[index(u)];
-      factors[update.target] -= factors[update.left] * factors[update.right];
+      factors[update.target] -= product(factors[update.left], factors[update.right]);
     }
   }
   return true;
 }
 
 // Local pointers, as written values could alias any of the lists for the compiler.
-void RecordedElimination::substitute(const double* factors, double* y) const {
+template <class Number>
+void RecordedElimination::substitute(const Number* factors, Number* y) const {
   const std::size_t size = index(list_.size);
   const int* const first_lower = list_.first_lower.data();
   const Entry* entry = list_.lower.data();
   for (std::size_t k = 0; k < size; ++k) {
-    const double solved = y[k] * factors[list_.pivot[k]];
+    const Number solved = product(y[k], factors[list_.pivot[k]]);
     y[k] = solved;
     for (const Entry* const last = list_.lower.data() + first_lower[k + 1]; entry != last; ++entry)
-      y[entry->place] -= factors[entry->slot] * solved;
+      y[entry->place] -= product(factors[entry->slot], solved);
   }
   const int* const first_upper = list_.first_upper.data();
   const Entry* const upper = list_.upper.data();
   for (std::size_t k = size; k-- > 0;) {
-    double sum = y[k];
+    Number sum = y[k];
     const Entry* const last = upper + first_upper[k + 1];
     for (const Entry* next = upper + first_upper[k]; next != last; ++next)
-      sum -= factors[next->slot] * y[next->place];
+      sum -= product(factors[next->slot], y[next->place]);
     y[k] = sum;
   }
 }
@@ -285,11 +308,11 @@ void RecordedElimination::substitute_transposed(const double* factors, double* y
   }
 }
 
-void RecordedElimination::solve(const double* factors, double* b) {
-  double* const y = work_.data();
-  for (std::size_t k = 0; k < index(list_.size); ++k) y[k] = list_.row_scale[k] * b[list_.row[k]];
-  substitute(factors, y);
-  for (std::size_t k = 0; k < index(list_.size); ++k) b[list_.column[k]] = list_.column_scale[k] * y[k];
+template <class Number>
+void RecordedElimination::solve(const Number* factors, Number* b, Number* work) const {
+  for (std::size_t k = 0; k < index(list_.size); ++k) work[k] = list_.row_scale[k] * b[list_.row[k]];
+  substitute(factors, work);
+  for (std::size_t k = 0; k < index(list_.size); ++k) b[list_.column[k]] = list_.column_scale[k] * work[k];
 }
 
 // Works in the order of the pivots: the norms of rows and columns are the same in another order.
@@ -347,7 +370,16 @@ void RecordedElimination::archive(const SparsePattern& pattern, Archive& archive
   }
   for (std::vector<int>* exponents : {&row_exponent_, &column_exponent_})
     for (int& exponent : *exponents) exponent -= largest_exponent;
-  if (!are_pivots_sound(pattern) || record(pattern, nullptr, Pivots::known) != Choice::made) throw DamagedArchive();
+  if (!are_pivots_sound(pattern) || record<double>(pattern, nullptr, Pivots::known) != Choice::made)
+    throw DamagedArchive();
 }
+
+template RecordedElimination::Choice RecordedElimination::choose(const SparsePattern&, const double*);
+template RecordedElimination::Choice RecordedElimination::choose(const SparsePattern&, const std::complex<double>*);
+template bool RecordedElimination::factor(const double*, double*) const;
+template bool RecordedElimination::factor(const std::complex<double>*, std::complex<double>*) const;
+template void RecordedElimination::solve(const double*, double*, double*) const;
+template void RecordedElimination::solve(const std::complex<double>*, std::complex<double>*,
+                                         std::complex<double>*) const;
 
 }  // namespace sfdae::core

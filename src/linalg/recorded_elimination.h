@@ -2,12 +2,13 @@
 // with the values of others.
 //
 // Pivots are chosen by Markowitz's counts among entries that are not small in their row [DER86, 7.2]. Nothing is
-// searched when the elimination is repeated; a pivot that has become small is refused.
+// searched when the elimination is repeated; a pivot that has become small is refused. Matrices are real or complex.
 //
 // [DER86] I. S. Duff, A. M. Erisman, J. K. Reid: Direct Methods for Sparse Matrices. Oxford University Press, 1986.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -24,7 +25,8 @@ class RecordedElimination {
   // Chooses scales and pivots by finite values in the order of the pattern. Otherwise nothing may be factored:
   // `singular` to working precision, or values not finite; too_long: other methods are faster.
   enum class Choice { made, singular, too_long };
-  Choice choose(const SparsePattern& pattern, const double* values);
+  template <class Number>
+  Choice choose(const SparsePattern& pattern, const Number* values);
   bool has_pivots() const { return list_.slots > 0; }
   void forget() { list_.size = list_.slots = 0; }
   std::size_t size() const { return index(list_.size); }
@@ -33,9 +35,11 @@ class RecordedElimination {
   // Cost of repeating the elimination, in solutions; estimated from counts of operations.
   double factorization_in_solutions() const;
   // factors: fill() numbers. False: a value is not finite, or a pivot much smaller than others of its row.
-  bool factor(const double* values, double* factors) const;
-  // b := A^-1 b
-  void solve(const double* factors, double* b);
+  template <class Number>
+  bool factor(const Number* values, Number* factors) const;
+  // b := A^-1 b; work: size() numbers.
+  template <class Number>
+  void solve(const Number* factors, Number* b, Number* work) const;
   // As SparseLu::reciprocal_condition(), of the scaled matrix; values: those factored.
   double reciprocal_condition(const double* values, const double* factors) const;
   // Determinant of the matrix, not of the scaled one.
@@ -77,13 +81,17 @@ class RecordedElimination {
   };
 
  private:
+  template <class Number>
   class Search;
   enum class Pivots { wanted, known };
   static const PivotBounds pivot_bounds;
-  Choice record(const SparsePattern& pattern, const double* values, Pivots pivots);
-  Choice eliminate(Search& search, Pivots pivots);
+  template <class Number>
+  Choice record(const SparsePattern& pattern, const Number* values, Pivots pivots);
+  template <class Number>
+  Choice eliminate(Search<Number>& search, Pivots pivots);
   bool are_pivots_sound(const SparsePattern& pattern) const;
-  void substitute(const double* factors, double* y) const;
+  template <class Number>
+  void substitute(const Number* factors, Number* y) const;
   void substitute_transposed(const double* factors, double* y) const;
 
   List list_;
@@ -91,7 +99,6 @@ class RecordedElimination {
   std::vector<int> column_of_entry_;                 // of the pattern
   std::vector<int> row_exponent_, column_exponent_;  // of the scales
   Equilibration equilibration_;
-  std::vector<double> work_;
   LaneArray lanes_;
 };
 

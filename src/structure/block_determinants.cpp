@@ -77,7 +77,7 @@ void BlockDeterminants::add(int number, BlockEntries& of_blocks) {
   of_blocks.for_each(number, [&](int row, int column, int e) { columns[index(column)].emplace_back(row, e); });
   const SparsePattern pattern = pattern_of(columns, block.entries);
   if (pattern.size > largest_small_determinant) {
-    block.list = std::make_unique<ListedFactors>();
+    block.list = std::make_unique<ListedFactors<double>>();
     block.pattern = pattern;
   } else {
     for (std::size_t column = 0; column < columns.size(); ++column)

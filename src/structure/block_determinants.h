@@ -48,7 +48,7 @@ class BlockDeterminants {
     std::vector<int> places;   // of small blocks: of these in a full matrix
     // Other blocks: pattern, list, and factors if the list fails, ordered when first needed.
     SparsePattern pattern;
-    std::unique_ptr<ListedFactors> list;
+    std::unique_ptr<ListedFactors<double>> list;
     std::unique_ptr<SparseLu<double>> lu;
   };
   int size(const Block& block) const { return static_cast<int>(structure_.blocks.equations(block.number).size()); }

@@ -5,6 +5,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <type_traits>
 
 #include "linalg/index.h"
 
@@ -29,5 +30,27 @@ struct StageMethod {
 
   double D_at(int i, int j) const { return D[index(i + j * s)]; }
 };
+
+// use(s), with s as a constant where there is a method of s stages: loops over stages are short and need no counters
+// then.
+template <class Use>
+void with_stages(int s, Use use) {
+  switch (s) {
+    case 1: return use(std::integral_constant<int, 1>());
+    case 3: return use(std::integral_constant<int, 3>());
+    case 5: return use(std::integral_constant<int, 5>());
+    case 7: return use(std::integral_constant<int, 7>());
+    default: return use(s);
+  }
+}
+
+// M a, in the order of the columns. S: int, or a constant.
+template <class S>
+std::array<double, max_stages> product(const StageMatrix& M, S s, const std::array<double, max_stages>& a) {
+  std::array<double, max_stages> sum{};
+  for (int k = 0; k < s; ++k)
+    for (int i = 0; i < s; ++i) sum[index(i)] += M[index(i + k * s)] * a[index(k)];
+  return sum;
+}
 
 }  // namespace sfdae::core

@@ -21,6 +21,18 @@
 
 namespace sfdae::core {
 
+// b = a M^T for q rows, a column for each stage. a and b may be the same.
+inline void transform_stages(const StageMatrix& M, int s, ConstView a, View b) {
+  with_stages(s, [&](auto stages) {
+    for (int i = 0; i < a.rows; ++i) {
+      std::array<double, max_stages> row{};
+      for (int k = 0; k < stages; ++k) row[index(k)] = a(i, k);
+      const std::array<double, max_stages> result = product(M, stages, row);
+      for (int k = 0; k < stages; ++k) b(i, k) = result[index(k)];
+    }
+  });
+}
+
 // rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column for
 // each stage. solve(x) and solve_pair(k, omega) solve these systems in place. r and z may be the same; omega has q
 // numbers.
@@ -28,7 +40,7 @@ template <class Solve, class SolvePair>
 void solve_decoupled(const StageMethod& method, ConstView r, View rho, View z, std::complex<double>* omega,
                      Solve solve, SolvePair solve_pair) {
   const int s = method.s, q = rho.rows;
-  multiply(1.0, Op::plain, r, Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
+  transform_stages(method.T_inverse, s, r, rho);
   solve(rho.column(0));
   for (int k = 0; 2 * k + 2 < s; ++k) {
     double* first = rho.column(2 * k + 1);
@@ -40,7 +52,7 @@ void solve_decoupled(const StageMethod& method, ConstView r, View rho, View z, s
       second[i] = -omega[i].imag();
     }
   }
-  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, z);
+  transform_stages(method.T, s, rho, z);
 }
 
 class TransformedStages {

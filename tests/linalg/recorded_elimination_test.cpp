@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <random>
 #include <vector>
@@ -53,8 +54,8 @@ double residual(const SparsePattern& pattern, const double* values, const std::v
 double relative_residual(const SparsePattern& pattern, const double* values, RecordedElimination& elimination,
                          const double* factors) {
   const std::vector<double> b = random_vector(index(pattern.size), 5);
-  std::vector<double> x = b;
-  elimination.solve(factors, x.data());
+  std::vector<double> x = b, work(elimination.size());
+  elimination.solve(factors, x.data(), work.data());
   return residual(pattern, values, x, b);
 }
 
@@ -164,7 +165,7 @@ TEST(RecordedElimination, LeavesLongListsToOthers) {
   const SparseMatrix full = sfdae_test::sparse_matrix(n, entries);
   RecordedElimination elimination;
   EXPECT_EQ(elimination.choose(full.pattern, full.values.data()), Choice::too_long);
-  ListedFactors factors;
+  ListedFactors<double> factors;
   EXPECT_FALSE(factors.factor(full.pattern, full.values.data()));
 }
 
@@ -172,7 +173,7 @@ TEST(RecordedElimination, LeavesLongListsToOthers) {
 TEST(ListedFactors, GoOnFromArchivesInEveryBit) {
   const SparseMatrix matrix = sfdae_test::random_sparse(60, 2, 6);
   const int n = matrix.pattern.size;
-  ListedFactors first;
+  ListedFactors<double> first;
   ASSERT_TRUE(first.factor(matrix.pattern, matrix.values.data()));
   std::vector<double> others = random_vector(matrix.values.size(), 4);
   for (std::size_t k = 0; k < others.size(); ++k) others[k] = matrix.values[k] * (1.0 + 0.5 * others[k]);
@@ -184,7 +185,7 @@ TEST(ListedFactors, GoOnFromArchivesInEveryBit) {
   first.archive(matrix.pattern, writer);
   EXPECT_TRUE(writer.has_ended());
 
-  ListedFactors second;
+  ListedFactors<double> second;
   Archive reader = Archive::reader(saved.data(), saved.size());
   second.archive(matrix.pattern, reader);
   EXPECT_TRUE(reader.has_ended());
@@ -218,11 +219,11 @@ TEST(RecordedElimination, RepeatsItselfInLanes) {
     LaneArray x = b;
     elimination.solve_lanes(factors.data(), x.data());
     for (std::size_t l = 0; l < 8; ++l) {
-      std::vector<double> own, own_factors(elimination.fill()), y;
+      std::vector<double> own, own_factors(elimination.fill()), y, work(n);
       for (const LaneBlock& value : values) own.push_back(value.lane[l]);
       for (const LaneBlock& side : b) y.push_back(side.lane[l]);
       ASSERT_TRUE(elimination.factor(own.data(), own_factors.data()));
-      elimination.solve(own_factors.data(), y.data());
+      elimination.solve(own_factors.data(), y.data(), work.data());
       for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(x[i].lane[l], y[i]) << i << ", lane " << l;
     }
     // In as many lanes as are wanted, to the last bit; rows of the inverse.
@@ -249,10 +250,71 @@ TEST(RecordedElimination, RepeatsItselfInLanes) {
   });
 }
 
+using Complex = std::complex<double>;
+
+// A + i B with B of the pattern of A, in units 2^(+-unit) of rows and columns.
+std::vector<Complex> complex_values(const SparseMatrix& matrix, int unit, unsigned seed) {
+  const std::vector<double> others = random_vector(matrix.values.size(), seed);
+  std::vector<Complex> values(others.size());
+  for (int j = 0; j < matrix.pattern.size; ++j)
+    for (int k = matrix.pattern.first[index(j)]; k < matrix.pattern.first[index(j) + 1]; ++k)
+      values[index(k)] = times_power_of_two(Complex(matrix.values[index(k)], others[index(k)]),
+                                            unit * (j % 3) - unit * (matrix.pattern.row[index(k)] % 2));
+  return values;
+}
+
+// The largest |A x - b|_i / (|A| |x| + |b|)_i, as for real ones.
+double residual(const SparsePattern& pattern, const std::vector<Complex>& values, const std::vector<Complex>& x,
+                const std::vector<Complex>& b) {
+  std::vector<Complex> r(b);
+  std::vector<double> size(b.size());
+  for (std::size_t i = 0; i < b.size(); ++i) size[i] = std::abs(b[i]);
+  for (int j = 0; j < pattern.size; ++j)
+    for (int k = pattern.first[index(j)]; k < pattern.first[index(j) + 1]; ++k) {
+      const Complex term = values[index(k)] * x[index(j)];
+      r[index(pattern.row[index(k)])] -= term;
+      size[index(pattern.row[index(k)])] += std::abs(term);
+    }
+  double largest = 0.0;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    if (r[i] != 0.0) largest = std::max(largest, std::abs(r[i]) / size[i]);
+  return largest;
+}
+
+// Complex matrices, in any units; with values that change little and with others, which need other pivots.
+TEST(ListedFactors, FactorComplexMatrices) {
+  for (const SparseMatrix& matrix :
+       {sfdae_test::reaction_diffusion(20), sfdae_test::flow(4), sfdae_test::arrow(12, 12),
+        sfdae_test::random_sparse(40, 2, 6), sfdae_test::random_band(1, 0, 0, 2.0, 1)})
+    for (const int unit : {0, 60}) {
+      const std::size_t n = index(matrix.pattern.size);
+      SCOPED_TRACE(n);
+      ListedFactors<Complex> factors;
+      std::vector<Complex> values = complex_values(matrix, unit, 3);
+      const std::vector<double> changes = random_vector(values.size(), 9);
+      for (const double change : {0.0, 0.02, 1.0, 1000.0}) {
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] *= Complex(1.0 + change * changes[k], 0.5 * change);
+        ASSERT_TRUE(factors.factor(matrix.pattern, values.data())) << change;
+        const std::vector<double> sides = random_vector(2 * n, 5);
+        std::vector<Complex> b(n);
+        for (std::size_t i = 0; i < n; ++i) b[i] = Complex(sides[i], sides[n + i]);
+        std::vector<Complex> x = b;
+        factors.solve(x.data());
+        EXPECT_LE(residual(matrix.pattern, values, x, b), tolerance(matrix.pattern.size)) << change;
+      }
+      values[0] = Complex(0.0, std::numeric_limits<double>::infinity());
+      EXPECT_FALSE(factors.factor(matrix.pattern, values.data()));
+    }
+  const SparseMatrix full = sfdae_test::sparse_matrix(2, {{0, 0, 1.0}, {0, 1, 0.5}, {1, 0, 0.5}, {1, 1, 1.0}});
+  ListedFactors<Complex> factors;
+  const std::vector<Complex> singular = {{0.0, 1.0}, {1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.0}};
+  EXPECT_FALSE(factors.factor(full.pattern, singular.data()));
+}
+
 // Pivots that have become small are chosen anew; a matrix that is singular leaves nothing behind.
 TEST(ListedFactors, ChooseOtherPivotsWhereTheseDoNotServe) {
   const SparseMatrix full = sfdae_test::sparse_matrix(2, {{0, 0, 1.0}, {0, 1, 0.5}, {1, 0, 0.5}, {1, 1, 1.0}});
-  ListedFactors factors;
+  ListedFactors<double> factors;
   ASSERT_TRUE(factors.factor(full.pattern, full.values.data()));
   const std::vector<double> singular = {1.0, 1.0, 1.0, 1.0}, infinite = {1.0, HUGE_VAL, 1.0, 2.0};
   EXPECT_FALSE(factors.factor(full.pattern, singular.data()));
