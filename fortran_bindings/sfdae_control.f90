@@ -84,6 +84,8 @@ module sfdae_control
     real(c_double) :: stop_time = 0
     !> Attempted steps in one call, >= 1.
     integer(c_long) :: max_steps = 100000
+    !> Wall-clock time of one call in seconds; it returns sfdae_stopped then. 0: no limit.
+    real(c_double) :: max_seconds = 0
     !> sfdae_leading_...
     integer(c_int) :: leading_term = sfdae_leading_automatic
 
@@ -245,6 +247,7 @@ contains
     c_options%use_stop_time = flag(options%use_stop_time)
     c_options%stop_time = options%stop_time
     c_options%max_steps = options%max_steps
+    c_options%max_seconds = options%max_seconds
     c_options%leading_term = options%leading_term
     c_options%method = options%method
     c_options%min_stages = options%min_stages

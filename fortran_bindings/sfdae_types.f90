@@ -382,6 +382,7 @@ module sfdae_types
     integer(c_int) :: check_derivatives = 0
     integer(c_int) :: structure = 0
     integer(c_int) :: conditions = 0
+    real(c_double) :: max_seconds = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_passage

@@ -20,6 +20,7 @@ typedef struct python_recorder {
 
 static int python_options_monitor(sfdae_progress* progress, void* user); /* written by cffi, which knows no const */
 
+/* Seconds since some time in the past. */
 static double python_seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -69,12 +70,13 @@ static int python_evaluate_solution(const sfdae_solution* solution, const double
   return SFDAE_OK;
 }
 
-/* Limits the steps that are attempted in several calls together. */
+/* Limits the steps that are attempted in several calls together, and their time. */
 typedef struct python_limit {
-  sfdae_options* options; /* of the solver, whose max_steps is set before calls; NULL: there is no common limit */
+  sfdae_options* options; /* of the solver, whose max_steps and max_seconds are set before calls; NULL: no limit */
   long attempts;          /* since the last start, at most */
   long each;              /* in one call, at most */
   double direction;       /* of the integration: +1 or -1 */
+  double end;             /* when the calls have to end, by python_seconds(); 0: there is no limit */
 } python_limit;
 
 /* Calls sfdae_step or sfdae_advance, as far as the limit allows: SFDAE_MAX_STEPS with the end of the last step else. */
@@ -94,8 +96,10 @@ static int python_advance(sfdae_solver* solver, const python_limit* limit, int o
     }
     if (rest > limit->each) rest = limit->each;
     if (rest <= 0) rest = 1; /* tout lies within the last step: none is attempted */
-    if (rest != limit->options->max_steps) {
+    if (rest != limit->options->max_steps || limit->end > 0.0) {
+      const double left = limit->end - python_seconds();
       limit->options->max_steps = rest;
+      if (limit->end > 0.0) limit->options->max_seconds = left > 1e-9 ? left : 1e-9;
       status = sfdae_set_options(solver, limit->options);
       if (status < 0) return status;
     }

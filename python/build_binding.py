@@ -34,7 +34,9 @@ typedef struct python_limit {
   long attempts;
   long each;
   double direction;
+  double end;
 } python_limit;
+double python_seconds(void);
 int python_advance(sfdae_solver* solver, const python_limit* limit, int one_step, double tout,
                    double* t, double* x, double* xdot);
 int python_advance_through(sfdae_solver* solver, const python_limit* limit, const double* times,

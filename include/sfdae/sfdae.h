@@ -365,6 +365,12 @@ typedef struct sfdae_options {
    * only if all conditions are kinks that no equation differentiates: otherwise results are wrong without a warning.
    * Breakpoints remain in effect. */
   int conditions;
+
+  /** Wall-clock time of one call in seconds, default 0: no limit. A call that takes longer returns SFDAE_STOPPED at the
+   * next evaluation of the equations, with the point reached, and can be repeated; each call has the whole time. For
+   * hybrid systems: of each stay in a mode, with the options of its solver. A function of the user's that does not
+   * return is not interrupted. */
+  double max_seconds;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);

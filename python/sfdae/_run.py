@@ -59,6 +59,7 @@ class Run:
         self._S: list[np.ndarray] | None = [] if solver._num_sensitivities > 0 else None
         self._limit = ffi.new("python_limit*")
         self._max_steps = 0  # in the whole run
+        self._begun = lib.python_seconds()
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -71,6 +72,8 @@ class Run:
         if self.dense is not None:
             self.solver.record(self.dense)
         point = self.solver.start(t0, x0, self.t1, xdot0)
+        if point.status == Status.STOPPED:
+            raise Error(point.status, point.message)
         if point.status > 0:
             self._note(point.message, InitialValuesWarning)
         self._add(point)
@@ -102,11 +105,16 @@ class Run:
         is_total = max_steps is not None or has_one_call
         self._max_steps = limit.attempts = c.max_steps * (1 if is_total else _SPANS_OF_RUN)
         limit.direction = 1.0 if self.t1 > self.last.t else -1.0
+        if c.max_seconds > 0:
+            limit.end = self._begun + c.max_seconds
 
     def _attempts(self) -> int:
         """Number of attempts since the last start."""
         statistics = self.solver.statistics
         return statistics.steps + statistics.error_failures + statistics.other_failures
+
+    def _time_is_up(self) -> bool:
+        return 0 < self._limit.end <= lib.python_seconds()
 
     def _through(self, t_eval: np.ndarray) -> None:
         """Integrates to given output times, as many as possible in one call."""
@@ -199,6 +207,11 @@ class Run:
                 "If the steps are very small, look for their reason first, such as an equation "
                 "that jumps."
             )
+        if status == lib.SFDAE_STOPPED and self._time_is_up():
+            message = (
+                f"{self.solver._options['max_seconds']:.9g} seconds passed in the whole run, the "
+                f"limit max_seconds, without reaching the end t = {self.t1:.9g}."
+            )
         if status == lib.SFDAE_INCONSISTENCY_IGNORED and message not in self.notes:
             self._note(message, IntegrationWarning)
         if status == lib.SFDAE_EVENT:
@@ -276,6 +289,8 @@ class Run:
             self.message = f"stopped at t = {self.last.t:.9g}" + (
                 f": {self.message}" if self.message else ""
             )
+            if self._time_is_up():
+                self._warnings.append((self.message, IntegrationWarning))
         elif self.status == Status.OK:
             self.message = "the end of the interval was reached"
         _log.info("%s", self.message)

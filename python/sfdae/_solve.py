@@ -96,6 +96,9 @@ def solve(
         Maximum number of attempted steps in the whole run, including restarts after events. By
         default 100,000 in the whole run, or with t_eval 100,000 between two outputs and 10,000,000
         in the run.
+    max_seconds : float, optional
+        Wall-clock time of the whole run in seconds; by default there is no limit. A run that takes
+        longer ends with ``Status.STOPPED`` and the part reached.
     sensitivities : sequence of str, optional
         Names of parameters, or of unknowns (for their start values), with respect to which the
         solution is differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.

@@ -658,3 +658,19 @@ def test_the_module_prints_versions_and_files():
     lines = dict(line.split(maxsplit=1) for line in result.stdout.splitlines())
     assert lines["sfdae"] == sfdae.version() and lines["numpy"] == np.__version__
     assert lines["module"].endswith(".so") and result.stderr == ""
+
+
+def test_max_seconds_limits_the_whole_run():
+    def oscillation(t, x, xdot):
+        return [xdot[0] - x[1], xdot[1] + x[0]]
+
+    with pytest.raises(sfdae.Error, match="max_seconds") as failure:
+        sfdae.solve(oscillation, (0, 1), [1, 0], max_seconds=1e-9)
+    assert failure.value.status == sfdae.Status.STOPPED
+    for t_eval in (None, np.linspace(0, 1e9, 100_001)):
+        with pytest.warns(sfdae.IntegrationWarning, match="max_seconds"):
+            sol = sfdae.solve(
+                oscillation, (0, 1e9), [1, 0], max_seconds=0.2, max_steps=10**9, t_eval=t_eval
+            )
+        assert sol.status == sfdae.Status.STOPPED and 0 <= sol.t[-1] < 1e9
+    assert sfdae.solve(oscillation, (0, 1), [1, 0], max_seconds=1e6).success

@@ -239,6 +239,8 @@ void check_options(const sfdae_options& options, int n) {
   if (options.use_stop_time == 1 && !std::isfinite(options.stop_time))
     refuse_argument(format("stop_time is %g; it must be finite.", options.stop_time));
   if (options.max_steps < 1) refuse_argument(format("max_steps is %ld; it must be >= 1.", options.max_steps));
+  if (!is_size(options.max_seconds))
+    refuse_argument(format("max_seconds is %g; it must be finite, >= 0.", options.max_seconds));
   if (options.leading_term < SFDAE_LEADING_AUTOMATIC || options.leading_term > SFDAE_LEADING_IDENTITY)
     refuse_argument(format("leading_term is %d; it must be one of SFDAE_LEADING_...", options.leading_term));
   if (options.method < SFDAE_METHOD_BDF || options.method > SFDAE_METHOD_AUTOMATIC)

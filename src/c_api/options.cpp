@@ -41,6 +41,7 @@ SolverOptions solver_options(const sfdae_options& o, int n) {
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
   integration.max_steps = o.max_steps;
+  options.max_seconds = o.max_seconds;
   integration.monitor = o.monitor;
   integration.monitor_user = o.monitor_user;
   return options;

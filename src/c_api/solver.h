@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "c_api/checks.h"
+#include "problem/problem.h"
 #include "sfdae/sfdae.h"
 #include "solver/solver.h"
 #include "solver/status_of.h"
@@ -41,7 +42,11 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
     else std::snprintf(solver->message, sizeof solver->message, "%s%s", text, solver->hint(status));
     return status;
   };
-  const int status = status_of(body, say);
+  const auto call = [&] {
+    const TimeLimit limit(solver->problem(), solver->options.max_seconds);
+    return status_of(body, say);
+  };
+  const int status = call();
   if (status == SFDAE_STOPPED) solver->problem().take_stop_request();
   solver->busy.store(false);
   return status;

@@ -10,7 +10,7 @@
 namespace sfdae::core {
 
 SolverInCall::SolverInCall(HybridSystem& hybrid, Solver& solver, int mode)
-    : running_(hybrid.running), solver_(solver) {
+    : running_(hybrid.running), solver_(solver), limit_(solver.problem(), solver.options.max_seconds) {
   if (solver.busy.exchange(true))
     throw Failure(SFDAE_BUSY, hybrid.name_of(mode) + ": its solver is in another call.");
   running_.store(&solver);

@@ -18,6 +18,7 @@
 #include "hybrid/hybrid_run.h"
 #include "hybrid/sliding.h"
 #include "integrate/solution_pieces.h"
+#include "problem/problem.h"
 #include "sfdae/hybrid.h"
 #include "solver/solver.h"
 
@@ -66,6 +67,7 @@ class SolverInCall {
  private:
   std::atomic<Solver*>& running_;
   Solver& solver_;
+  TimeLimit limit_;
 };
 
 // Functions throw Failure, unless they return the result of a call; arguments have been checked.

@@ -4,8 +4,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,7 +74,13 @@ class Problem {
   // True once for every request.
   bool take_stop_request() { return stop_requested_.exchange(false, std::memory_order_relaxed); }
   bool stop_is_requested() const {
-    return stop_requested_.load(std::memory_order_relaxed) || (leader_ != nullptr && leader_->stop_is_requested());
+    return stop_requested_.load(std::memory_order_relaxed) || time_is_up() ||
+           (leader_ != nullptr && leader_->stop_is_requested());
+  }
+  // True if the call takes longer than its TimeLimit.
+  bool time_is_up() const {
+    return (deadline_ && std::chrono::steady_clock::now() >= *deadline_) ||
+           (leader_ != nullptr && leader_->time_is_up());
   }
   void set_equation_names(EquationNames names) { equation_names_ = std::move(names); }
   const EquationNames& equation_names() const { return equation_names_; }
@@ -107,11 +116,34 @@ class Problem {
 
  private:
   friend class UserTime;
+  friend class TimeLimit;
   friend class DerivativeChecking;
 
   std::atomic<bool> stop_requested_{false};
+  std::optional<std::chrono::steady_clock::time_point> deadline_;  // set and removed by the thread of the call
   const Problem* leader_ = nullptr;
   double user_t_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+// Limits a call to this many seconds: a stop is requested as long as it lives and they have passed. 0: no limit.
+class TimeLimit {
+ public:
+  TimeLimit(Problem& problem, double seconds) : problem_(problem), is_set_(seconds > 0.0 && !problem.deadline_) {
+    using Clock = std::chrono::steady_clock;
+    constexpr double most_seconds = 1e9;  // 30 years; a clock counts nanoseconds in 64 bits
+    if (is_set_)
+      problem_.deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(std::min(seconds, most_seconds)));
+  }
+  TimeLimit(const TimeLimit&) = delete;
+  TimeLimit& operator=(const TimeLimit&) = delete;
+  ~TimeLimit() {
+    if (is_set_) problem_.deadline_.reset();
+  }
+
+ private:
+  Problem& problem_;
+  bool is_set_;
 };
 
 // While it lives, messages name this time t: other times are points of an analysis, or of differences.

@@ -189,6 +189,7 @@ void Solver::forget_analysis() {
 // For multibody systems with callbacks it suggests a check of the derivatives; if rows of the array are omitted, the
 // complete array.
 const char* Solver::hint(int status) const {
+  if (status == SFDAE_STOPPED && model.problem().time_is_up()) return " The limit max_seconds of a call has passed.";
   if (status == SFDAE_CHARACTERISTICS_CHANGED && model.follows_structure() && model.multibody() != nullptr)
     return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";
   if (status == SFDAE_CHARACTERISTICS_CHANGED && model.follows_structure())

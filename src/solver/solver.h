@@ -33,6 +33,7 @@ struct SolverOptions {
   bool xdot_is_guess = false;
   bool checks_derivatives = false;
   bool has_smooth_conditions = false;  // zeros of conditions are not located
+  double max_seconds = 0.0;            // of a call; 0: no limit
 };
 
 // Adjustment of the initial values.
