@@ -5,10 +5,7 @@ import concurrent.futures
 import multiprocessing
 import os
 import pathlib
-import shutil
 import signal
-import subprocess
-import sys
 import threading
 import time
 
@@ -16,57 +13,13 @@ import numpy as np
 import pytest
 
 import sfdae
+from ensembles import COUNT, pendula, require_equal
 from models import oscillator
-
-COUNT = 60
-ANGLES = np.linspace(-1.2, 1.2, COUNT)
-STARTS = np.stack([np.sin(ANGLES), -np.cos(ANGLES), *np.zeros((3, COUNT))], axis=1)
-GRAVITY = np.linspace(1.6, 9.8, COUNT)
-MPI_PROGRAM = """
-import sys
-import numpy as np
-import sfdae
-from mpi4py.futures import MPIPoolExecutor
-
-scale = 2.0
-if __name__ == "__main__":
-    with MPIPoolExecutor() as executor:
-        rates = np.linspace(0.5, 2, 50)
-        problem = lambda t, x, xdot, k=1.0: [xdot[0] - x[1], xdot[1] + k * scale * x[0]]
-        given = dict(parameters={"k": rates}, t_eval=[0.5, 1.0], xdot=True)
-        results = [
-            sfdae.solve_ensemble(problem, (0, 1), [1, 0], **given, **more)
-            for more in ({}, {"executor": executor}, {"executor": executor, "chunk": 7})
-        ]
-        same = [np.array_equal(results[0].x, other.x) for other in results]
-        same += [np.array_equal(results[0].xdot, other.xdot) for other in results]
-        print(executor._max_workers, "workers, equal:", all(same))
-"""
-
-
-def pendula(**more):
-    """Pendula of a function that cannot be pickled by its name."""
-    one = 1.0
-
-    def equations(t, x, xdot, g=9.81):
-        p, q, u, v, s = x
-        balance = [xdot[2] + 2 * p * s, xdot[3] + 2 * q * s + g]
-        return [xdot[0] - u, xdot[1] - v, *balance, p**2 + q**2 - one]
-
-    return sfdae.solve_ensemble(
-        equations, (0, 1), STARTS, parameters={"g": GRAVITY}, t_eval=[0.5, 1.0], xdot=True, **more
-    )
 
 
 @pytest.fixture(scope="module")
 def expected():
     return pendula(threads=1)
-
-
-def require_equal(a, b):
-    assert np.array_equal(a.x, b.x, equal_nan=True)
-    assert np.array_equal(a.xdot, b.xdot, equal_nan=True)
-    assert a.status == b.status and a.messages == b.messages and a.names == b.names
 
 
 def pool(kind, workers=2):
@@ -274,44 +227,3 @@ def test_callbacks_are_refused():
     problem = sfdae.LinearProblem([[1.0]], [[-1.0]], lambda t, order: [0.0])
     with pool("threads", 1) as executor, pytest.raises(sfdae.Error, match="ILLEGAL_ARGUMENT"):
         sfdae.solve_ensemble(problem, (0, 1), [[1.0], [2.0]], executor=executor)
-
-
-@pytest.mark.filterwarnings("default")
-def test_dask_with_a_worker_that_is_killed(expected):
-    distributed = pytest.importorskip("distributed")
-    layout = dict(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=60)
-    with distributed.LocalCluster(**layout) as cluster, distributed.Client(cluster) as client:
-        executor = client.get_executor()
-        with pytest.raises(TypeError, match=r"give client.get_executor\(\)"):
-            pendula(executor=client)
-        require_equal(expected, pendula(executor=executor))
-        process = next(iter(client.run(os.getpid).values()))
-
-        def kill_when_working():
-            while not any(client.processing().values()):
-                time.sleep(0.005)
-            os.kill(process, signal.SIGKILL)
-
-        killer = threading.Thread(target=kill_when_working)
-        killer.start()
-        result = pendula(executor=executor, chunk=1)
-        killer.join()
-        require_equal(expected, result)
-        with pytest.raises(OSError):
-            os.kill(process, 0)  # it has ended
-
-
-def test_mpi(tmp_path):
-    pytest.importorskip("mpi4py")
-    mpiexec = shutil.which("mpiexec")
-    if mpiexec is None:
-        pytest.skip("no mpiexec")
-    version = subprocess.run([mpiexec, "--version"], capture_output=True, text=True).stdout
-    if "OpenRTE" not in version and "Open MPI" not in version:
-        pytest.skip("no mpiexec of Open MPI")
-    program = tmp_path / "program.py"
-    program.write_text(MPI_PROGRAM)
-    command = [mpiexec, "--oversubscribe", "--allow-run-as-root", "-n", "3"]
-    command += [sys.executable, "-m", "mpi4py.futures", str(program)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert result.stdout.strip() == "2 workers, equal: True", result.stderr
