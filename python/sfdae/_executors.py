@@ -7,6 +7,7 @@ import collections
 import concurrent.futures
 import math
 import os
+import time
 from typing import Any, Callable, cast
 
 import numpy as np
@@ -72,7 +73,8 @@ class Distribution:
         self._chunk = chunk
         self._retries = retries
         self._on_ended = on_ended
-        self._workers = num_workers(executor)
+        self._workers = 0
+        self._next_count = 0.0  # when workers are counted again
         self._next = 0  # the first instance that has not been sent
         self._lost: collections.deque[_Chunk] = collections.deque()  # to be sent again
         self._sent: dict[concurrent.futures.Future[Answer], _Chunk] = {}
@@ -105,6 +107,7 @@ class Distribution:
         """Sends chunks as long as workers need some; returns whether any is on its way. Chunks that
         were lost go one at a time, so that the one which ends its worker takes no other along.
         """
+        self._count_workers()
         limit = _SENT_PER_WORKER * self._workers
         while self._lost and not self._sent:
             self._submit(self._lost.popleft())
@@ -116,6 +119,12 @@ class Distribution:
             self._next += chunk.count
             self._submit(chunk)
         return bool(self._sent)
+
+    def _count_workers(self) -> None:
+        """Counts the workers once a second, since clusters may grow."""
+        now = time.monotonic()
+        if now >= self._next_count:
+            self._workers, self._next_count = num_workers(self._executor), now + 1.0
 
     def _has_suspects(self) -> bool:
         return bool(self._lost) or any(chunk.attempts for chunk in self._sent.values())

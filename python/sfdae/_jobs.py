@@ -16,6 +16,7 @@ from ._instances import Outcome, Task, solve_instances
 from ._pickling import dumps
 from ._problem import Problem
 from ._solver import Solver
+from ._status import version
 
 # The job and the solver that a thread of a worker used last.
 _kept = threading.local()
@@ -47,6 +48,7 @@ class Job:
     ) -> None:
         self._parts: Any = problem, dict(parameters), dict(options), task, threads
         self._bytes: bytes | None = None
+        self._version = version()
         self.key = uuid.uuid4().hex
         self.is_stopped = False  # seen by the threads of this process
 
@@ -56,16 +58,23 @@ class Job:
             self._bytes = dumps(self._parts)
         return self._bytes
 
-    def __getstate__(self) -> tuple[str, bytes]:
-        return self.key, self.to_bytes()
+    def __getstate__(self) -> tuple[str, str, bytes]:
+        return self.key, self._version, self.to_bytes()
 
-    def __setstate__(self, state: tuple[str, bytes]) -> None:
-        self.key, self._bytes = state
+    def __setstate__(self, state: tuple[str, str, bytes]) -> None:
+        self.key, self._version, self._bytes = state
         self._parts = None
         self.is_stopped = False
 
     def parts(self) -> tuple[Solver, Task, int]:
-        """The solver of this thread, the task and the number of threads."""
+        """The solver of this thread, the task and the number of threads. RuntimeError if the job
+        was made by another version of the library, which might give other results.
+        """
+        if self._version != version():
+            raise RuntimeError(
+                f"a worker has sfdae {version()}, but the program that sends the ensemble has "
+                f"{self._version}: install the same version on all machines"
+            )
         if getattr(_kept, "key", None) != self.key:
             parts = self._parts
             if parts is None:

@@ -8,11 +8,15 @@ import pathlib
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import sfdae
+from sfdae import _executors
+from sfdae._instances import Task, empty_outcome
+from sfdae._jobs import Job, solve_chunk
 from ensembles import COUNT, pendula, require_equal
 from models import oscillator
 
@@ -34,6 +38,52 @@ def test_the_same_bits_for_all_executors_and_chunks(kind, expected):
     with pool(kind) as executor:
         for more in ({}, {"chunk": 1}, {"chunk": 17, "threads": 2}, {"chunk": 1000}):
             require_equal(expected, pendula(executor=executor, **more))
+
+
+def test_values_by_name():
+    def equations(t, x, xdot, k=1.0):
+        height, speed = x
+        return [xdot[0] - speed, xdot[1] + k * height]
+
+    given = dict(parameters={"k": np.linspace(1, 2, 9)}, xdot=True)
+    with pool("fork") as executor:
+        found = sfdae.solve_ensemble(equations, (0, 1), {"height": 1}, executor=executor, **given)
+    require_equal(sfdae.solve_ensemble(equations, (0, 1), {"height": 1}, **given), found)
+    assert found.names == ("height", "speed")
+
+
+def test_workers_of_another_version_are_refused():
+    task = Task(0.0, np.array([1.0]), [], False)
+    job = Job(sfdae.NonlinearProblem(oscillator, 2), {}, {}, task, 1)
+    key, _, data = job.__getstate__()
+    job.__setstate__((key, "0.0.1", data))
+    answer = solve_chunk(job, np.ones((1, 2)), np.empty((1, 0)), (0, 0))
+    assert "but the program that sends the ensemble has 0.0.1" in str(answer.exception)
+
+
+class Waiting(concurrent.futures.Executor):
+    """Keeps all chunks waiting."""
+
+    num_workers = 1
+
+    def submit(self, *arguments):
+        return concurrent.futures.Future()
+
+
+def test_clusters_that_grow_get_more_chunks(monkeypatch):
+    """Three chunks for each worker, which are counted once a second."""
+    seconds = iter([0.0, 0.5, 1.5])
+    monkeypatch.setattr(_executors, "time", SimpleNamespace(monotonic=lambda: next(seconds)))
+    task = Task(0.0, np.array([1.0]), [], False)
+    job = Job(sfdae.NonlinearProblem(oscillator, 2), {}, {}, task, 1)
+    outcome, data = empty_outcome(task, 100, 2), (np.ones((100, 2)), np.empty((100, 0)))
+    executor = Waiting()
+    run = _executors.Distribution(executor, job, *data, outcome, 1, 2, None)
+    numbers = []
+    for executor.num_workers in (1, 4, 4):
+        assert run._send()
+        numbers.append(len(run._sent))
+    assert numbers == [3, 3, 12]
 
 
 def test_progress_moves_with_the_chunks(capsys, expected):
