@@ -95,6 +95,7 @@ class Distribution:
                     self._receive(future)
         except KeyboardInterrupt:
             is_interrupted = True
+            self._receive_finished()
             self._mark_unsolved("the user interrupted the ensemble before this instance was solved")
         finally:
             self._cancel()
@@ -173,6 +174,13 @@ class Distribution:
             self._raise(answer)
         self._store(chunk, answer)
 
+    def _receive_finished(self) -> None:
+        """Collects the chunks that were solved before an interrupt."""
+        for future in [future for future in self._sent if future.done()]:
+            if not future.cancelled() and future.exception() is None:
+                if future.result().outcome is not None:
+                    self._receive(future)
+
     def _raise(self, answer: Answer) -> None:
         exception = cast(Exception, answer.exception)
         if exception.__traceback__ is not None:  # of a thread
@@ -203,8 +211,8 @@ class Distribution:
         times = f"{chunk.attempts} times" if chunk.attempts > 1 else "once"
         reason = (
             f"the worker of this instance was lost {times} ({type(error).__name__}: {error}). "
-            "Look for its end in the messages of the workers, for example for a lack of memory; "
-            "the call can be repeated with these instances"
+            "Look for the reason in the messages of the worker, for example a lack of memory or a "
+            "crash of a function that the equations call; then repeat the call with this instance"
         )
         self._outcome.messages[chunk.place] = [reason] * chunk.count
         self._count_ended(chunk)
@@ -235,11 +243,16 @@ class Distribution:
         count = len(statuses)
         stopped = np.flatnonzero(statuses == Status.STOPPED)
         failed = np.flatnonzero(statuses < 0)
-        if stopped.size:
-            reason = "stopped on request" if is_interrupted else messages[stopped[0]]
+        if stopped.size and is_interrupted:
             return (
-                f"{reason}: {stopped.size} of {count} instances have not come to their end; the "
-                "call can be repeated."
+                f"stopped on request: {stopped.size} of {count} instances have not come to their "
+                "end; the call can be repeated."
+            )
+        if stopped.size:
+            first = stopped[0]
+            return (
+                f"{stopped.size} of {count} instances have not come to their end, first of all "
+                f"instance {first}: {messages[first]}"
             )
         if failed.size:
             first = failed[0]

@@ -61,8 +61,9 @@ def solve(
         Start values, n, or N x n for a batch of N; or values by name. Gradients are those with
         respect to the guess, which is made consistent.
     parameters : Tensor or dict, optional
-        Values by name, tensors or numbers; of a batch also with N in front of their shape. A tensor
-        alone has all entries of all parameters, in the order of ``problem.parameters``.
+        Values by name, tensors or numbers; of a batch also with N in front of their shape, which is
+        that of their defaults. A tensor alone has all entries of all parameters, in the order of
+        ``problem.parameters``.
     t_eval : array_like, optional
         Times of the outputs, in the order of integration; by default only the end.
     names : sequence of str, optional
@@ -89,7 +90,7 @@ def solve(
     start = by_name(x0)
     first = start if isinstance(start, Mapping) else np.atleast_2d(_numbers("x0", start))[0]
     given = parameters if isinstance(parameters, Mapping) else {}
-    plain = {name: _first_value(name, value) for name, value in given.items()}
+    plain = {name: _plain_value(name, value) for name, value in given.items()}
     problem = as_problem(problem, first, names, parameters=plain)
     t0, t1 = span(t_span)
     times = np.array([t1]) if t_eval is None else output_times(t_eval, t0, t1)
@@ -134,8 +135,8 @@ def _given_tensors(x0: Any, parameters: Any) -> list[torch.Tensor]:
     return [part for part in parts if isinstance(part, torch.Tensor)]
 
 
-def _first_value(name: str, value: Any) -> Any:
-    """A value for the function that makes a problem: those of a batch have a dimension more."""
+def _plain_value(name: str, value: Any) -> Any:
+    """The value of a parameter without a default, as a number or an array of numbers."""
     numbers = _numbers(f"parameter {name!r}", value)
     return float(numbers) if numbers.ndim == 0 else numbers
 
