@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import sfdae
+from sfdae._binding import ffi, lib
+from sfdae._tape import _SPECIAL
 from models import PENDULUM_NAMES, PENDULUM_START, pendulum_problem
 
 
@@ -67,6 +69,17 @@ def test_tables_conditions_arrays_and_functions_are_kept():
         solution = same(problem, other, 3, start, parameters={"k": k})
         assert len(solution.switches) >= 1
     assert sfdae.Solver(other).get_parameter("friction") == 0.1
+
+
+def test_all_functions_that_make_expressions_can_be_repeated():
+    """Those that have other arguments than expressions are listed in _tape."""
+    number = ffi.typeof("sfdae_expression")
+    others = set()
+    for name in dir(lib):
+        kind = ffi.typeof(getattr(lib, name)) if name.startswith("sfdae_") else None
+        if kind is not None and kind.kind == "function" and kind.result is number:
+            others |= {name} if any(argument is not number for argument in kind.args) else set()
+    assert others == set(_SPECIAL) | {"sfdae_number"}
 
 
 def test_residuals_for_numbers():
