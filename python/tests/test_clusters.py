@@ -57,8 +57,7 @@ def test_dask_with_a_worker_that_is_killed():
         result = pendula(executor=executor, chunk=1)
         killer.join()
         require_equal(expected, result)
-        with pytest.raises(OSError):
-            os.kill(process, 0)  # it has ended
+        assert process not in client.run(os.getpid).values()  # another one has replaced it
 
 
 def test_mpi(tmp_path):
