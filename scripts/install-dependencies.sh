@@ -27,8 +27,9 @@ test=("${demo[@]}" gfortran libgtest-dev libsuitesparse-dev libcli11-dev nlohman
   "${python[@]}" python3-pytest mypy python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
   "${site[@]}" chromium chromium-driver python3-selenium)
 all=("${test[@]}" libbenchmark-dev valgrind clang clang-format-14)
-# For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
-welcome=(libopenmpi-dev openmpi-bin)
+# For an example of MPI, and tests of executors: installed with others that are missing, never alone, as nothing else
+# needs them. Tests of sfdae.torch run if python3-torch, which takes 500 MB, is there.
+welcome=(libopenmpi-dev openmpi-bin python3-distributed python3-mpi4py)
 
 case "${1:-all}" in
   demo) wanted=("${demo[@]}") ;;

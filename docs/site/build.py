@@ -40,6 +40,7 @@ docs/guide/mistakes
 docs/guide/tolerances
 docs/guide/performance
 docs/guide/events_and_ensembles
+docs/guide/machines
 docs/guide/linearization
 docs/guide/sensitivities
 docs/guide/modes

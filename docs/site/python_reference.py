@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pages of the Python reference, made from the docstrings of what the package makes public."""
 
+import importlib.util
 import inspect
 import os
 import subprocess
@@ -35,6 +36,8 @@ def pages(package):
     solving = [name for name in functions if name.startswith(("solve", "analyze", "make_"))]
     lines += [".. automodule:: sfdae", "", *title("Solving", "-")]
     lines += [line for name in solving for line in (f".. autofunction:: sfdae.{name}", "")]
+    if importlib.util.find_spec("torch") is not None:  # else the module cannot be imported
+        lines += [*title("PyTorch", "-"), ".. autofunction:: sfdae.torch.solve", ""]
     lines += title("Classes", "-")
     lines += [line for kind, name in names if kind == "class"
               for line in (f".. autoclass:: sfdae.{name}", "   :members:", "")]

@@ -25,6 +25,9 @@ Small matrices run fastest with one BLAS thread: set OPENBLAS_NUM_THREADS=1 befo
 of numpy.
 """
 
+import importlib
+from typing import TYPE_CHECKING
+
 try:
     from . import _binding as _compiled  # noqa: F401
 except ImportError as error:
@@ -99,6 +102,17 @@ sign: _Function
 floor: _Function
 mod: _Function
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
+
+
+
+if not TYPE_CHECKING:  # type checkers would accept any name
+
+    def __getattr__(name: str) -> object:
+        """Imports sfdae.torch when it is used, since PyTorch is large and may be missing."""
+        if name == "torch":
+            return importlib.import_module(".torch", __name__)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __version__ = version()
 __all__ = [

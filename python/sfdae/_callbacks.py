@@ -163,6 +163,9 @@ def external_value(name: str, function: Any, arguments: list[Expression]) -> Exp
         c_arguments,
         state.functions[key],
     )
+    if recordings[0].tape is not None:
+        operands = tuple(a._c for a in arguments)
+        recordings[0].tape.add("sfdae_external", operands, c, (name, function))
     return Expression(c, recordings[0])
 
 

@@ -3,25 +3,23 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import warnings
 from typing import Any, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._binding import ffi, lib
-from ._callbacks import callback
+from ._executors import Job, distributed
 from ._formula import checked_value
+from ._instances import Task, empty_outcome, solve_instances
 from ._problem import Problem
 from ._progress import InstancesBar
 from ._solve import ProblemOrFunction, as_problem, output_times, span, with_stop_time
 from ._solver import Solver
 from ._status import IntegrationWarning, Status
-from ._structs import prepared
 from ._types import Values
 from ._unknowns import by_name
-
-_MESSAGE_LENGTH = 1536  # always sufficient according to ensemble.h
 
 
 class EnsembleSolution:
@@ -42,7 +40,8 @@ class EnsembleSolution:
     messages : list of str
         N; "" for ``OK``.
     num_analyses : int
-        Number of complete index analyses; the others followed a precedent.
+        Number of complete index analyses; the others followed a precedent. With an executor at
+        least one for each chunk.
     names : tuple of str
         Names of the unknowns.
     """
@@ -78,20 +77,6 @@ class EnsembleSolution:
         return f"EnsembleSolution({len(self)} instances, {failed} failed, {self.t.size} times)"
 
 
-class _EnsembleState:
-    """The `user` argument of the monitor of an ensemble."""
-
-    def __init__(self, bar: InstancesBar | None) -> None:
-        self.bar = bar
-        self.exception: BaseException | None = None
-
-
-@callback("python_ensemble_monitor")
-def _instance_ended(state: _EnsembleState, progress: Any) -> None:
-    if state.bar is not None:
-        state.bar.update(progress.num_ended)
-
-
 def solve_ensemble(
     problem: ProblemOrFunction,
     t_span: Sequence[float],
@@ -103,9 +88,13 @@ def solve_ensemble(
     xdot: bool = False,
     names: Sequence[str] | None = None,
     progress: bool = False,
+    executor: concurrent.futures.Executor | None = None,
+    chunk: int | None = None,
+    retries: int = 2,
     **options: Any,
 ) -> EnsembleSolution:
-    """Solves many instances of a recorded problem in threads, without Python's lock.
+    """Solves many instances of a recorded problem: in threads, without Python's lock, or by an
+    executor in other processes and on other machines.
 
     Each instance gives the same result, to the last bit, as alone; they share the recording, and
     index analyses if the ranks are the same.
@@ -124,13 +113,25 @@ def solve_ensemble(
     t_eval : array_like, optional
         Times of the outputs; by default only the end.
     threads : int
-        Number of threads; 0: as many as there are processors.
+        Number of threads; 0: as many as there are processors. With an executor, the number of
+        threads of each worker; 0: one.
     xdot : bool
         True: derivatives are returned, too.
     names : sequence of str, optional
         Names of the unknowns, in the order of x, if the problem is a function, as for solve.
     progress : bool
         Shows a bar.
+    executor : concurrent.futures.Executor, optional
+        Workers that solve the instances: a ProcessPoolExecutor or ThreadPoolExecutor,
+        ``client.get_executor()`` of dask.distributed, or an MPIPoolExecutor of mpi4py.futures. They
+        need sfdae, and receive the recorded equations, not the function. Results are the same in
+        every bit.
+    chunk : int, optional
+        Number of instances that are sent together; by default at least 16 chunks for each worker,
+        unless these would take less than 20 milliseconds.
+    retries : int
+        How often a chunk is sent again if its worker was lost. After that its instances have the
+        status ``STOPPED`` and a message with the reason.
     **options
         As for solve: method, rtol, atol, fixed, max_step, ... max_steps limits the steps that an
         instance attempts between two outputs, by default 100,000.
@@ -145,6 +146,10 @@ def solve_ensemble(
     ------
     Error
         For invalid arguments, and problems that are not recorded.
+    TypeError
+        If a function that equations call with numbers cannot be pickled for the executor.
+    Exception
+        An exception in a worker cancels all chunks and is raised with its traceback.
     """
     parameters = parameters or {}
     x0 = by_name(x0)
@@ -154,53 +159,55 @@ def solve_ensemble(
     t0, t1 = span(t_span)
     times = np.array([t1]) if t_eval is None else output_times(t_eval, t0, t1)
     common, different, count = _parameters(problem, parameters, x0)
-    solver = Solver(problem, parameters=common, **with_stop_time(options, t1))
+    options = with_stop_time(options, t1)
+    solver = Solver(problem, parameters=common, **options)
     start = _start_values(problem, x0, count)
     labels, columns = _columns(different)
 
-    n, K = problem.num_unknowns, times.size
-    x = np.full((count, K, n), np.nan)
-    derivatives = np.full((count, K, n), np.nan) if xdot else None
-    statuses = np.zeros(count, dtype=np.intc)
-    texts = ffi.new("char[]", max(count, 1) * _MESSAGE_LENGTH)
-    state = _EnsembleState(InstancesBar(count) if progress else None)
-    keep: list[Any] = [
-        ffi.new_handle(state),
-        [ffi.new("char[]", label.encode()) for label in labels],
-    ]
-    c, results = prepared("ensemble"), prepared("ensemble_results")
-    c.num_instances, c.num_times, c.num_threads, c.t0 = count, K, threads, t0
-    c.x0, c.times = solver._pointer(start), solver._pointer(times)
-    c.monitor, c.monitor_user = lib.python_ensemble_monitor, keep[0]
-    if labels:
-        keep.append(ffi.new("char*[]", keep[1]))
-        c.num_parameters, c.parameter_names = len(labels), keep[-1]
-        c.parameters = solver._pointer(columns)
-    results.x, results.statuses = solver._pointer(x), ffi.cast("int*", statuses.ctypes.data)
-    results.messages, results.message_length = texts, _MESSAGE_LENGTH
-    if derivatives is not None:
-        results.xdot = solver._pointer(derivatives)
-    status = solver._call(lib.sfdae_solve_ensemble, c, results)
-    if state.bar is not None:
-        state.bar.close()
-    if state.exception is not None and not isinstance(state.exception, KeyboardInterrupt):
-        raise state.exception
-    if status != Status.OK:
-        message = solver.message or "the ensemble was stopped"
-        warnings.warn(message, IntegrationWarning, stacklevel=2)
-    messages = [
-        ffi.string(texts + i * _MESSAGE_LENGTH).decode(errors="replace") for i in range(count)
-    ]
+    task = Task(t0, times, labels, bool(xdot))
+    _check_sending(executor, chunk, retries)
+    bar = InstancesBar(count) if progress else None
+    try:
+        if executor is None:
+            monitor = None if bar is None else bar.update
+            outcome = solve_instances(solver, task, start, columns, threads, monitor)
+        else:
+            outcome = solve_instances(solver, task, start[:0], columns[:0], threads)  # checks all
+            outcome = empty_outcome(task, count, problem.num_unknowns)
+            job = Job(problem, common, options, task, threads or 1)
+            on_ended = None if bar is None else bar.update
+            sending = {"chunk": chunk, "retries": retries, "on_ended": on_ended}
+            outcome = distributed(executor, job, start, columns, outcome, **sending)
+    finally:
+        if bar is not None:
+            bar.close()
+    if outcome.summary:
+        warnings.warn(problem.with_names(outcome.summary), IntegrationWarning, stacklevel=2)
     return EnsembleSolution(
         t=times,
-        x=x.transpose(0, 2, 1),
-        xdot=None if derivatives is None else derivatives.transpose(0, 2, 1),
+        x=outcome.x.transpose(0, 2, 1),
+        xdot=None if outcome.xdot is None else outcome.xdot.transpose(0, 2, 1),
         parameters=different,
-        status=[Status(code) for code in statuses],
-        messages=[problem.with_names(message) for message in messages],
-        num_analyses=results.num_analyses,
+        status=[Status(code) for code in outcome.statuses],
+        messages=outcome.messages,
+        num_analyses=outcome.num_analyses,
         names=problem.names,
     )
+
+
+def _check_sending(executor: Any, chunk: int | None, retries: int) -> None:
+    """TypeError or ValueError for wrong arguments about executors."""
+    if executor is None:
+        if chunk is not None:
+            raise TypeError("chunk, the number of instances sent together, needs an executor")
+        return
+    if not isinstance(executor, concurrent.futures.Executor):
+        hint = "; give client.get_executor()" if hasattr(executor, "get_executor") else ""
+        raise TypeError(f"executor has to be one of concurrent.futures, not {executor!r}{hint}")
+    if chunk is not None and (int(chunk) != chunk or chunk < 1):
+        raise ValueError(f"chunk has to be an integer of at least 1, not {chunk!r}")
+    if int(retries) != retries or retries < 0:
+        raise ValueError(f"retries has to be an integer of at least 0, not {retries!r}")
 
 
 def _parameters(

@@ -80,13 +80,14 @@ def explain(exception: BaseException, traceback: Any) -> None:
 class Recording:
     """An open recording; its expressions are unusable after it has ended."""
 
-    __slots__ = ("c", "is_open", "state", "refused")
+    __slots__ = ("c", "is_open", "state", "refused", "tape")
 
     def __init__(self, record: Any, state: Any = None) -> None:
         self.c = record
         self.is_open = True
         self.state = state  # of the callbacks of the solver, which stores objects needed later
         self.refused: TypeError | None = None  # == was used; numpy < 1.25 ignores the exception
+        self.tape: Any = None  # a Tape, to which all operations are added
 
     def __enter__(self) -> Recording:
         return self
@@ -145,6 +146,16 @@ def as_expression(value: Any) -> Expression:
     return Expression(c, None)
 
 
+def applied(
+    function: Callable[..., Any], recording: Recording | None, *operands: Any
+) -> Expression:
+    """The result of a function of C from expressions of C to one of them."""
+    c = function(*operands)
+    if recording is not None and recording.tape is not None:
+        recording.tape.add(function.__name__, operands, c)
+    return Expression(c, recording)
+
+
 _Operator = Callable[["Expression", Any], "Expression"]
 
 
@@ -159,11 +170,14 @@ def _operator(function: Callable[[Any, Any], Any]) -> tuple[_Operator, _Operator
             if other._recording is not recording and other._recording is not None:
                 other._recording.require_open()
                 recording = other._recording
-            return Expression(function(self._c, other._c), recording)
-        c = _as_c(other)
-        if c is None:
-            return NotImplemented
-        return Expression(function(self._c, c), recording)
+            operand = other._c
+        else:
+            operand = _as_c(other)
+            if operand is None:
+                return NotImplemented
+        if recording is not None and recording.tape is not None:
+            return applied(function, recording, self._c, operand)
+        return Expression(function(self._c, operand), recording)
 
     def reflected(self: Expression, other: Any) -> Expression:
         c = _as_c(other)
@@ -171,7 +185,7 @@ def _operator(function: Callable[[Any, Any], Any]) -> tuple[_Operator, _Operator
             return NotImplemented
         if self._recording is not None:
             self._recording.require_open()
-        return Expression(function(c, self._c), self._recording)
+        return applied(function, self._recording, c, self._c)
 
     return forward, reflected
 
@@ -223,7 +237,7 @@ class Expression:
     def _apply(self, function: Callable[[Any], Any]) -> Expression:
         if self._recording is not None:
             self._recording.require_open()
-        return Expression(function(self._c), self._recording)
+        return applied(function, self._recording, self._c)
 
     def _compare(self, function: Callable[[Any, Any], Any], other: Any) -> Any:
         if isinstance(other, np.ndarray) and other.ndim > 0:
@@ -316,7 +330,7 @@ def _condition(function: Callable[[Any, Any], Any], a: Any, b: Any) -> Any:
     for operand in (left, right):
         if operand._recording is not None:
             operand._recording.require_open()
-    return Condition(function(left._c, right._c), recording)
+    return Condition(applied(function, recording, left._c, right._c)._c, recording)
 
 
 def parameter(inside: Any, name: str, value: float) -> Expression:
@@ -336,4 +350,6 @@ def parameter(inside: Any, name: str, value: float) -> Expression:
         return as_expression(value)
     expression._recording.require_open()
     c = lib.sfdae_parameter(expression._recording.c, name.encode(), float(value))
+    if expression._recording.tape is not None:
+        expression._recording.tape.add("sfdae_parameter", (), c, (name, float(value)))
     return Expression(c, expression._recording)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._arrays import elementwise
 from ._binding import ffi, lib
-from ._expression import Condition, Expression, _condition, as_expression
+from ._expression import Condition, Expression, _condition, applied, as_expression
 
 
 def _functions_of_c() -> dict[str, Callable[..., Expression]]:
@@ -42,7 +42,7 @@ def _of_expressions(function: Callable[..., Any], count: int) -> Callable[..., E
             if operand._recording is not None:
                 operand._recording.require_open()
                 recording = operand._recording
-        return Expression(function(*(operand._c for operand in operands)), recording)
+        return applied(function, recording, *(operand._c for operand in operands))
 
     return call
 
@@ -151,20 +151,20 @@ def _divmod(a: Any, b: Any) -> Any:
     return as_expression(a) // b, as_expression(a) % b
 
 
-def _external_erf(name: str, sign: float) -> Callable[[Any], Expression]:
-    """erf and erfc: the derivatives are Hermite polynomials times exp(-a^2)."""
-    value = getattr(math, name)
+def _erf(order: int, arguments: Any) -> float:
+    """erf and its derivatives: Hermite polynomials times exp(-a^2)."""
+    a = float(arguments[0])
+    if order == 0:
+        return math.erf(a)
+    before, now = 0.0, 1.0  # H_0 = 1, H_(k+1) = 2 a H_k - 2 k H_(k-1)
+    for k in range(order - 1):
+        before, now = now, 2 * a * now - 2 * k * before
+    return (-1) ** (order - 1) * 2 / math.sqrt(math.pi) * now * math.exp(-a * a)
 
-    def derivatives(order: int, arguments: Any) -> float:
-        a = float(arguments[0])
-        if order == 0:
-            return value(a)
-        before, now = 0.0, 1.0  # H_0 = 1, H_(k+1) = 2 a H_k - 2 k H_(k-1)
-        for k in range(order - 1):
-            before, now = now, 2 * a * now - 2 * k * before
-        return sign * (-1) ** (order - 1) * 2 / math.sqrt(math.pi) * now * math.exp(-a * a)
 
-    return lambda a: external(name, derivatives, a)
+def _erfc(order: int, arguments: Any) -> float:
+    """erfc and its derivatives."""
+    return math.erfc(float(arguments[0])) if order == 0 else -_erf(order, arguments)
 
 
 # Functions with other names in numpy, and some composed of others.
@@ -232,8 +232,8 @@ for _name, _function in OF_C.items():  # sin, exp, ...: the same name
         UFUNCS.setdefault(_name, _function)
 # Those of scipy.special.
 OF_SCIPY: dict[str, Callable[..., Any]] = {
-    "erf": _external_erf("erf", 1.0),
-    "erfc": _external_erf("erfc", -1.0),
+    "erf": lambda a: external("erf", _erf, a),
+    "erfc": lambda a: external("erfc", _erfc, a),
     "expit": lambda a: (1 + OF_C["tanh"](as_expression(a) / 2)) / 2,
     "xlogy": lambda a, b: as_expression(a) * OF_C["log"](b),
 }

@@ -88,7 +88,17 @@ def coefficient(name: str, given: Any, dimension: int, parameters: Mapping[str, 
             f"the argument {arguments.required[0]} of {name} has no value: functions of (t, order) "
             "have no parameters but those with defaults"
         )
-    return lambda t, order: given(t, order=order)
+    return _FunctionOfOrder(given)
+
+
+class _FunctionOfOrder:
+    """A function of (t, order) whose second argument may stand at any place."""
+
+    def __init__(self, function: Any) -> None:
+        self.function = function
+
+    def __call__(self, t: float, order: int) -> Any:
+        return self.function(t, order=order)
 
 
 def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:

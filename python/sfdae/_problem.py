@@ -16,6 +16,7 @@ from ._expression import Expression
 from ._formula import flatten, parameter_values
 from ._matrices import MATRICES, Matrices
 from ._names import as_names, c_names
+from ._pickling import Picklable
 from ._status import CannotEvaluate
 from ._types import Values
 from ._unknowns import Watch, by_name, require_confirmed, require_same_names
@@ -31,7 +32,7 @@ _NOT_RECORDED = (
 Prescribed = Mapping[Union[str, int], Callable[[float], float]]
 
 
-class Problem:
+class Problem(Picklable):
     """The common part of all problems: sizes, names and units of the unknowns, parameters.
 
     Attributes
@@ -158,11 +159,10 @@ class Problem:
             Arguments(function, ("t",), name).require_others(self.parameters)
 
     def _fill_prescribed(self, c: Any, keep: list[Any]) -> None:
-        indices = ffi.new("int[]", list(self.prescribed))
-        keep.append(indices)
         c.num_prescribed = len(self.prescribed)
         if self.prescribed:
-            c.prescribed = indices
+            keep.append(ffi.new("int[]", list(self.prescribed)))
+            c.prescribed = keep[-1]
             c.prescribed_values = getattr(lib, f"python_{self.kind}_problem_prescribed_values")
 
     def _c_problem(self, keep: list[Any]) -> Any:

@@ -18,7 +18,7 @@ class _Request:
     def __init__(
         self,
         problem: Any,
-        names: Sequence[str],
+        names: Sequence[str | None],
         directions: Any,
         error_test: bool,
         scales: Any,
@@ -34,7 +34,7 @@ class _Request:
         for j, name in enumerate(names):
             if name in problem.names and name not in problem.parameters:
                 columns[j, problem.names.index(name)] += 1.0
-            else:
+            elif name is not None:
                 c_names[j] = ffi.new("char[]", str(name).encode())
         options = prepared("sensitivity_options")
         options.error_test = int(bool(error_test))
@@ -87,7 +87,7 @@ class Sensitivities(Inspection):
 
     def set_sensitivities(
         self,
-        names: Sequence[str],
+        names: Sequence[str | None],
         directions: Any = None,
         error_test: bool = False,
         scales: Any = None,
@@ -99,8 +99,8 @@ class Sensitivities(Inspection):
         Parameters
         ----------
         names : sequence of str
-            Names of parameters of recorded equations, or of unknowns, for their start values. None:
-            no sensitivities.
+            Names of parameters of recorded equations, or of unknowns, for their start values; None
+            for one that occurs in `directions` only. An empty sequence: no sensitivities.
         directions : array_like, optional
             n x p: derivatives of the initial guess of x with respect to these, added to the unit
             vectors of start values.

@@ -45,6 +45,9 @@ def table(a: Any, x: Any, y: Any = None, degree: int = 3) -> Any:
         if expression._recording is not None:
             expression._recording.require_open()
         c = lib.sfdae_table(expression._c, int(degree), points.size, c_points, c_values)
+        if expression._recording is not None and expression._recording.tape is not None:
+            data = (int(degree), points, values)
+            expression._recording.tape.add("sfdae_table", (expression._c,), c, data)
         return Expression(c, expression._recording)
 
     return elementwise(at, (a,))
@@ -62,16 +65,23 @@ def _of_scipy(a: Any, spline: Any) -> Any:
     if _is_table(spline):
         return table(a, spline.x, spline(spline.x))
     _require_one_value(spline)
+    derivatives = _SplineDerivatives(spline)
+    return elementwise(lambda argument: external("spline", derivatives, argument), (a,))
 
-    def derivatives(order: int, arguments: Any) -> float:
+
+class _SplineDerivatives:
+    """The derivatives of a spline of scipy, as sfdae.external needs them."""
+
+    def __init__(self, spline: Any) -> None:
+        self.spline = spline
+
+    def __call__(self, order: int, arguments: Any) -> float:
         try:
-            return float(spline(arguments[0], nu=order))
+            return float(self.spline(arguments[0], nu=order))
         except ValueError:  # UnivariateSpline, above its degree
             if order == 0:
                 raise
             return 0.0
-
-    return elementwise(lambda argument: external("spline", derivatives, argument), (a,))
 
 
 def _is_table(spline: Any) -> bool:

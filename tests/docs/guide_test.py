@@ -7,7 +7,8 @@
 
 A program is a block of code below a line <!-- program: name.ext -->, ext being py, c, cpp or f90; what it prints is a
 block below <!-- output: name.ext ... -->, one for all programs that are named. A line ... there stands for any number of lines. <!-- fails: name.ext --> says
-that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->.
+that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->. <!-- needs: name.py
+module ... --> before a program names modules of Python; the program is not run where one of them is missing.
 
 Words have to agree exactly, numbers with a point or an exponent to two units of the last digit shown, but not closer than
 1e-4 of themselves, whole numbers above 30 to 10 %. Lines about the course of an integration have to agree to 30 % or to 3. Numbers below 1e-9 are rounding errors as
@@ -22,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 
-MARK = re.compile(r"^<!-- (program|output|fails|file): (\S+(?: \S+)*) -->\n(?:```(\w*)\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
+MARK = re.compile(r"^<!-- (program|output|fails|file|needs): (\S+(?: \S+)*) -->\n(?:```(\w*)\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+\.\d*(?:[eE][-+]?\d+)?|[-+]?\d+[eE][-+]?\d+|[-+]?\d+")
 COURSE = re.compile(r"\bsteps\b|factorizations|last step|partition number|steps attempted")
 ROUNDING = 1e-9
@@ -81,8 +82,12 @@ class Runner:
     def __init__(self, settings, folder):
         self.settings, self.folder = settings, folder
 
-    def can_run(self, name):
-        return bool(self.settings.get(pathlib.Path(name).suffix.lstrip(".")))
+    def can_run(self, name, modules=()):
+        command = self.settings.get(pathlib.Path(name).suffix.lstrip("."))
+        if not command or not modules:
+            return bool(command)
+        finds = f"import importlib.util as u, sys; sys.exit(any(u.find_spec(m) is None for m in {list(modules)!r}))"
+        return subprocess.run([*command, "-c", finds]).returncode == 0
 
     def run(self, name):
         """(status, output). What goes to stderr belongs to the output."""
@@ -113,12 +118,14 @@ def check_page(page, runner, update):
     text = page.read_text()
     complaints, outputs, skipped = [], {}, []
     fails = {match[2] for match in MARK.finditer(text) if match[1] == "fails"}
+    needs = {name: modules for match in MARK.finditer(text) if match[1] == "needs"
+             for name, *modules in [match[2].split()]}
     for match in MARK.finditer(text):
         if match[1] in ("program", "file"):
             (runner.folder / match[2]).write_text(match[4])
         if match[1] != "program":
             continue
-        if not runner.can_run(match[2]):
+        if not runner.can_run(match[2], needs.get(match[2], ())):
             skipped.append(match[2])
             continue
         status, outputs[match[2]] = runner.run(match[2])
