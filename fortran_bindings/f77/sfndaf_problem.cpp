@@ -40,7 +40,7 @@ int SfndafProblem::evaluate(double t, int order, const double* derivatives, doub
     jacobian = unused_.data();
   }
   const int code = call_user(t, order, {jet_.data(), F, jacobian});
-  // Where an order is not available, a lower one is requested at the same jet.
+  // If an order is not available, a lower one is requested at the same jet.
   count_point(t, code != order_not_available);
   const bool is_finite = core::all_finite(F, shape.rows()) && core::all_finite(jacobian, entries);
   return result_of(code == function_ok && !is_finite ? function_failed : code);

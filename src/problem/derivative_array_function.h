@@ -18,8 +18,8 @@ class DerivativeArrayFunction {
   static int evaluate(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot,
                       void* user);
 
-  // While this object exists, calls ask for all orders up to `highest` at one jet with so many derivatives and one
-  // more, in ascending order: the array of that order serves all of them. Null: nothing changes.
+  // While this object exists, calls request all orders up to `highest` at one jet, in ascending order, and pass all
+  // highest + 1 derivatives: the array of order `highest` is evaluated once for all of them. Null: no effect.
   class Ascending {
    public:
     Ascending(DerivativeArrayFunction* array, int highest);

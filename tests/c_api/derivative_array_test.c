@@ -220,6 +220,90 @@ static void values_alone_suffice_for_index_zero(void) {
   sfdae_destroy(&solver);
 }
 
+/* A source v = 2 + sin t charges a capacitor with the charge q = v^2: q' = i, q = v^2, v = 2 + sin t; mu = 1. */
+static int charging(double t, int order, const double* x, double* F, double* jacobian, void* user) {
+  const int rows = 3 * (order + 1);
+  int k, l;
+  (void)user;
+  for (k = 0; k <= order; k++) {
+    F[3 * k] = x[3 * k + 4] - x[3 * k + 2];
+    F[3 * k + 1] = x[3 * k + 1];
+    F[3 * k + 2] = x[3 * k] - (k == 0 ? 2 : 0) - sin(t + k * acos(0.0));
+    for (l = 0; l <= k; l++) F[3 * k + 1] -= binomial(k, l) * x[3 * l] * x[3 * (k - l)];
+    if (!jacobian) continue;
+    jacobian[3 * k + rows * (3 * k + 4)] = jacobian[3 * k + 1 + rows * (3 * k + 1)] = 1;
+    jacobian[3 * k + rows * (3 * k + 2)] = -1;
+    jacobian[3 * k + 2 + rows * (3 * k)] = 1;
+    for (l = 0; l <= k; l++) jacobian[3 * k + 1 + rows * (3 * l)] = -2 * binomial(k, l) * x[3 * (k - l)];
+  }
+  return 0;
+}
+
+static void patterns_give_the_structure(void) {
+  static const int x_start[] = {0, 2, 3, 4}, x_rows[] = {1, 2, 1, 0}, xdot_start[] = {0, 0, 1, 1}, xdot_rows[] = {0};
+  static const int too_few[] = {0, 1, 2, 3}, too_few_rows[] = {1, 1, 0};
+  sfdae_nonlinear_problem problem;
+  sfdae_options options = default_options();
+  sfdae_structure structure;
+  sfdae_solver* solver;
+  double x[3] = {2, 4, 0}, t = 0;
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = 3;
+  problem.derivative_array = charging;
+  problem.F_x_entries = 4, problem.F_x_col_start = x_start, problem.F_x_row_index = x_rows;
+  problem.F_xdot_entries = 1, problem.F_xdot_col_start = xdot_start, problem.F_xdot_row_index = xdot_rows;
+  options.structure = SFDAE_STRUCTURE_REQUIRED;
+  solver = CREATE(&problem, &options);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
+  CHECK(fabs(x[2] - 2 * (2 + sin(1.0)) * cos(1.0)) < 1e-10);
+  sfdae_structure_init(&structure, sizeof structure);
+  CHECK_STATUS(sfdae_get_structure(solver, &structure, NULL, NULL, NULL, NULL), SFDAE_OK);
+  CHECK(structure.is_followed == 1 && structure.index_bound == 1 && structure.freedom == 0);
+  sfdae_destroy(&solver);
+
+  problem.F_x_entries = 3, problem.F_x_col_start = too_few, problem.F_x_row_index = too_few_rows;
+  solver = CREATE(&problem, NULL);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_WRONG_PATTERN);
+  sfdae_destroy(&solver);
+}
+
+/* x' = 1 from t = 1/2 on, -1 before. */
+static int branch;
+static int turning(double t, int order, const double* x, double* F, double* jacobian, void* user) {
+  int k;
+  (void)t, (void)user;
+  for (k = 0; k <= order; k++) {
+    F[k] = x[k + 1] - (k == 0 ? (branch ? 1 : -1) : 0);
+    if (jacobian) jacobian[k + (order + 1) * (k + 1)] = 1;
+  }
+  return 0;
+}
+static int after_half(double t, const double* x, const double* xdot, double* g, void* user) {
+  (void)x, (void)xdot, (void)user;
+  g[0] = t - 0.5;
+  return 0;
+}
+
+static void conditions_select_branches(void) {
+  sfdae_nonlinear_problem problem;
+  sfdae_solver* solver;
+  double x = 0, t = 0;
+  long count = 0;
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = problem.num_conditions = 1;
+  problem.derivative_array = turning;
+  problem.conditions = after_half;
+  problem.branches = &branch;
+  solver = CREATE(&problem, NULL);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, &x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 1, &t, &x, NULL), SFDAE_OK);
+  CHECK(fabs(x) < 1e-9);
+  CHECK_STATUS(sfdae_get_num_switches(solver, &count), SFDAE_OK);
+  CHECK(count == 1);
+  sfdae_destroy(&solver);
+}
+
 static void expect_refusal(const sfdae_nonlinear_problem* problem, const char* message) {
   char text[400];
   CHECK_STATUS(sfdae_check_nonlinear(problem, NULL, text, sizeof text), SFDAE_ILLEGAL_ARGUMENT);
@@ -327,6 +411,8 @@ int main(void) {
   }
   failures_of_the_function_are_those_of_other_callbacks();
   values_alone_suffice_for_index_zero();
+  patterns_give_the_structure();
+  conditions_select_branches();
   arguments_are_checked();
   derivatives_are_compared();
   blocks_are_split();
