@@ -1,4 +1,4 @@
-// SFNDAF: SFNDAE for programs that have the derivative array of F(t, x, x') = 0 as one subroutine NARR, in place of NDIF.
+// SFNDAF: SFNDAE for programs that have the derivative array of F(t, x, x') = 0 as one subroutine NARR.
 //
 //       SUBROUTINE SFNDAF (NARR, N, M, T, TOUT, X, XPRIME, CVAL, IPAR, RPAR, IWORK, LIW, RWORK, LRW,
 //      $                   RTOL, ATOL, METHOD, INFO, IWARN, IERR)

@@ -16,8 +16,8 @@ std::unique_ptr<core::CallbackProblem> SfndafProblem::problem() {
   return std::make_unique<core::CallbackProblem>(array_, core::PrescribedInputs());
 }
 
-// Along x with derivatives of zero, for the array of order 0. The order stays as it is: the columns of XJET are numbered
-// by it.
+// Along x with derivatives of zero, for the array of order 0. The order stays as it is, as it numbers the columns of
+// XJET.
 bool SfndafProblem::has_other_width(double t, const double* x) {
   const std::size_t n = core::index(n_), m = core::index(m_), size = m + 2 * m * n;
   if (!core::all_finite(x, n)) return false;

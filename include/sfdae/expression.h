@@ -159,17 +159,17 @@ typedef int (*sfdae_linear_equations_function)(sfdae_record* record, sfdae_expre
 typedef int (*sfdae_total_derivative_function)(double t, int order, const double* derivatives, double* F, double* F_x,
                                                double* F_xdot, void* user);
 
-/** Writes the derivative array of the given order at t, all total derivatives of F up to this order in one call.
- * derivatives: n x (order + 2), column k is the k-th derivative of x. F: (order + 1) m entries, d^k/dt^k of F(t, x, x')
- * for k = 0 ... order, one after the other. jacobian: (order + 1) m x (order + 2) n entries, column-major, or NULL if it
- * is not requested: the partial derivatives of these with respect to x, x', ..., x^(order + 1), one after the other. Its
- * blocks are
+/** Writes the derivative array of the given order at t: all total derivatives of F up to this order in one call.
+ * derivatives: n x (order + 2), column k is the k-th derivative of x. F: (order + 1) m entries, d^k/dt^k of
+ * F(t, x, x') for k = 0 ... order, one after the other. jacobian: (order + 1) m x (order + 2) n entries, or NULL if it
+ * is not requested: the partial derivatives of these with respect to x, x', ..., x^(order + 1), one after the other.
+ * Its blocks are
  *
  *     J_kj = d F^(k) / d x^(j) = C(k, j) F_x^(k-j) + C(k, j-1) F_x'^(k-j+1),   0 <= k <= order, 0 <= j <= order + 1
  *
  * C(k, j) are the binomial coefficients, 0 unless 0 <= j <= k; F_x^(k) and F_x'^(k) are the total derivatives of the
- * Jacobians of F. If blocks contradict each other, the call ends with SFDAE_WRONG_DERIVATIVES, and the message names the
- * entry. All arrays are filled with zeros before the call. Requested orders, and return values, are those of
+ * Jacobians of F. If blocks contradict each other, the call ends with SFDAE_WRONG_DERIVATIVES, and the message names
+ * the entry. All arrays are filled with zeros before the call. Requested orders, and return values, are those of
  * sfdae_total_derivative_function; the order mu + 1 need not be available. */
 typedef int (*sfdae_derivative_array_function)(double t, int order, const double* derivatives, double* F,
                                                double* jacobian, void* user);
@@ -204,25 +204,26 @@ typedef struct sfdae_nonlinear_problem {
    * Messages then include the name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
 
-  /** With total_derivative or derivative_array: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or of neither (default:
-   * NULL). Square problems without prescribed components and differentiations then use structural analysis and sparse
-   * matrices, as recorded equations do (sfdae_options.structure). Entries outside a pattern end the call with
-   * SFDAE_WRONG_PATTERN: dense Jacobians are checked at every evaluation. For the other forms, groups of unknowns are
-   * perturbed, and equations without any of them must not change: all groups at first, one with every tenth Jacobian
-   * later. */
+  /** With total_derivative or derivative_array: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or of
+   * neither (default: NULL). Square problems without prescribed components and differentiations then use structural
+   * analysis and sparse matrices, as recorded equations do (sfdae_options.structure). Entries outside a pattern end the
+   * call with SFDAE_WRONG_PATTERN: dense Jacobians are checked at every evaluation. For the other forms, groups of
+   * unknowns are perturbed, and equations without any of them must not change: all groups at first, one with every
+   * tenth Jacobian later. */
   int F_x_entries;          /**< default 0 */
   const int* F_x_col_start; /**< n + 1 numbers */
   const int* F_x_row_index; /**< F_x_entries rows, 0 ... m - 1 */
   int F_xdot_entries;
   const int* F_xdot_col_start;
   const int* F_xdot_row_index;
-  /** SFDAE_MATRICES_DENSE (default); _COMPRESSED (not with derivative_array): F_x and F_xdot of the callback, and their total derivatives, have the
-   * entries of the patterns; or _DIFFERENCES (finite-difference Jacobian): the callback gets NULL for both, and
-   * patterns are optional. Central differences have relative errors of 1e-9, with which ranks are decided (with respect
-   * to x', if F is linear in it, roundoff alone). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 and above if no
-   * equation has to be differentiated (strangeness index 0, differentiation index at most 1): x' at outputs then has
-   * finite-difference errors. A Jacobian takes 6 evaluations of F for each unknown (more if F is not smooth), or for
-   * each group of columns of the patterns that have no row in common. */
+  /** SFDAE_MATRICES_DENSE (default); _COMPRESSED (not with derivative_array): F_x and F_xdot of the callback, and
+   * their total derivatives, have the entries of the patterns; or _DIFFERENCES (finite-difference Jacobian): the
+   * callback gets NULL for Jacobians, and patterns are optional. Central differences have relative errors of 1e-9, with
+   * which ranks are decided (with respect to x', if F is linear in it, roundoff alone). They allow
+   * SFDAE_ORDER_NOT_AVAILABLE for order 1 and above if no equation has to be differentiated (strangeness index 0,
+   * differentiation index at most 1): x' at outputs then has finite-difference errors. A Jacobian takes 6 evaluations
+   * of F for each unknown (more if F is not smooth), or for each group of columns of the patterns that have no row in
+   * common. */
   int matrices;
 
   /** With total_derivative or derivative_array: conditions on which F depends (sfdae.h, sfdae_conditions_function). */

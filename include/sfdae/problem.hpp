@@ -247,8 +247,8 @@ struct NonlinearProblem {
   std::vector<int> differentiations;            ///< none, or how often each equation is differentiated at most
   std::vector<std::string> equation_names;      ///< for messages: none, or m names, "" for equations without one
   SparsityPattern F_x_pattern, F_xdot_pattern;  ///< for total_derivative, derivative_array: both or none
-  /// SFDAE_MATRICES_COMPRESSED (total_derivative only): F_x and F_xdot are views of one column, the entries in the order of the pattern;
-  /// SFDAE_MATRICES_DIFFERENCES: they are not requested.
+  /// SFDAE_MATRICES_COMPRESSED (total_derivative only): F_x and F_xdot are views of one column, the entries in the
+  /// order of the pattern; SFDAE_MATRICES_DIFFERENCES: Jacobians are not requested.
   int matrices = SFDAE_MATRICES_DENSE;
   Conditions conditions;  ///< on which total_derivative or derivative_array depends
 };
