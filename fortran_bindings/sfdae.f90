@@ -11,6 +11,7 @@
 !     recorded_linear_dae    `linear_equations` writes E(t), A(t), f(t) once, as formulas
 !     linear_dae             `eval_e`, `eval_a`, `eval_f` evaluate E, A, f and their derivatives
 !     derivative_dae         `total_derivative` evaluates F and its total derivatives along a jet
+!     derivative_array_dae   `derivative_array` evaluates all of them at once, with one Jacobian
 !     recorded_multibody_dae `equations` writes a mechanical system with constraints as formulas
 !     multibody_dae          `forces`, `constraints`, ... evaluate those of a mechanical system
 !
@@ -36,8 +37,15 @@
 !    `destroy` before it goes out of scope; there is no finalizer.
 !  - Different solvers are independent, in threads, too. A solver may not be used from within its
 !    own callbacks.
+!  - If your program has a name of this module, rename or leave out that of the module:
+!        use sfdae, only: dae_solver, nonlinear_dae, expr => expression, operator(+), operator(*)
+!        use sfdae, lookup => table, partial => derivative
+!    Likely candidates also have a name with a prefix: sfdae_choose, sfdae_derivative,
+!    sfdae_expression, sfdae_external_value, sfdae_named_parameter, sfdae_table,
+!    sfdae_time_derivative. Operators and assignment(=) have to be listed after `only`, too.
 !  - Kinds are c_int, c_long and c_double of iso_c_binding, whatever the default kinds are.
 module sfdae
+  use sfdae_arrays
   use sfdae_control, only: dae_events, dae_monitor, dae_options
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   use sfdae_expressions
@@ -45,8 +53,8 @@ module sfdae
   use sfdae_linearizations, only: dae_descriptor, dae_linearization
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
-  use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae, &
-    sparsity_pattern
+  use sfdae_problems, only: derivative_array_dae, derivative_dae, linear_dae, nonlinear_dae, &
+    recorded_linear_dae, sfdae_split_derivative_array, sparsity_pattern
   use sfdae_sensitivities, only: dae_sensitivities
   use sfdae_solver, only: dae_solver, sfdae_check_linear, sfdae_check_multibody, &
     sfdae_check_nonlinear, sfdae_status_name, sfdae_version
@@ -57,7 +65,8 @@ module sfdae
 
   ! ---- Problems, options, solver ------------------------------------------------------------
 
-  public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae, sparsity_pattern
+  public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae, derivative_array_dae, &
+    sparsity_pattern
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
@@ -65,7 +74,7 @@ module sfdae
   public :: dae_descriptor, dae_linearization
   public :: dae_hybrid, dae_switch, dae_transition
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
-  public :: sfdae_status_name, sfdae_version
+  public :: sfdae_split_derivative_array, sfdae_status_name, sfdae_version
 
   ! ---- Recorded equations -------------------------------------------------------------------
 
@@ -76,6 +85,10 @@ module sfdae
   public :: operator(<), operator(<=), operator(>), operator(>=)
   public :: operator(.and.), operator(.or.), operator(.not.)
   public :: derivative, time_derivative, table, external_value
+  public :: sum, dot_product, matmul, maxval, minval, norm2
+  !> Second names, for programs that have these names themselves.
+  public :: sfdae_choose, sfdae_derivative, sfdae_expression, sfdae_external_value, &
+    sfdae_named_parameter, sfdae_table, sfdae_time_derivative
 
   ! ---- Structs of C: results, and what a program does not need ------------------------------
 

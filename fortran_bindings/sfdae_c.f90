@@ -46,10 +46,11 @@ module sfdae_c
     c_restore_hybrid_checkpoint, c_save_checkpoint, c_save_hybrid_checkpoint, c_save_solution, &
     c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, &
     c_set_hybrid_sensitivities, c_set_options, c_set_parameter, c_set_sensitivities, c_sign, &
-    c_sin, c_singular_point_init, c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, &
-    c_start_hybrid, c_statistics_init, c_status_name, c_step, c_structure_init, c_subtract, &
-    c_switch_init, c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, c_version, &
-    address_of_conditions_function, address_of_ensemble_monitor_function, &
+    c_sin, c_singular_point_init, c_sinh, c_solve_ensemble, c_spectrum_init, &
+    c_split_derivative_array, c_sqrt, c_start, c_start_hybrid, c_statistics_init, c_status_name, &
+    c_step, c_structure_init, c_subtract, c_switch_init, c_table, c_tan, c_tanh, &
+    c_time_derivative, c_transition_init, c_version, address_of_conditions_function, &
+    address_of_derivative_array_function, address_of_ensemble_monitor_function, &
     address_of_equations_function, address_of_event_function, address_of_external_function, &
     address_of_jump_function, address_of_linear_equations_function, address_of_matrix_function, &
     address_of_monitor_function, address_of_multibody_equations_function, &
@@ -67,6 +68,17 @@ module sfdae_c
       type(c_ptr), value :: user
       integer(c_int) :: sfdae_conditions_function
     end function sfdae_conditions_function
+
+    function sfdae_derivative_array_function(t, order, derivatives, f, jacobian, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: order
+      type(c_ptr), value :: derivatives
+      type(c_ptr), value :: f
+      type(c_ptr), value :: jacobian
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_derivative_array_function
+    end function sfdae_derivative_array_function
 
     function sfdae_ensemble_monitor_function(progress, user) bind(c)
       import :: c_int, c_ptr, sfdae_ensemble_progress
@@ -1484,6 +1496,20 @@ module sfdae_c
       integer(c_int) :: c_spectrum_init
     end function c_spectrum_init
 
+    function c_split_derivative_array(num_equations, num_unknowns, order, jacobian, f_x, f_xdot, &
+      text, length) bind(c, name="sfdae_split_derivative_array")
+      import :: c_char, c_double, c_int, c_size_t
+      integer(c_int), value :: num_equations
+      integer(c_int), value :: num_unknowns
+      integer(c_int), value :: order
+      real(c_double), intent(in) :: jacobian(*)
+      real(c_double), intent(inout) :: f_x(*)
+      real(c_double), intent(inout) :: f_xdot(*)
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_split_derivative_array
+    end function c_split_derivative_array
+
     function c_sqrt(a) bind(c, name="sfdae_sqrt")
       import :: expression
       type(expression), value :: a
@@ -1606,6 +1632,14 @@ contains
 
     address = c_funloc(callback)
   end function address_of_conditions_function
+
+  !> Address of a sfdae_derivative_array_function; the compiler compares its arguments.
+  function address_of_derivative_array_function(callback) result(address)
+    procedure(sfdae_derivative_array_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_derivative_array_function
 
   !> Address of a sfdae_ensemble_monitor_function; the compiler compares its arguments.
   function address_of_ensemble_monitor_function(callback) result(address)

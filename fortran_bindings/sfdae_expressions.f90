@@ -14,6 +14,9 @@
 !  - An expression that has not been assigned to is the number 0. Only the library writes its
 !    components.
 !  - These are the functions on expressions of the C API; the module `sfdae` passes all of them on.
+!  - Names that programs are likely to use themselves have a second name: sfdae_choose,
+!    sfdae_derivative, sfdae_expression, sfdae_external_value, sfdae_named_parameter, sfdae_table,
+!    sfdae_time_derivative.
 module sfdae_expressions
   use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_ptr
   use sfdae_c, only: c_abs, c_acos, c_add, c_and, c_asin, c_atan, c_atan2, c_choose, c_cos, c_cosh, &
@@ -22,7 +25,7 @@ module sfdae_expressions
     c_or, c_parameter, c_power, c_sign, c_sin, c_sinh, c_sqrt, c_subtract, c_table, c_tan, c_tanh, &
     c_time_derivative
   use sfdae_conversions, only: text_in_c
-  use sfdae_types, only: expression
+  use sfdae_types, only: expression, sfdae_expression => expression
   implicit none
   private
 
@@ -33,6 +36,8 @@ module sfdae_expressions
   public :: operator(<), operator(<=), operator(>), operator(>=)
   public :: operator(.and.), operator(.or.), operator(.not.)
   public :: derivative, time_derivative, table, external_value
+  public :: sfdae_choose, sfdae_derivative, sfdae_expression, sfdae_external_value, &
+    sfdae_named_parameter, sfdae_table, sfdae_time_derivative
 
   !> Numbers become expressions.
   interface assignment(=)
@@ -207,6 +212,38 @@ module sfdae_expressions
   interface modulo
     module procedure modulo_ee, modulo_er, modulo_re
   end interface modulo
+
+  ! ---- Second names -------------------------------------------------------------------------
+
+  !> choose.
+  interface sfdae_choose
+    module procedure choose_ee, choose_er, choose_re, choose_rr
+  end interface sfdae_choose
+
+  !> derivative.
+  interface sfdae_derivative
+    module procedure derivative
+  end interface sfdae_derivative
+
+  !> time_derivative.
+  interface sfdae_time_derivative
+    module procedure time_derivative
+  end interface sfdae_time_derivative
+
+  !> table.
+  interface sfdae_table
+    module procedure table
+  end interface sfdae_table
+
+  !> external_value.
+  interface sfdae_external_value
+    module procedure external_value
+  end interface sfdae_external_value
+
+  !> named_parameter.
+  interface sfdae_named_parameter
+    module procedure named_parameter
+  end interface sfdae_named_parameter
 
 contains
 

@@ -5,18 +5,21 @@
 module sfdae_problems
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funptr, &
     c_int, c_loc, c_ptr, c_size_t, c_sizeof
-  use sfdae_c, only: address_of_conditions_function, address_of_equations_function, &
-    address_of_linear_equations_function, address_of_matrix_function, &
-    address_of_total_derivative_function, address_of_vector_function, c_check_linear, &
-    c_check_nonlinear, c_create_linear, c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
-  use sfdae_conversions, only: flag, matrix_at, names_in_c, vector_at
-  use sfdae_types, only: expression, sfdae_internal, sfdae_linear_problem, &
-    sfdae_matrices_dense, sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
+  use sfdae_c, only: address_of_conditions_function, address_of_derivative_array_function, &
+    address_of_equations_function, address_of_linear_equations_function, &
+    address_of_matrix_function, address_of_total_derivative_function, &
+    address_of_vector_function, c_check_linear, c_check_nonlinear, c_create_linear, &
+    c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init, c_split_derivative_array
+  use sfdae_conversions, only: flag, matrix_at, names_in_c, text_in, vector_at
+  use sfdae_types, only: expression, sfdae_illegal_argument, sfdae_internal, &
+    sfdae_linear_problem, sfdae_matrices_dense, sfdae_nonlinear_problem, sfdae_ok, sfdae_options, &
+    sfdae_order_not_available
   implicit none
   private
 
   public :: sparsity_pattern
-  public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
+  public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae
+  public :: numeric_dae, derivative_dae, derivative_array_dae, sfdae_split_derivative_array
   public :: problem_holder, linear_holder, nonlinear_holder, equation_name_length
 
   !> Longer names are truncated.
@@ -96,12 +99,14 @@ module sfdae_problems
     procedure(linear_equations_procedure), deferred :: linear_equations
   end type recorded_linear_dae
 
-  !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own.
-  type, abstract, extends(any_dae) :: derivative_dae
+  !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own: extend derivative_dae or
+  !> derivative_array_dae.
+  type, abstract, extends(any_dae) :: numeric_dae
     !> Patterns of F_x and F_x', both or none: equations are then solved by structural analysis.
     type(sparsity_pattern) :: pattern_f_x, pattern_f_xdot
-    !> sfdae_matrices_compressed: f_x and f_xdot of the binding have one column, the entries in the
-    !> order of the pattern. sfdae_matrices_differences: they are always absent.
+    !> sfdae_matrices_compressed (derivative_dae only): f_x and f_xdot of the binding have one
+    !> column, the entries in the order of the pattern. sfdae_matrices_differences: Jacobians are
+    !> always absent.
     integer(c_int) :: matrices = sfdae_matrices_dense
     !> Conditions on which F depends: written by eval_conditions, read from branches.
     integer(c_int) :: num_conditions = 0
@@ -111,9 +116,21 @@ module sfdae_problems
   contains
     !> Writes g_k(t, x, x') of each condition, which holds where g_k > 0; called if num_conditions > 0.
     procedure :: eval_conditions => missing_conditions
+  end type numeric_dae
+
+  !> Nonlinear problem with total derivatives order by order.
+  type, abstract, extends(numeric_dae) :: derivative_dae
+  contains
     !> Writes F and its Jacobians, or total derivatives of them; called at every point.
     procedure(total_derivative_procedure), deferred :: total_derivative
   end type derivative_dae
+
+  !> Nonlinear problem with the derivative array as one procedure.
+  type, abstract, extends(numeric_dae) :: derivative_array_dae
+  contains
+    !> Writes all total derivatives of F up to an order, and their Jacobian; called at every point.
+    procedure(derivative_array_procedure), deferred :: derivative_array
+  end type derivative_array_dae
 
   abstract interface
     !> Writes the plain derivative of the given order of E at t. Orders asked for: up to max_index
@@ -189,6 +206,26 @@ module sfdae_problems
       !> As in e_function.
       integer(c_int), intent(inout) :: status
     end subroutine total_derivative_procedure
+
+    !> Writes the derivative array of the given order: F and its total derivatives along a jet, one
+    !> after the other, and their Jacobian with respect to x, x', ..., x^(order + 1), whose blocks
+    !> are C(k, j) F_x^(k-j) + C(k, j-1) F_x'^(k-j+1). Plain derivatives. Orders asked for: 0 ... mu
+    !> + 1.
+    subroutine derivative_array_procedure(self, t, order, x, f, jacobian, status)
+      import :: c_double, c_int, derivative_array_dae
+      class(derivative_array_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: F alone.
+      integer(c_int), intent(in) :: order
+      !> n x (order + 2): column k, from 0, is the k-th derivative of x.
+      real(c_double), intent(in) :: x(:, 0:)
+      !> (order + 1) m entries, zero on entry.
+      real(c_double), intent(inout) :: f(:)
+      !> (order + 1) m x (order + 2) n, zero on entry; absent if it is not asked for.
+      real(c_double), intent(inout), optional :: jacobian(:, :)
+      !> As in e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine derivative_array_procedure
   end interface
 
   ! ---- Problems in C's terms -----------------------------------------------------------------
@@ -246,7 +283,9 @@ module sfdae_problems
     class(linear_dae), pointer :: linear => null()
     class(nonlinear_dae), pointer :: nonlinear => null()
     class(recorded_linear_dae), pointer :: recorded_linear => null()
+    class(numeric_dae), pointer :: numeric => null()
     class(derivative_dae), pointer :: derivative => null()
+    class(derivative_array_dae), pointer :: array => null()
     !> m.
     integer(c_int) :: num_equations = 0
     !> n.
@@ -286,6 +325,33 @@ module sfdae_problems
   end type nonlinear_holder
 
 contains
+
+  !> Splits the Jacobian of a derivative array into the total derivatives of F_x and F_x', and
+  !> checks all its blocks; no solver is needed. order = size(f_x, 3) - 1.
+  subroutine sfdae_split_derivative_array(jacobian, f_x, f_xdot, text, status)
+    !> (order + 1) m x (order + 2) n, as a derivative_array_dae writes it.
+    real(c_double), contiguous, intent(in) :: jacobian(:, :)
+    !> m x n x (order + 1): the derivatives of order 0, 1, ... of F_x, without factorials.
+    real(c_double), contiguous, intent(inout) :: f_x(:, :, :)
+    !> The same of F_x'.
+    real(c_double), contiguous, intent(inout) :: f_xdot(:, :, :)
+    !> Description of the error; empty if there is none.
+    character(len=:), allocatable, intent(out) :: text
+    !> sfdae_wrong_derivatives if an entry contradicts others. The matrices are then unchanged.
+    integer(c_int), intent(out) :: status
+    integer :: levels
+    character(kind=c_char) :: buffer(1536)
+
+    levels = size(f_x, 3)
+    status = sfdae_illegal_argument
+    text = "jacobian has to have m (order + 1) rows and n (order + 2) columns, and f_xdot the " // &
+      "shape of f_x: m x n x (order + 1)"
+    if (any(shape(f_xdot) /= shape(f_x))) return
+    if (any(shape(jacobian) /= [levels * size(f_x, 1), (levels + 1) * size(f_x, 2)])) return
+    status = c_split_derivative_array(size(f_x, 1, c_int), size(f_x, 2, c_int), &
+      int(levels - 1, c_int), jacobian, f_x, f_xdot, buffer, size(buffer, kind=c_size_t))
+    text = text_in(buffer)
+  end subroutine sfdae_split_derivative_array
 
   ! ---- Bindings that need not be overridden -------------------------------------------------
 
@@ -338,7 +404,7 @@ contains
 
   !> Fails: there are conditions, but eval_conditions is not overridden.
   subroutine missing_conditions(self, t, x, xdot, g, status)
-    class(derivative_dae), intent(inout) :: self
+    class(numeric_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     !> n unknowns.
     real(c_double), intent(in) :: x(:)
@@ -422,8 +488,8 @@ contains
       call to%linear%eval_conditions(t, vector_at(x, to%num_unknowns), &
         vector_at(xdot, to%num_unknowns), vector_at(g, to%linear%num_conditions), status)
     else
-      call to%derivative%eval_conditions(t, vector_at(x, to%num_unknowns), &
-        vector_at(xdot, to%num_unknowns), vector_at(g, to%derivative%num_conditions), status)
+      call to%numeric%eval_conditions(t, vector_at(x, to%num_unknowns), &
+        vector_at(xdot, to%num_unknowns), vector_at(g, to%numeric%num_conditions), status)
     end if
   end function call_conditions
 
@@ -482,6 +548,26 @@ contains
     call to%derivative%total_derivative(t, order, jet, vector_at(f, to%num_equations), matrix_x, &
       matrix_xdot, status)
   end function call_total_derivative
+
+  !> sfdae_derivative_array_function. A pointer that is not associated is an absent argument.
+  recursive function call_derivative_array(t, order, derivatives, f, jacobian, user) &
+    bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: derivatives, f, jacobian, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+    real(c_double), pointer :: jet(:, :), matrix(:, :)
+    integer(c_int) :: rows
+
+    call c_f_pointer(user, to)
+    jet => matrix_at(derivatives, to%num_unknowns, order + 2_c_int)
+    rows = (order + 1) * to%num_equations
+    nullify (matrix)
+    if (c_associated(jacobian)) matrix => matrix_at(jacobian, rows, (order + 2) * to%num_unknowns)
+    status = sfdae_ok
+    call to%array%derivative_array(t, order, jet, vector_at(f, rows), matrix, status)
+  end function call_derivative_array
 
   !> The matrix at an address, or the entries of its pattern.
   function matrix_of(to, address, pattern) result(matrix)
@@ -542,7 +628,7 @@ contains
   !> Describes any other problem. Without a function, create and check refuse.
   subroutine fill_nonlinear(self, problem)
     class(nonlinear_holder), target, intent(inout) :: self
-    !> A nonlinear_dae, recorded_linear_dae or derivative_dae.
+    !> A nonlinear_dae, recorded_linear_dae, derivative_dae or derivative_array_dae.
     class(any_dae), target, intent(inout) :: problem
 
     self%num_equations = problem%num_equations
@@ -565,6 +651,13 @@ contains
       class is (derivative_dae)
         self%callbacks%derivative => problem
         c%total_derivative = address_of_total_derivative_function(call_total_derivative)
+      class is (derivative_array_dae)
+        self%callbacks%array => problem
+        c%derivative_array = address_of_derivative_array_function(call_derivative_array)
+      end select
+      select type (problem)
+      class is (numeric_dae)
+        self%callbacks%numeric => problem
         call fill_conditions(problem%num_conditions, problem%branches, c%num_conditions, &
           c%conditions, c%branches)
         c%matrices = problem%matrices

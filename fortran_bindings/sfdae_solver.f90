@@ -28,7 +28,7 @@ module sfdae_solver
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_results, solve_ensemble_in_c
   use sfdae_linearizations, only: dae_descriptor, dae_linearization, linearize_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
-  use sfdae_problems, only: any_dae, derivative_dae, linear_dae, linear_holder, nonlinear_holder, &
+  use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, numeric_dae, &
     problem_holder, sparsity_pattern
   use sfdae_sensitivities, only: dae_sensitivities, set_sensitivities_in_c
   use sfdae_solutions, only: dae_solution
@@ -156,7 +156,7 @@ contains
 
   !> Checks any other problem with its options as create does; equations are recorded.
   recursive subroutine sfdae_check_nonlinear(problem, text, status, options)
-    !> nonlinear_dae, recorded_linear_dae or derivative_dae.
+    !> nonlinear_dae, recorded_linear_dae, derivative_dae or derivative_array_dae.
     class(any_dae), target, intent(inout) :: problem
     !> Description of the errors; empty if there are none.
     character(len=:), allocatable, intent(out) :: text
@@ -215,7 +215,7 @@ contains
     class is (linear_dae)
       call check_pattern(problem%pattern_e, "pattern_e", problem%num_unknowns, complaint)
       call check_pattern(problem%pattern_a, "pattern_a", problem%num_unknowns, complaint)
-    class is (derivative_dae)
+    class is (numeric_dae)
       call check_pattern(problem%pattern_f_x, "pattern_f_x", problem%num_unknowns, complaint)
       call check_pattern(problem%pattern_f_xdot, "pattern_f_xdot", problem%num_unknowns, complaint)
     class is (any_multibody_dae)
@@ -1329,7 +1329,7 @@ contains
     if (status >= 0) check = from_one(found)
   end subroutine solver_check_derivatives
 
-  !> Compares derivatives from total_derivative of a derivative_dae along a jet with finite
+  !> Compares derivatives from a derivative_dae or derivative_array_dae along a jet with finite
   !> differences.
   recursive subroutine solver_check_total_derivatives(self, t, derivatives, check, status)
     class(dae_solver), intent(inout) :: self

@@ -346,6 +346,7 @@ module sfdae_types
     integer(c_int) :: num_conditions = 0
     type(c_funptr) :: conditions = c_null_funptr
     type(c_ptr) :: branches = c_null_ptr
+    type(c_funptr) :: derivative_array = c_null_funptr
   end type sfdae_nonlinear_problem
 
   type, bind(c), public :: sfdae_options

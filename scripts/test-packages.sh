@@ -135,7 +135,10 @@ inside "$clean" sh -ec '
   gfortran -c $(sed "s|^|$modules/|" $modules/sources.txt)
   gfortran $examples/pendulum.f90 *.o $flags -o pendulum_fortran
   gfortran -std=legacy $examples/dgelda.f $flags -o dgelda
-  for program in pendulum_c pendulum_cpp pendulum_fortran dgelda; do
+  archives=$(pkg-config --static --cflags --libs sfdae)
+  gcc -static $examples/pendulum.c $archives -lm -o archives_c
+  gfortran -static -std=legacy $examples/dgelda.f $archives -o archives_dgelda
+  for program in pendulum_c pendulum_cpp pendulum_fortran dgelda archives_c archives_dgelda; do
     ./$program > $program.txt
     echo "$program: ok"
   done

@@ -132,6 +132,7 @@ Lengths sfmdae_lengths(const Arguments& arguments, const Options& options) {
 // The last digit of a state word is the version of the layout.
 const Routine dgelda_routine{5'304'461, 4, true, false, dgelda_lengths};
 const Routine sfndae_routine{5'304'471, max_cval, false, true, sfndae_lengths};
+const Routine sfndaf_routine{5'304'491, max_cval, false, true, sfndae_lengths};
 const Routine sfmdae_routine{5'304'481, max_cval, false, false, sfmdae_lengths};
 
 int read_options(const Arguments& arguments, bool is_first_call, Options& options) {

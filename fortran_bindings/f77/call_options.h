@@ -50,7 +50,7 @@ struct Routine {
   bool warns;               // IWARN = 1 where the solution is not unique
   Lengths (*lengths)(const Arguments& arguments, const Options& options);
 };
-extern const Routine dgelda_routine, sfndae_routine, sfmdae_routine;
+extern const Routine dgelda_routine, sfndae_routine, sfndaf_routine, sfmdae_routine;
 
 // The arguments of a call but for the user's functions; pointers are the caller's.
 struct Arguments {

@@ -13,6 +13,7 @@
 #include "f77/entry.h"
 #include "f77/routine.h"
 #include "f77/sfndae_call.h"
+#include "f77/sfndae_problem.h"
 
 namespace sfdae::f77 {
 

@@ -1,4 +1,4 @@
-// One call of SFNDAE.
+// One call of SFNDAE or SFNDAF.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "f77/sfndae_call.h"
 
@@ -38,11 +38,12 @@ void SfndaeCall::return_to_values() {
 }
 
 int SfndaeCall::code_of(int status) const {
+  if (status == SFDAE_WRONG_DERIVATIVES) return wrong_array;
   const bool is_failure = status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE;
   if (!is_failure) return IntegrationCall::code_of(status);
-  // NDIF is what everything depends on: its failures have their own code at the start, too.
+  // Failures of the user's subroutine have their own code at the start, too.
   if (user_.callback_error() != SFDAE_OK) return functions_failed;
-  // Iterations have diverged so far that NDIF was not asked any more.
+  // Iterations have diverged so far that it was not called any more.
   return IntegrationCall::code_of(stage_ == Stage::integration ? SFDAE_STEP_TOO_SMALL : SFDAE_NO_CONSISTENT_VALUES);
 }
 

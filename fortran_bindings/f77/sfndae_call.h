@@ -1,4 +1,4 @@
-// One call of SFNDAE.
+// One call of SFNDAE or SFNDAF.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -6,13 +6,17 @@
 
 #include "array/nonlinear_model.h"
 #include "f77/integration_call.h"
-#include "f77/sfndae_problem.h"
+#include "f77/nonlinear_user_problem.h"
 
 namespace sfdae::f77 {
 
+// IERR: the derivative array of SFNDAF contradicts itself.
+inline constexpr int wrong_array = -28;
+
 class SfndaeCall final : public IntegrationCall {
  public:
-  SfndaeCall(const Arguments& arguments, SfndaeProblem& user) : IntegrationCall(arguments, user), user_(user) {}
+  SfndaeCall(const Arguments& arguments, NonlinearUserProblem& user)
+      : IntegrationCall(arguments, user), user_(user) {}
 
  protected:
   void create_model() override;
@@ -23,7 +27,7 @@ class SfndaeCall final : public IntegrationCall {
   int code_of(int status) const override;
 
  private:
-  SfndaeProblem& user_;
+  NonlinearUserProblem& user_;
   std::optional<core::NonlinearModel> model_;
 };
 

@@ -9,8 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "f77/user_problem.h"
-#include "problem/callback_problem.h"
+#include "f77/nonlinear_user_problem.h"
 
 namespace sfdae::f77 {
 
@@ -20,12 +19,11 @@ using TotalDerivative = void (*)(const double* t, const Integer* order, const In
                                  double* F_xdot, const Integer* ld_F_xdot, Integer* ipar, double* rpar,
                                  Integer* ierr);
 
-class SfndaeProblem : public UserProblem {
+class SfndaeProblem : public NonlinearUserProblem {
  public:
   SfndaeProblem(int m, int n) : m_(m), n_(n) {}
 
-  // For core::NonlinearModel; this object must outlive it.
-  std::unique_ptr<core::CallbackProblem> problem();
+  std::unique_ptr<core::CallbackProblem> problem() override;
 
   bool has_other_width(double t, const double* x) override;
 

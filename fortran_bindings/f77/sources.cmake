@@ -3,7 +3,7 @@
 # Every routine R is exported as r_ (INTEGER of 32 bits) and as r_64_ (64 bits); r_64__ is the latter as compilers name it
 # that append a second underscore to names with one (gfortran -fsecond-underscore).
 
-set(sfdae_f77_routines dgelda sfndae sfmdae dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
+set(sfdae_f77_routines dgelda sfndae sfndaf sfmdae dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
 
 set(sfdae_f77_sources
   call_options.cpp
@@ -26,5 +26,7 @@ set(sfdae_f77_sources
   sfmdae_problem.cpp
   sfndae.cpp
   sfndae_call.cpp
-  sfndae_problem.cpp)
+  sfndae_problem.cpp
+  sfndaf.cpp
+  sfndaf_problem.cpp)
 list(TRANSFORM sfdae_f77_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/f77/")

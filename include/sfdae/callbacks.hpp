@@ -192,6 +192,17 @@ inline int call_total_derivative(double t, int order, const double* derivatives,
   });
 }
 
+inline int call_derivative_array(double t, int order, const double* derivatives, double* F, double* jacobian,
+                                 void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const int rows = (order + 1) * state.num_equations, n = state.num_unknowns;
+    const MatrixRef matrix{jacobian, jacobian == nullptr ? 0 : rows, (order + 2) * n, "jacobian"};
+    return std::get<NonlinearProblem>(state.problem)
+        .derivative_array.call(t, order, {derivatives, n, order + 2, "derivatives"}, {{F, rows, "F"}, matrix});
+  });
+}
+
 template <PositionMatrixFunction MultibodyProblem::*function, int MultibodyProblem::*rows,
           int MultibodyProblem::*columns>
 int call_position_matrix(double t, const double* q, double* values, void* user) noexcept {
@@ -318,6 +329,7 @@ inline sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, CallbackSta
   c.equations = problem.equations ? call_equations : nullptr;
   c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
   c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
+  c.derivative_array = problem.derivative_array ? call_derivative_array : nullptr;
   fill_prescribed(problem, c);
   c.equation_names = names_in_c(problem.equation_names, problem.num_equations, "equation_names", "equations", *user);
   c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");

@@ -159,8 +159,23 @@ typedef int (*sfdae_linear_equations_function)(sfdae_record* record, sfdae_expre
 typedef int (*sfdae_total_derivative_function)(double t, int order, const double* derivatives, double* F, double* F_x,
                                                double* F_xdot, void* user);
 
+/** Writes the derivative array of the given order at t: all total derivatives of F up to this order in one call.
+ * derivatives: n x (order + 2), column k is the k-th derivative of x. F: (order + 1) m entries, d^k/dt^k of
+ * F(t, x, x') for k = 0 ... order, one after the other. jacobian: (order + 1) m x (order + 2) n entries, or NULL if it
+ * is not requested: the partial derivatives of these with respect to x, x', ..., x^(order + 1), one after the other.
+ * Its blocks are
+ *
+ *     J_kj = d F^(k) / d x^(j) = C(k, j) F_x^(k-j) + C(k, j-1) F_x'^(k-j+1),   0 <= k <= order, 0 <= j <= order + 1
+ *
+ * C(k, j) are the binomial coefficients, 0 unless 0 <= j <= k; F_x^(k) and F_x'^(k) are the total derivatives of the
+ * Jacobians of F. If blocks contradict each other, the call ends with SFDAE_WRONG_DERIVATIVES, and the message names
+ * the entry. All arrays are filled with zeros before the call. Requested orders, and return values, are those of
+ * sfdae_total_derivative_function; the order mu + 1 need not be available. */
+typedef int (*sfdae_derivative_array_function)(double t, int order, const double* derivatives, double* F,
+                                               double* jacobian, void* user);
+
 /** Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
- * three functions. The library differentiates formulas; those that are linear in x and x' are solved as linear
+ * four functions. The library differentiates formulas; those that are linear in x and x' are solved as linear
  * problems. Square systems of up to 50000 equations can be solved by structural analysis (sfdae_options.structure):
  * formulas or a function with patterns, nothing prescribed, no differentiations. */
 typedef struct sfdae_nonlinear_problem {
@@ -189,31 +204,35 @@ typedef struct sfdae_nonlinear_problem {
    * Messages then include the name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
 
-  /** With total_derivative only: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or of neither (default:
-   * NULL). Square problems without prescribed components and differentiations then use structural analysis and sparse
-   * matrices, as recorded equations do (sfdae_options.structure). Entries outside a pattern end the call with
-   * SFDAE_WRONG_PATTERN: dense Jacobians are checked at every evaluation. For the other forms, groups of unknowns are
-   * perturbed, and equations without any of them must not change: all groups at first, one with every tenth Jacobian
-   * later. */
+  /** With total_derivative or derivative_array: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or of
+   * neither (default: NULL). Square problems without prescribed components and differentiations then use structural
+   * analysis and sparse matrices, as recorded equations do (sfdae_options.structure). Entries outside a pattern end the
+   * call with SFDAE_WRONG_PATTERN: dense Jacobians are checked at every evaluation. For the other forms, groups of
+   * unknowns are perturbed, and equations without any of them must not change: all groups at first, one with every
+   * tenth Jacobian later. */
   int F_x_entries;          /**< default 0 */
   const int* F_x_col_start; /**< n + 1 numbers */
   const int* F_x_row_index; /**< F_x_entries rows, 0 ... m - 1 */
   int F_xdot_entries;
   const int* F_xdot_col_start;
   const int* F_xdot_row_index;
-  /** SFDAE_MATRICES_DENSE (default); _COMPRESSED: F_x and F_xdot of the callback, and their total derivatives, have the
-   * entries of the patterns; or _DIFFERENCES (finite-difference Jacobian): the callback gets NULL for both, and
-   * patterns are optional. Central differences have relative errors of 1e-9, with which ranks are decided (with respect
-   * to x', if F is linear in it, roundoff alone). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 and above if no
-   * equation has to be differentiated (strangeness index 0, differentiation index at most 1): x' at outputs then has
-   * finite-difference errors. A Jacobian takes 6 evaluations of F for each unknown (more if F is not smooth), or for
-   * each group of columns of the patterns that have no row in common. */
+  /** SFDAE_MATRICES_DENSE (default); _COMPRESSED (not with derivative_array): F_x and F_xdot of the callback, and
+   * their total derivatives, have the entries of the patterns; or _DIFFERENCES (finite-difference Jacobian): the
+   * callback gets NULL for Jacobians, and patterns are optional. Central differences have relative errors of 1e-9, with
+   * which ranks are decided (with respect to x', if F is linear in it, roundoff alone). They allow
+   * SFDAE_ORDER_NOT_AVAILABLE for order 1 and above if no equation has to be differentiated (strangeness index 0,
+   * differentiation index at most 1): x' at outputs then has finite-difference errors. A Jacobian takes 6 evaluations
+   * of F for each unknown (more if F is not smooth), or for each group of columns of the patterns that have no row in
+   * common. */
   int matrices;
 
-  /** With total_derivative only: conditions on which F depends (sfdae.h, sfdae_conditions_function). */
+  /** With total_derivative or derivative_array: conditions on which F depends (sfdae.h, sfdae_conditions_function). */
   int num_conditions;                   /**< 0 (default) ... 1000 */
   sfdae_conditions_function conditions; /**< must be set if num_conditions > 0 */
-  int* branches;                        /**< the same; written before each call of total_derivative */
+  int* branches;                        /**< the same; written before each call of the function */
+
+  /** In place of total_derivative: one function for F and all its total derivatives. */
+  sfdae_derivative_array_function derivative_array; /**< called at every point */
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size);
@@ -315,14 +334,23 @@ SFDAE_API int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result,
 SFDAE_API int sfdae_export_source(sfdae_solver* solver, int language, const char* name, char* text, size_t length,
                                   size_t* needed);
 
-/** Compares the total derivatives that sfdae_nonlinear_problem.total_derivative supplies at t along a jet with finite
- * differences, and reports the worst mismatch; sfdae_message describes it if it is suspicious. derivatives: n x
- * (max_order + 2), the jet as that function gets it, which need not be consistent; preferably without zeros. F of the
- * orders 1 ... max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x' of the orders 0
- * ... max_order with differences of F with respect to x and x'.
+/** Compares the total derivatives that sfdae_nonlinear_problem.total_derivative, or derivative_array, supplies at t
+ * along a jet with finite differences, and reports the worst mismatch; sfdae_message describes it if it is suspicious.
+ * derivatives: n x (max_order + 2), the jet as that function gets it, which need not be consistent; preferably without
+ * zeros. F of the orders 1 ... max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x'
+ * of the orders 0 ... max_order with differences of F with respect to x and x'.
  * Failures: callbacks; SFDAE_ILLEGAL_ARGUMENT if the problem has no such function. */
 SFDAE_API int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* derivatives, int max_order,
                                             sfdae_derivative_check* result);
+
+/** Splits the Jacobian of a derivative array into the total derivatives of F_x and F_x', and checks all its blocks; no
+ * solver is needed. jacobian: (order + 1) m x (order + 2) n entries, as a sfdae_derivative_array_function writes them.
+ * F_x, F_xdot: m x n x (order + 1), the derivatives of order 0 ... order one after the other, without factorials. m and
+ * n: 1 ... 5000; order: 0 ... 13. Writes an explanation of the error, "" if there is none, to `text`, at most `length`
+ * characters with the final zero (text NULL with length 0 is allowed).
+ * Failures: SFDAE_WRONG_DERIVATIVES if an entry contradicts others; SFDAE_NOT_FINITE for NaN and Inf. */
+SFDAE_API int sfdae_split_derivative_array(int num_equations, int num_unknowns, int order, const double* jacobian,
+                                           double* F_x, double* F_xdot, char* text, size_t length);
 
 #ifdef __cplusplus
 }

@@ -185,6 +185,16 @@ struct TotalDerivatives {
 ///     [](double t, int order, sfdae::ConstMatrixRef derivatives, sfdae::TotalDerivatives result) { ... }
 using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDerivatives>;
 
+/// Derivative array along a jet, to be written, initially zero; the Jacobian converts to false if it is not requested.
+struct ArrayValues {
+  VectorRef F;         ///< (order + 1) m entries
+  MatrixRef jacobian;  ///< (order + 1) m x (order + 2) n
+};
+
+/// Column k of `derivatives` (n x (order + 2)) is the k-th derivative of x, see sfdae_derivative_array_function:
+///     [](double t, int order, sfdae::ConstMatrixRef derivatives, sfdae::ArrayValues result) { ... }
+using DerivativeArrayFunction = Callback<double, int, ConstMatrixRef, ArrayValues>;
+
 /// Event functions, see sfdae_set_events: writes g_i(t, x, x') into a view filled with zeros,
 ///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
 using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
@@ -222,7 +232,7 @@ struct LinearProblem {
   Conditions conditions;  ///< on which E, A and f depend
 };
 
-/// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the three functions has to be given.
+/// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the four functions has to be given.
 struct NonlinearProblem {
   NonlinearProblem(int equations_given, int unknowns) : num_equations(equations_given), num_unknowns(unknowns) {}
 
@@ -231,15 +241,16 @@ struct NonlinearProblem {
   EquationsFunction equations;                  ///< recorded when a solver is created
   LinearEquationsFunction linear_equations;     ///< recorded when a solver is created
   TotalDerivativeFunction total_derivative;     ///< called at every point
+  DerivativeArrayFunction derivative_array;     ///< called at every point
   std::vector<int> prescribed;                  ///< indices of the components that are prescribed, u > 0 only
   VectorFunction prescribed_values;             ///< writes their values; order is 0
   std::vector<int> differentiations;            ///< none, or how often each equation is differentiated at most
   std::vector<std::string> equation_names;      ///< for messages: none, or m names, "" for equations without one
-  SparsityPattern F_x_pattern, F_xdot_pattern;  ///< for total_derivative: both or none
-  /// SFDAE_MATRICES_COMPRESSED: F_x and F_xdot are views of one column, the entries in the order of the pattern;
-  /// SFDAE_MATRICES_DIFFERENCES: they are not requested.
+  SparsityPattern F_x_pattern, F_xdot_pattern;  ///< for total_derivative, derivative_array: both or none
+  /// SFDAE_MATRICES_COMPRESSED (total_derivative only): F_x and F_xdot are views of one column, the entries in the
+  /// order of the pattern; SFDAE_MATRICES_DIFFERENCES: Jacobians are not requested.
   int matrices = SFDAE_MATRICES_DENSE;
-  Conditions conditions;  ///< on which total_derivative depends
+  Conditions conditions;  ///< on which total_derivative or derivative_array depends
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:

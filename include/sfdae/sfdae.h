@@ -79,12 +79,13 @@ extern "C" {
 #define SFDAE_NOT_STARTED (-5)   /**< sfdae_start (or sfdae_analyze) has to come first */
 
 /* Failures: callbacks. */
-#define SFDAE_CALLBACK_STOPPED (-10)  /**< a callback returned a negative value */
-#define SFDAE_CALLBACK_FAILED (-11)   /**< a callback returned a positive value and a smaller step did not help */
-#define SFDAE_NOT_FINITE (-12)        /**< a callback returned NaN or Inf and a smaller step did not help */
-#define SFDAE_ORDER_MISSING (-13)     /**< a derivative that is needed is not available */
-#define SFDAE_WRONG_DERIVATIVES (-14) /**< a derivative contradicts its function: option check_derivatives */
-#define SFDAE_WRONG_PATTERN (-15)     /**< an entry of a matrix is not zero, and not in its sparsity pattern */
+#define SFDAE_CALLBACK_STOPPED (-10) /**< a callback returned a negative value */
+#define SFDAE_CALLBACK_FAILED (-11)  /**< a callback returned a positive value and a smaller step did not help */
+#define SFDAE_NOT_FINITE (-12)       /**< a callback returned NaN or Inf and a smaller step did not help */
+#define SFDAE_ORDER_MISSING (-13)    /**< a derivative that is needed is not available */
+/** A derivative contradicts its function (option check_derivatives), or others in a derivative array. */
+#define SFDAE_WRONG_DERIVATIVES (-14)
+#define SFDAE_WRONG_PATTERN (-15) /**< an entry of a matrix is not zero, and not in its sparsity pattern */
 
 /* Failures: structure of the problem. */
 #define SFDAE_INDEX_TOO_HIGH (-20)          /**< the hypothesis holds at no level up to max_index */

@@ -38,6 +38,7 @@ except ImportError as error:
     ) from error
 
 from ._arrays import ExpressionArray
+from ._derivative_array import split_derivative_array
 from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
@@ -124,5 +125,6 @@ __all__ = [
     "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative", "Transition", "Switch",
-    "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
+    "make_consistent", "parameter", "solve", "solve_ensemble", "split_derivative_array", "status_name", "version",
+    *_PUBLIC,
 ]  # fmt: skip

@@ -6,13 +6,14 @@ library has returned.
 from __future__ import annotations
 
 import weakref
-from typing import Any, Callable
+from typing import Any, Callable, Mapping
 
 import numpy as np
 
 from ._arguments import PointFunction
 from ._arrays import vector
 from ._binding import ffi, lib
+from ._conditions import BRANCHES
 from ._expression import Expression, Recording
 from ._formula import Formula, flatten, write_formulas
 from ._multibody import FORMULA_PLACES
@@ -236,6 +237,26 @@ def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any,
             write_formulas(places, part, shape[:1] if name == "f" else shape, name)
 
 
+def _derivative_of_numbers(
+    problem: Any, t: float, order: int, jet: np.ndarray, values: Mapping[str, Any]
+) -> np.ndarray | None:
+    """The total derivative of equations that are not recorded: only order 0."""
+    if order > 0:
+        return None
+    if problem._takes_branches:
+        values = {**values, BRANCHES: problem.branches.astype(bool)}
+    try:
+        result = problem._evaluated(t, jet[:, 0].copy(), jet[:, 1].copy(), values)
+    except (ArithmeticError, ValueError) as exception:
+        # OverflowError, ZeroDivisionError, and ValueError of the functions of math
+        if isinstance(exception, ValueError) and str(exception) != "math domain error":
+            raise
+        raise CannotEvaluate(str(exception)) from exception
+    if len(result) != problem.num_equations:
+        raise ValueError(f"{len(result)} residuals, not {problem.num_equations}: num_equations?")
+    return result
+
+
 @callback("python_nonlinear_problem_total_derivative")
 def _total_derivative(
     state: CallbackState, t: float, order: int, derivatives: Any, F: Any, F_x: Any, F_xdot: Any
@@ -247,7 +268,7 @@ def _total_derivative(
     if problem.records:
         result = problem.total_derivative(t, order, jet, asks_for_jacobians)
     else:
-        result = problem._derivative_of_numbers(t, order, jet, state.values)
+        result = _derivative_of_numbers(problem, t, order, jet, state.values)
     if result is None:
         return lib.SFDAE_ORDER_NOT_AVAILABLE
     if isinstance(result, tuple):

@@ -17,7 +17,6 @@ from ._formula import flatten, parameter_values
 from ._matrices import MATRICES, Matrices
 from ._names import as_names, c_names
 from ._pickling import Picklable
-from ._status import CannotEvaluate
 from ._types import Values
 from ._unknowns import Watch, by_name, require_confirmed, require_same_names
 
@@ -213,6 +212,11 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         F_xdot)``, total derivatives of F (m) and of its Jacobians (m x n); None if the order is not
         available. derivatives: n x (order + 2), column k is the k-th derivative of x. num_equations
         is then n by default.
+    derivative_array : callable, optional
+        Instead of equations: ``derivative_array(t, order, derivatives, jacobian)`` returns F and
+        all its total derivatives up to this order, (order + 1) m values one order after the other,
+        or if jacobian is true ``(F, J)``. J is their Jacobian by x, x', ..., (order + 1) m x (order
+        + 2) n; its blocks are C(k, j) F_x^(k-j) + C(k, j-1) F_xdot^(k-j+1).
     mass : float, array_like, matrix of scipy.sparse, or callable, optional
         M of M x' = f(t, x), m x n, a diagonal, a number, or a function ``M(t)`` or ``M(t, x)``; the
         equations are then ``f(t, x, ...)``. Further arguments of M are named parameters, too.
@@ -227,14 +231,14 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
     differentiations : sequence of int, optional
         Maximum number of differentiations of each equation; see sfdae_nonlinear_problem.
     F_x_pattern, F_xdot_pattern : pair of array_like, numpy.ndarray or scipy.sparse matrix, optional
-        For total_derivative or record=False: sparsity by compressed columns, ``(col_start,
-        row_index)`` with n + 1 numbers and one row per entry, from 0, or an m x n matrix that is
-        nonzero at these entries: both matrices or none.
+        For callbacks or record=False: sparsity by compressed columns, ``(col_start, row_index)``
+        with n + 1 numbers and one row per entry, from 0, or an m x n matrix that is nonzero there:
+        both matrices or none.
     matrices : {"dense", "compressed", "differences"}, optional
         Format of F_x and F_xdot from total_derivative. "compressed": the entries in the order of
         the pattern; "differences": finite differences of F are used, and jacobians is always false.
     conditions : callable or sequence of callable, optional
-        For total_derivative or record=False: functions ``g(t, x)`` or ``g(t, x, xdot)``, which are
+        For callbacks or record=False: functions ``g(t, x)`` or ``g(t, x, xdot)``, which are
         events as conditions in recorded equations are. The equations do not compare values but read
         ``branches``, an argument of this name with record=False (an array of bool) or the
         attribute: ``branches[k]`` is true if g_k > 0, or is held slightly beyond the zero.
@@ -253,6 +257,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         num_equations: int | None = None,
         parameters: Mapping[str, Any] | None = None,
         total_derivative: Callable[..., Any] | None = None,
+        derivative_array: Callable[..., Any] | None = None,
         mass: Any = None,
         record: bool = True,
         prescribed: Prescribed | None = None,
@@ -271,8 +276,8 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         self._set_equation_names(equation_names)
         if num_equations is None and equation_names is not None:
             num_equations = len(equation_names)
-        if (equations is None) == (total_derivative is None):
-            raise TypeError("either equations or total_derivative is needed")
+        if [equations, total_derivative, derivative_array].count(None) != 2:
+            raise TypeError("either equations or total_derivative is needed, or derivative_array")
         self.records = bool(record) or equations is None
         if not self.records:  # else finite differences would be compared with themselves
             self.default_options = {"check_derivatives": 0}
@@ -281,7 +286,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         self.equations = equations if isinstance(equations, Equations) else None
         if equations is not None and self.equations is None:
             self.equations = Equations(equations, mass)
-        self.total_derivative = total_derivative
+        self.total_derivative, self.derivative_array = total_derivative, derivative_array
         self._set_conditions(conditions)
         if self.conditions and self.equations is not None and self.records:
             raise TypeError("conditions are for functions called with numbers: record=False")
@@ -316,7 +321,7 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         """
         if self.equations is None:
             raise TypeError(
-                "there are no equations to evaluate: the problem is given by total_derivative"
+                "there are no equations to evaluate: the problem is given by its derivatives"
             )
         values = {**self.parameters, **parameters}
         if self._takes_branches:
@@ -354,25 +359,6 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
             text = text.replace(_MISSING_ORDER, _NOT_RECORDED)
         return super().with_names(text)
 
-    def _derivative_of_numbers(
-        self, t: float, order: int, jet: np.ndarray, values: Mapping[str, Any]
-    ) -> np.ndarray | None:
-        """The total derivative of equations that are not recorded: only order 0."""
-        if order > 0:
-            return None
-        if self._takes_branches:
-            values = {**values, BRANCHES: self.branches.astype(bool)}
-        try:
-            result = self._evaluated(t, jet[:, 0].copy(), jet[:, 1].copy(), values)
-        except (ArithmeticError, ValueError) as exception:
-            # OverflowError, ZeroDivisionError, and ValueError of the functions of math
-            if isinstance(exception, ValueError) and str(exception) != "math domain error":
-                raise
-            raise CannotEvaluate(str(exception)) from exception
-        if len(result) != self.num_equations:
-            raise ValueError(f"{len(result)} residuals, not {self.num_equations}: num_equations?")
-        return result
-
     def _numbers(self, values: Mapping[str, Any]) -> dict[str, Any]:
         if self.records or self.equations is None:
             return {}
@@ -384,6 +370,8 @@ class NonlinearProblem(HasConditions, Matrices, Problem):
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
         if self.equations is not None and self.records:
             c.equations = lib.python_nonlinear_problem_equations
+        elif self.derivative_array is not None:
+            c.derivative_array = lib.python_nonlinear_problem_derivative_array
         else:
             c.total_derivative = lib.python_nonlinear_problem_total_derivative
         self._fill_prescribed(c, keep)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Nonlinear and linear problems, parameters, names; what is refused, and how it is said."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -125,6 +127,82 @@ def test_total_derivatives_by_hand():
     sol = sfdae.solve(problem, (0, 3), [0, 0], **EXACT)
     assert sol.x[1, -1] == pytest.approx(np.cos(3), abs=1e-9)
     assert not sfdae.Solver(problem).check_derivatives(0.5, 2).suspicious
+
+
+def array_of_decay(t, order, jet, jacobian):
+    """x' + x = 0."""
+    F = [jet[0, k + 1] + jet[0, k] for k in range(order + 1)]
+    return (F, np.eye(order + 1, order + 2) + np.eye(order + 1, order + 2, 1)) if jacobian else F
+
+
+def array_of_circle(t, order, jet, jacobian):
+    """x2' = x1, x1^2 + x2^2 = 1: order k of each, in rows of two."""
+    F = np.zeros((order + 1, 2))
+    J = np.zeros((order + 1, 2, order + 2, 2))
+    for k in range(order + 1):
+        F[k, 0] = jet[1, k + 1] - jet[0, k]
+        J[k, 0, k + 1, 1], J[k, 0, k, 0] = 1, -1
+        for j in range(k + 1):
+            F[k, 1] += math.comb(k, j) * jet[:, j] @ jet[:, k - j]
+            J[k, 1, j] = 2 * math.comb(k, j) * jet[:, k - j]
+    F[0, 1] -= 1
+    return (F, J.reshape(2 * order + 2, 2 * order + 4)) if jacobian else F
+
+
+def test_a_derivative_array_replaces_total_derivatives():
+    problem = sfdae.NonlinearProblem(num_unknowns=2, derivative_array=array_of_circle)
+    sol = sfdae.solve(problem, (0, 1), [1, 0], **EXACT)
+    assert sol.x[:, -1] == pytest.approx([np.cos(1), np.sin(1)], abs=1e-8)
+    assert not sfdae.Solver(problem).check_derivatives(0.5, 2).suspicious
+    sol = sfdae.solve(
+        sfdae.NonlinearProblem(num_unknowns=1, derivative_array=array_of_decay), (0, 1), [1], **EXACT
+    )
+    assert sol.x[0, -1] == pytest.approx(np.exp(-1), abs=1e-8)
+
+
+def test_errors_of_derivative_arrays_are_named():
+    def solve(function, unknowns=2):
+        problem = sfdae.NonlinearProblem(num_unknowns=unknowns, derivative_array=function)
+        return sfdae.solve(problem, (0, 1), [1.0] + [0.0] * (unknowns - 1))
+
+    def contradicting(t, order, jet, jacobian):
+        result = array_of_circle(t, order, jet, jacobian)
+        if jacobian:
+            result[1][0, -1] += 0.5 * (order == 1)
+        return result
+
+    with pytest.raises(sfdae.Error, match="row 0, column 5 of the Jacobian") as caught:
+        solve(contradicting)
+    assert caught.value.status == sfdae.Status.WRONG_DERIVATIVES
+    with pytest.raises(ValueError, match=r"J of derivative_array returned an array of shape \(1, 1\)"):
+        solve(lambda t, order, jet, jacobian: ([0.0] * (order + 1), [[1.0]]), 1)
+    with pytest.raises(TypeError, match=r"has to return \(F, J\)"):
+        solve(lambda t, order, jet, jacobian: [0.0] * (order + 1), 1)
+    with pytest.raises(sfdae.Error) as caught:
+        solve(lambda t, order, jet, jacobian: None, 1)
+    assert caught.value.status == sfdae.Status.ORDER_MISSING
+    with pytest.raises(ZeroDivisionError):
+        solve(lambda t, order, jet, jacobian: 1 / 0)
+    with pytest.raises(TypeError, match="or derivative_array"):
+        sfdae.NonlinearProblem(lambda t, x, xdot: x, 1, derivative_array=array_of_decay)
+
+
+def test_jacobians_of_derivative_arrays_are_split():
+    jet = np.cos(np.arange(8.0)).reshape(2, 4)
+    F, J = array_of_circle(0, 2, jet, True)
+    F_x, F_xdot = sfdae.split_derivative_array(J, 2)
+    assert F_x.shape == F_xdot.shape == (3, 2, 2)
+    assert np.array_equal(F_x[1], [[0, 0], 2 * jet[:, 1]])
+    assert np.array_equal(F_xdot, [[[0, 1], [0, 0]], np.zeros((2, 2)), np.zeros((2, 2))])
+    J[0, 5] = 1
+    with pytest.raises(sfdae.Error, match="row 0, column 5"):
+        sfdae.split_derivative_array(J, 2)
+    with pytest.raises(ValueError, match="no Jacobian"):
+        sfdae.split_derivative_array(J, 3)
+    with pytest.raises(ValueError, match="no Jacobian"):
+        sfdae.split_derivative_array(J[0], 0)
+    with pytest.raises(sfdae.Error, match="order = 14"):
+        sfdae.split_derivative_array(np.zeros((15, 16)), 14)
 
 
 # ---- Sparsity patterns ---------------------------------------------------------------------------

@@ -137,14 +137,22 @@ void check_problem(const sfdae_linear_problem& problem) {
 
 namespace {
 
+bool has_callback(const sfdae_nonlinear_problem& problem) {
+  return problem.total_derivative != nullptr || problem.derivative_array != nullptr;
+}
+
 void check_jacobians(const sfdae_nonlinear_problem& problem) {
   const NamedPattern F_x{"F_x", {problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index}},
       F_xdot{"F_xdot", {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}};
-  if (F_x.is_given() && problem.total_derivative == nullptr)
-    refuse_argument("patterns are for total_derivative: those of formulas are known.");
+  if (F_x.is_given() && !has_callback(problem))
+    refuse_argument("patterns are for total_derivative and derivative_array: those of formulas are known.");
   const bool are_differences = problem.matrices == SFDAE_MATRICES_DIFFERENCES;
-  if (are_differences && problem.total_derivative == nullptr)
-    refuse_argument("SFDAE_MATRICES_DIFFERENCES is for total_derivative: derivatives of formulas are known.");
+  if (are_differences && !has_callback(problem))
+    refuse_argument(
+        "SFDAE_MATRICES_DIFFERENCES is for total_derivative and derivative_array: derivatives of formulas are "
+        "known.");
+  if (problem.derivative_array != nullptr && problem.matrices == SFDAE_MATRICES_COMPRESSED)
+    refuse_argument("derivative_array writes all entries of its Jacobian: matrices must not be compressed.");
   check_form(problem.matrices, SFDAE_MATRICES_DIFFERENCES, F_x.is_given() || are_differences);
   return check_patterns(F_x, F_xdot, problem.num_equations, problem.num_unknowns);
 }
@@ -155,20 +163,20 @@ void check_problem(const sfdae_nonlinear_problem& problem) {
   const bool has_structure = problem.num_equations == problem.num_unknowns && problem.num_prescribed == 0 &&
                              problem.differentiations == nullptr;
   const bool may_be_sparse =
-      has_structure && (problem.total_derivative == nullptr ||
-                        (problem.matrices != SFDAE_MATRICES_DENSE && problem.F_x_col_start != nullptr));
+      has_structure &&
+      (!has_callback(problem) || (problem.matrices != SFDAE_MATRICES_DENSE && problem.F_x_col_start != nullptr));
   check_dimensions(problem.num_equations, problem.num_unknowns, may_be_sparse ? largest_sparse : largest_dimension);
-  const int functions =
-      (problem.equations != nullptr) + (problem.linear_equations != nullptr) + (problem.total_derivative != nullptr);
+  const int functions = (problem.equations != nullptr) + (problem.linear_equations != nullptr) +
+                        (problem.total_derivative != nullptr) + (problem.derivative_array != nullptr);
   if (functions != 1)
     refuse_argument(
-        format("%d of the functions equations, linear_equations and total_derivative are set; it must "
-               "be one.",
+        format("%d of the functions equations, linear_equations, total_derivative and derivative_array are set; it "
+               "must be one.",
                functions));
   check_jacobians(problem);
   check_conditions(problem);
-  if (problem.num_conditions > 0 && problem.total_derivative == nullptr)
-    refuse_argument("conditions are for total_derivative: those of formulas are known.");
+  if (problem.num_conditions > 0 && !has_callback(problem))
+    refuse_argument("conditions are for total_derivative and derivative_array: those of formulas are known.");
   for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
     if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
       refuse_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i, problem.differentiations[i],

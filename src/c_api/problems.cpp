@@ -91,6 +91,14 @@ std::unique_ptr<FormulatedModel> make_model_with_conditions(const sfdae_linear_p
   return formulated(std::make_unique<NonlinearModel>(std::move(callback)));
 }
 
+std::unique_ptr<CallbackProblem> callback_problem(const sfdae_nonlinear_problem& problem) {
+  const int m = problem.num_equations, n = problem.num_unknowns;
+  if (problem.derivative_array == nullptr)
+    return std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem));
+  return std::make_unique<CallbackProblem>(
+      std::make_shared<DerivativeArrayFunction>(m, n, problem.derivative_array, problem.user), inputs_of(problem));
+}
+
 }  // namespace
 
 std::unique_ptr<FormulatedModel> make_model(const sfdae_linear_problem& problem) {
@@ -107,9 +115,8 @@ std::unique_ptr<FormulatedModel> make_model(const sfdae_nonlinear_problem& probl
     nonlinear->set_equation_names(names);
     return formulated(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };
-  if (problem.total_derivative != nullptr) {
-    auto callback =
-        std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem));
+  if (problem.total_derivative != nullptr || problem.derivative_array != nullptr) {
+    auto callback = callback_problem(problem);
     const auto patterns =
         patterns_of({problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index},
                     {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}, n);

@@ -106,6 +106,7 @@ CallbackError CallbackProblem::invoke(double t, int order, const double* derivat
   error.t = t;
   if (is_checking_) ++check_evaluations_;
   error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
+  if (array_ && array_->fault().exists()) return faulty_array(error);
   if (error.code != 0) {
     error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED
                    : error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
@@ -135,6 +136,19 @@ CallbackError CallbackProblem::lacks(char which, int row, int column, double val
   error.row = row;
   error.column = column;
   error.detail = lacking_entry(error.function, equation_names().row(row), column, value, error.where());
+  return error;
+}
+
+// The user's derivative array has a Jacobian that is not finite or contradicts itself.
+CallbackError CallbackProblem::faulty_array(const CallbackError& place) const {
+  const ArrayFault& fault = array_->fault();
+  CallbackError error = place;
+  error.status = fault.is_finite() ? SFDAE_WRONG_DERIVATIVES : SFDAE_NOT_FINITE;
+  error.row = fault.row % m();
+  error.column = fault.column % n();
+  error.names = &equation_names();
+  error.detail = fault.message(array_->shape(), equation_names(), place.where());
+  if (!fault.is_finite()) error.detail += " Return 1 from the callback to have the step reduced.";
   return error;
 }
 
@@ -239,6 +253,7 @@ CallbackError CallbackProblem::probe(double t, const double* derivatives, const 
 
 CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   to_derivatives(jet, order + 1);
+  const DerivativeArrayFunction::Ascending ascending(array_for_all_orders(), order);
   for (int k = 0; k <= order; ++k) {
     double* F_k = F + index(m()) * index(k);
     const CallbackError error = call(t, k, derivatives_.data(), {F_k});
@@ -252,6 +267,7 @@ CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, O
   const int highest = std::max({orders.E, orders.A, orders.f});
   to_derivatives(jet, highest + 1);
   unused_.resize(index(m()));
+  const DerivativeArrayFunction::Ascending ascending(array_for_all_orders(), highest);
   for (int k = 0; k <= highest; ++k) {
     const double scale = 1.0 / factorial(k);
     double* F = k <= orders.f ? data.f(k) : unused_.data();

@@ -1,4 +1,4 @@
-// A nonlinear problem given by the user's function for total derivatives.
+// A nonlinear problem given by the user's function for total derivatives, or by that for the derivative array.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -8,6 +8,7 @@
 #include "expression/opaque_record.h"
 #include "problem/callback_conditions.h"
 #include "problem/colored_differences.h"
+#include "problem/derivative_array_function.h"
 #include "problem/nonlinear_problem.h"
 #include "problem/pattern_probe.h"
 
@@ -20,6 +21,11 @@ class CallbackProblem final : public NonlinearProblem {
  public:
   CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
+  CallbackProblem(std::shared_ptr<DerivativeArrayFunction> array, PrescribedInputs inputs)
+      : CallbackProblem(array->shape().m, array->shape().n, DerivativeArrayFunction::evaluate, array.get(),
+                        std::move(inputs)) {
+    array_ = std::move(array);
+  }
 
   // Keeps the user pointer of the function alive as long as this object.
   void own_user(std::shared_ptr<void> owned) { owned_user_ = std::move(owned); }
@@ -59,9 +65,11 @@ class CallbackProblem final : public NonlinearProblem {
   };
 
   void to_derivatives(const double* jet, int order);
+  DerivativeArrayFunction* array_for_all_orders() { return form_ == JacobianForm::dense ? array_.get() : nullptr; }
   CallbackError invoke(double t, int order, const double* derivatives, const Outputs& to);
   CallbackError check_finite(const char* name, const double* values, const ColumnPattern* pattern,
                              const CallbackError& place) const;
+  CallbackError faulty_array(const CallbackError& place) const;
   CallbackError beyond_pattern(const Outputs& dense, const CallbackError& place) const;
   CallbackError differentiate(double t, int order, const double* derivatives, const Outputs& to);
   CallbackError probe(double t, const double* derivatives, const Outputs& entries);
@@ -70,6 +78,7 @@ class CallbackProblem final : public NonlinearProblem {
   sfdae_total_derivative_function function_;
   void* user_;
   std::shared_ptr<void> owned_user_;
+  std::shared_ptr<DerivativeArrayFunction> array_;  // that function_ reads; else null
   std::vector<double> derivatives_;
   std::vector<double> unused_;  // F of orders that are not asked for
   std::unique_ptr<CallbackConditions> conditions_;

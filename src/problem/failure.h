@@ -13,7 +13,8 @@ namespace sfdae::core {
 
 // Returns whether neither another point nor another method can help.
 constexpr bool ends_everything(int status) {
-  return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_WRONG_PATTERN;
+  return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_WRONG_PATTERN ||
+         status == SFDAE_WRONG_DERIVATIVES;
 }
 
 class Failure : public std::exception {

@@ -19,7 +19,7 @@
 namespace sfdae::core {
 
 // Error of a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING,
-// _WRONG_PATTERN or _STOPPED (a stop request).
+// _WRONG_PATTERN, _WRONG_DERIVATIVES (a derivative array contradicts itself) or _STOPPED (a stop request).
 struct CallbackError {
   int status = SFDAE_OK;
   const char* function = "";

@@ -159,6 +159,47 @@ TEST(NonlinearProblem, TakesTotalDerivativesOfTheUser) {
   EXPECT_NE(wrong.message(), "");
 }
 
+// The array of the circle: partial derivatives of the terms of F2^(k).
+void circle_array(double, int order, ConstMatrixRef x, sfdae::ArrayValues out) {
+  out.F[1] = -1;
+  for (int k = 0; k <= order; ++k) {
+    out.F[2 * k] = x(1, k + 1) - x(0, k);
+    if (out.jacobian) out.jacobian(2 * k, 2 * k + 3) = 1, out.jacobian(2 * k, 2 * k) = -1;
+    double binomial = 1;
+    for (int i = 0; i <= k; ++i) {
+      out.F[2 * k + 1] += binomial * (x(0, i) * x(0, k - i) + x(1, i) * x(1, k - i));
+      for (int j = 0; out.jacobian && j < 2; ++j) out.jacobian(2 * k + 1, 2 * i + j) = 2 * binomial * x(j, k - i);
+      binomial *= static_cast<double>(k - i) / (i + 1);
+    }
+  }
+}
+
+TEST(NonlinearProblem, TakesTheDerivativeArrayOfTheUser) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.derivative_array = circle_array;
+  sfdae::Solver solver(problem);
+  sfdae::Point point{0.0, {1.0, 0.0}, {}};
+  solver.start(point, 1.0);
+  solver.advance(1.0, point);
+  expect_on_circle(point, 1.0);
+
+  problem.derivative_array = [](double t, int order, ConstMatrixRef x, sfdae::ArrayValues out) {
+    circle_array(t, order, x, out);
+    EXPECT_EQ(out.jacobian.columns(), 2 * order + 4);
+    EXPECT_EQ(out.jacobian.rows(), out.jacobian ? 2 * order + 2 : 0);
+    if (out.jacobian && order == 1) out.jacobian(0, 4) = 0.25;
+  };
+  sfdae::Solver wrong(problem);
+  EXPECT_EQ(status_of([&] { return wrong.start(point, 2.0); }), SFDAE_WRONG_DERIVATIVES);
+  EXPECT_NE(wrong.message().find("row 0, column 4"), std::string::npos) << wrong.message();
+
+  problem.derivative_array = [](double, int, ConstMatrixRef, sfdae::ArrayValues) { throw Mishap("no value"); };
+  sfdae::Solver failing(problem);
+  EXPECT_THROW(failing.start(point, 2.0), Mishap);
+  problem.total_derivative = circle_derivatives;
+  EXPECT_EQ(status_of([&] { return sfdae::Solver(problem).set_options({}); }), SFDAE_ILLEGAL_ARGUMENT);
+}
+
 // The force that moves a unit mass along sin t.
 TEST(NonlinearProblem, LinearEquationsAreSolvedAsSuch) {
   sfdae::NonlinearProblem problem(3, 3);

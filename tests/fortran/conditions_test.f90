@@ -122,8 +122,9 @@ end module divider_problems
 program conditions_test
   use, intrinsic :: iso_c_binding, only: c_int, c_long, dp => c_double
   use divider_problems, only: divider, linear_divider
-  use sfdae, only: any_dae, dae_options, dae_solver, sfdae_conditions_events, &
-    sfdae_conditions_smooth, sfdae_ok, sfdae_switch
+  use sfdae, only: dae_options, dae_solver, sfdae_conditions_events, sfdae_conditions_smooth, &
+    sfdae_ok, sfdae_switch
+  use sfdae_problems, only: any_dae
   use test_support, only: check, check_status, finish
   implicit none
   type(linear_divider), target :: linear

@@ -147,7 +147,8 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s) {
                                          19,
                                          20,
                                          (sfdae_conditions_function)(void (*)(void))matrix_1,
-                                         &integers[22]};
+                                         &integers[22],
+                                         (sfdae_derivative_array_function)(void (*)(void))vector_3};
   *s = value;
   integers[8] = 8, integers[10] = 10, integers[11] = 11, integers[12] = 12;
   integers[14] = 14, integers[15] = 15, integers[17] = 17, integers[18] = 18, integers[22] = 22;

@@ -262,7 +262,8 @@ contains
       integer_at(q%equation_names), q%f_x_entries, integer_at(q%f_x_col_start), &
       integer_at(q%f_x_row_index), q%f_xdot_entries, integer_at(q%f_xdot_col_start), &
       integer_at(q%f_xdot_row_index), q%matrices, q%num_conditions, &
-      number_of(q%conditions) + 20, integer_at(q%branches)]), "members of sfdae_nonlinear_problem")
+      number_of(q%conditions) + 20, integer_at(q%branches), number_of(q%derivative_array) + 20]), &
+      "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 
   !> Structs of mechanical systems.

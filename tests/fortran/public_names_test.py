@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the public names of the module sfdae with those that users are promised: all of sfdae_types and
-sfdae_expressions, and the list below. Names of other modules of the library must not reach users.
+"""Compares the public names of the module sfdae with those that users are promised: all of sfdae_types,
+sfdae_expressions and sfdae_arrays, and the list below. Names of other modules of the library must not reach users.
 
     public_names_test.py <directory of .mod files>     of gfortran: gzip'ed text
     public_names_test.py --list <file.mod>             prints the public names of one module"""
@@ -13,10 +13,11 @@ import sys
 
 OWN_NAMES = """
     dae_descriptor dae_ensemble dae_ensemble_monitor dae_ensemble_results dae_events dae_hybrid dae_linearization
-    dae_monitor dae_options dae_sensitivities dae_solution dae_solver dae_switch dae_transition derivative_dae
+    dae_monitor dae_options dae_sensitivities dae_solution dae_solver dae_switch dae_transition derivative_array_dae
+    derivative_dae
     kinematic_multibody_dae linear_dae multibody_dae multibody_formulas nonlinear_dae recorded_linear_dae
-    recorded_multibody_dae sfdae_check_linear sfdae_check_multibody sfdae_check_nonlinear sfdae_status_name
-    sfdae_version sparsity_pattern
+    recorded_multibody_dae sfdae_check_linear sfdae_check_multibody sfdae_check_nonlinear
+    sfdae_split_derivative_array sfdae_status_name sfdae_version sparsity_pattern
     """.split()
 
 
@@ -52,7 +53,9 @@ def main():
         return
     directory = pathlib.Path(sys.argv[1])
     found = public_names(directory / "sfdae.mod")
-    passed_on = public_names(directory / "sfdae_types.mod") | public_names(directory / "sfdae_expressions.mod")
+    passed_on = set()
+    for name in "types", "expressions", "arrays":
+        passed_on |= public_names(directory / f"sfdae_{name}.mod")
     promised = passed_on.union(OWN_NAMES)
     missing, surplus = promised - found, found - promised
     for text, names in ("missing", missing), ("not promised", surplus):

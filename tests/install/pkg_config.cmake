@@ -2,8 +2,13 @@
 
 include("${SETTINGS}")
 set(root "${prefix}")
+# VARIANT archives: programs that need no shared library at all.
 set(static "")
-if(VARIANT STREQUAL "static")
+set(flags "")
+if(VARIANT STREQUAL "archives")
+  set(flags -static)
+endif()
+if(VARIANT MATCHES "static|archives")
   # Where there is no shared library the linker takes the static one.
   set(root "${work_dir}/${NAME}_prefix")
   set(static --static)
@@ -44,7 +49,18 @@ elseif(LANGUAGE STREQUAL "CXX")
 else()
   set(sources "${test_dir}/consumer/main.c")
 endif()
-execute_process(COMMAND "${${LANGUAGE}_compiler}" ${cflags} ${sources} ${libs} -lm -o consumer
+execute_process(COMMAND "${${LANGUAGE}_compiler}" ${flags} ${cflags} ${sources} ${libs} -lm -o consumer
   WORKING_DIRECTORY "${build}" COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
 set(ENV{LD_LIBRARY_PATH} "${root}/${libdir}:$ENV{LD_LIBRARY_PATH}")
 run("${build}/consumer")
+if(VARIANT STREQUAL "archives")
+  # NEEDED names a shared library.
+  file(READ "${build}/consumer" magic LIMIT 4 HEX)
+  find_program(readelf readelf)
+  if(readelf AND magic STREQUAL "7f454c46")
+    execute_process(COMMAND "${readelf}" -d "${build}/consumer" OUTPUT_VARIABLE dynamic ERROR_QUIET)
+    if(dynamic MATCHES "NEEDED")
+      message(FATAL_ERROR "the program needs shared libraries:\n${dynamic}")
+    endif()
+  endif()
+endif()
