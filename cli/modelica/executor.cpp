@@ -51,7 +51,10 @@ void Executor::statement(const Environment& in, const Statement& one) {
     case StatementForm::call: return call(in, one);
     case StatementForm::when: return store_.when(in, one);
     case StatementForm::break_: flow_.broken = e_.pool.truth(true); return;
-    case StatementForm::return_: flow_.returned = e_.pool.truth(true); return;
+    // Where a break has been met on the way, by its condition, the return is not executed.
+    case StatementForm::return_:
+      flow_.returned = e_.pool.make(Operation::or_, {flow_.returned, active()}, one.at);
+      return;
     case StatementForm::equation: break;
   }
   e_.fail(one.at, "an equation in an algorithm; write ':='");

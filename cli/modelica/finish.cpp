@@ -25,8 +25,10 @@ void visit_formulas(const FlatModel& model, const std::function<void(const Expre
   for (const When& when : model.whens)
     for (const WhenBranch& branch : when.branches) {
       for (const Expression& condition : branch.conditions) visit(condition, when.at);
-      for (const Action& action : branch.actions)
+      for (const Action& action : branch.actions) {
         if (action.value != nullptr) visit(action.value, action.at);
+        if (action.guard != nullptr) visit(action.guard, action.at);
+      }
     }
 }
 

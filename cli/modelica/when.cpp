@@ -203,27 +203,26 @@ void append_reinit(Elaboration& e, const Environment& in, const syntax::Expressi
   const Value variable = evaluate(e, declared, *call.operands[0]), value = evaluate(e, in, *call.operands[1]);
   if (!variable.is_numeric() || !value.is_numeric() || variable.dims != value.dims)
     e.fail(call.at, "'reinit' of " + shown_type(variable) + " with " + shown_type(value));
-  const Expression guard = guard_condition(e, in.guard, call.at);
   for (size_t k = 0; k < variable.scalars.size(); ++k) {
     Action action;
     action.kind = Action::Kind::reinit;
     action.variable = assigned_variable(e, variable.scalars[k], call.at);
     if (value.scalars[k] == nullptr) e.fail(call.at, "'reinit' with a value that has not been assigned");
-    action.value = e.pool.make(Operation::choose, {guard, value.scalars[k], variable.scalars[k]}, call.at);
+    action.value = value.scalars[k];
+    if (in.guard != nullptr) action.guard = guard_condition(e, in.guard, call.at);
     action.at = call.at;
     actions.push_back(std::move(action));
   }
 }
 
 Action evaluate_terminate(Elaboration& e, const Environment& in, const syntax::Expression& call) {
-  if (in.guard != nullptr)
-    e.fail(call.at, "'terminate' in an if within a when clause; make its condition part of the when clause");
   if (call.operands.size() != 1) e.fail(call.at, "'terminate' takes a message");
   const Value text = evaluate(e, in, *call.operands[0]);
   if (text.kind != Kind::string || !text.is_scalar())
     e.fail(call.at, "the message of 'terminate' is " + shown_type(text));
   Action result;
   result.kind = Action::Kind::terminate;
+  if (in.guard != nullptr) result.guard = guard_condition(e, in.guard, call.at);
   result.message = text.texts[0].text;
   result.at = call.at;
   return result;

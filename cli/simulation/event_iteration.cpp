@@ -23,12 +23,13 @@ constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
 }  // namespace
 
 EventIteration::EventIteration(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches,
-                               Discrete& discrete, std::vector<std::string>& warnings)
+                               Discrete& discrete, double interval, std::vector<std::string>& warnings)
     : system_(system),
       modes_(modes),
       calls_(calls),
       switches_(switches),
       discrete_(discrete),
+      interval_(interval),
       warnings_(warnings),
       is_reported_(system.reactions.size(), 0) {}
 
@@ -48,20 +49,28 @@ bool EventIteration::attempt(Mode& mode, sfdae::Point& point, const std::vector<
   return true;
 }
 
-// If new constraints make states jump, states that are continuous at impulses are kept if possible.
+// States for which new constraints hold jump by impulses of the new equations: momentum and charge are kept.
 void EventIteration::solve(Values& values, sfdae::Point& point) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const std::string event = "event at t = " + to_text(values.t);
+  const auto make_consistent = [&] {
+    return calls_.run(*mode, Phase::integration, event, [&] { return mode->make_consistent(point, {}); });
+  };
   const sfdae::Point before = point;
-  const int status = calls_.run(*mode, Phase::integration, "event at t = " + to_text(values.t),
-                                [&] { return mode->make_consistent(point, {}); });
-  if (status == SFDAE_VALUES_CHANGED) {
-    const std::string message = calls_.message();
-    sfdae::Point kept = before;
-    if (attempt(*mode, kept, with_states({}, system_.is_continuous_at_impulses))) point = kept;
-    if (!has_warned_of_jump_)
-      warnings_.push_back("event at t = " + to_text(values.t) +
-                          ": values of states had to change, since new constraints hold: " + message);
-    has_warned_of_jump_ = true;
+  if (make_consistent() == SFDAE_VALUES_CHANGED) {
+    point = before;
+    const auto jump = [&] {
+      point.x = mode->solver.jump(before.t, before.t + interval_, before.x).after;
+      return SFDAE_OK;
+    };
+    const int status = calls_.attempt(*mode, jump);
+    if (status < 0)
+      throw Failure(Outcome::not_finished, status,
+                    event +
+                        ": states have to jump, since new constraints hold, and impulses do not determine by how "
+                        "much: " +
+                        calls_.message());
+    make_consistent();
   }
   solved_key_ = modes_.equations_key(values);
   has_solved_ = true;

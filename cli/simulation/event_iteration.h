@@ -22,8 +22,9 @@ struct EventResult {
 
 class EventIteration {
  public:
+  // interval: length of the time to be simulated.
   EventIteration(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches, Discrete& discrete,
-                 std::vector<std::string>& warnings);
+                 double interval, std::vector<std::string>& warnings);
 
   // In: values and point before the event, with the switches and samples of the event already set. key: identifies the
   // equations that have been integrated. Throws Failure.
@@ -53,12 +54,12 @@ class EventIteration {
   LibraryCalls& calls_;
   Switches& switches_;
   Discrete& discrete_;
+  double interval_;
   std::vector<std::string>& warnings_;
   std::vector<double> solved_key_;
   bool has_solved_ = false;  // equations, at this event
   bool is_at_start_ = false;
   std::vector<char> is_reported_;  // by reaction: assertions that are warnings
-  bool has_warned_of_jump_ = false;
 };
 
 }  // namespace sfdae::cli

@@ -46,6 +46,8 @@ void Parameters::set_given(const std::string& name, int variable, double value) 
   if (it.variability == Variability::constant) fail(it, "is a constant and cannot be set");
   if (it.is_structural) fail(it, "cannot be set: the equations were chosen by its value; change it in the file");
   if (it.type != Type::real && value != std::floor(value)) fail(it, "needs a whole number");
+  if (it.type == Type::enumeration && !(value >= 1.0 && value <= static_cast<double>(it.literals.size())))
+    fail(it, "is an enumeration: it needs the number of a literal, 1 to " + std::to_string(it.literals.size()));
   if (it.type == Type::boolean && value != 0.0 && value != 1.0) fail(it, "is a Boolean: it needs 0 or 1");
   if (it.variability == Variability::parameter || it.is_input) {
     states_[index(variable)] = State::known;

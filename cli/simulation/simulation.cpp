@@ -112,7 +112,7 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   calls.set_unknowns(all_unknowns);
   Switches switches(*system, settings.stop - settings.start);
   Discrete discrete(*system);
-  EventIteration events(*system, modes, calls, switches, discrete, result.warnings);
+  EventIteration events(*system, modes, calls, switches, discrete, settings.stop - settings.start, result.warnings);
   Output output(*system, settings.keeps_aliases, discrete, result);
   Values values(*system);
   sfdae::Point point;

@@ -60,7 +60,7 @@ class WhenImport {
   void add_reaction(const Action& action, Formula active) {
     Reaction reaction;
     reaction.kind = action.kind;
-    reaction.active = active;
+    reaction.active = action.guard ? system_.formulas.both(active, import_(action.guard, Context::instant)) : active;
     reaction.variable = action.variable;
     reaction.message = action.message;
     reaction.is_error = action.is_error;

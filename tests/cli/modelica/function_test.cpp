@@ -53,6 +53,16 @@ TEST(Functions, ReturnAndBreakUnderConditions) {
       });
 }
 
+// A return behind a break, and one in a loop whose condition varies.
+TEST(Functions, ReturnOnlyWhereTheyAreReached) {
+  compare("algorithm 'y' := 1; for 'i' in 1:2 loop if 'x' < 3 then break; end if; return; end for; 'y' := 7;",
+          [](double x) { return x < 3 ? 7.0 : 1.0; });
+  compare(
+      "protected Integer 'w'; algorithm 'y' := 1; 'w' := 0; while 'w' < 2 and 'x' > 1.5 loop 'w' := 'w' + 1; "
+      "if 'x' > 5 then break; end if; return; end while; 'y' := 7;",
+      [](double x) { return x > 1.5 && x <= 5 ? 1.0 : 7.0; });
+}
+
 TEST(Functions, WhileLoopsWithKnownRounds) {
   compare(
       "protected Integer 'k' := 5; algorithm 'y' := 1; while 'k' > 0 loop 'y' := 'y' * 'x'; 'k' := 'k' - 2; end "
