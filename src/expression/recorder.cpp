@@ -144,6 +144,23 @@ int Recorder::subtract(int a, int b) {
   return intern({Operation::subtract, a, b});
 }
 
+// a - b for a condition. A choice minus one of its branches is exactly 0 in that branch: max(s, min(s, c)) does not
+// depend on rounding errors where it is s.
+int Recorder::compared(int a, int b) {
+  const auto may_be = [this](int choice, int other) {
+    return is(choice, Operation::choose) && (node(choice).b == other || node(choice).c == other);
+  };
+  if (may_be(a, b)) {
+    const Node choice = node(a);
+    return apply(Operation::choose, choice.a, compared(choice.b, b), compared(choice.c, b));
+  }
+  if (may_be(b, a)) {
+    const Node choice = node(b);
+    return apply(Operation::choose, choice.a, compared(a, choice.b), compared(a, choice.c));
+  }
+  return apply(Operation::subtract, a, b);
+}
+
 int Recorder::multiply(int a, int b) {
   if (is(a, 0.0) || is(b, 0.0)) return constant(0.0);
   if (is(a, 1.0)) return b;

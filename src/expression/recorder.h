@@ -32,14 +32,14 @@ class Recorder {
   // Any operation but a leaf; a^b with any b.
   int apply(Operation operation, int a, int b = -1, int c = -1);
 
-  int min(int a, int b) { return apply(Operation::choose, apply(Operation::subtract, b, a), a, b); }
-  int max(int a, int b) { return apply(Operation::choose, apply(Operation::subtract, a, b), a, b); }
+  int min(int a, int b) { return apply(Operation::choose, compared(b, a), a, b); }
+  int max(int a, int b) { return apply(Operation::choose, compared(a, b), a, b); }
   // The derivative at 0 is 1.
   int abs(int a) { return apply(Operation::choose, apply(Operation::negate, a), apply(Operation::negate, a), a); }
 
   // 1 if it holds, else 0.
-  int greater(int a, int b) { return when(apply(Operation::subtract, a, b), 1.0, 0.0); }
-  int greater_equal(int a, int b) { return when(apply(Operation::subtract, b, a), 0.0, 1.0); }
+  int greater(int a, int b) { return when(compared(a, b), 1.0, 0.0); }
+  int greater_equal(int a, int b) { return when(compared(b, a), 0.0, 1.0); }
   // Logic: a truth value > 0 is true.
   int conjunction(int a, int b) { return apply(Operation::choose, a, when(b, 1.0, 0.0), constant(0.0)); }
   int disjunction(int a, int b) { return apply(Operation::choose, a, constant(1.0), when(b, 1.0, 0.0)); }
@@ -82,6 +82,7 @@ class Recorder {
   int negate(int a);
   int add(int a, int b);
   int subtract(int a, int b);
+  int compared(int a, int b);
   int multiply(int a, int b);
   int divide(int a, int b);
   int power(int a, int b);

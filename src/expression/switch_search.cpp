@@ -11,7 +11,6 @@
 #include "expression/false_position.h"
 #include "expression/node_copies.h"
 #include "expression/recorder.h"
-#include "expression/symbolic_gradient.h"
 #include "linalg/divided_differences.h"
 #include "linalg/index.h"
 
@@ -62,6 +61,10 @@ std::vector<int> degrees_of(const Record& record) {
   return degree;
 }
 
+bool has_own_curve(const Condition& condition, const std::vector<int>& degrees) {
+  return condition.is_of_layer || degrees[index(condition.node)] <= 1;
+}
+
 class Recording {
  public:
   Recording(const Record& record, const std::vector<Condition>& conditions)
@@ -72,10 +75,11 @@ class Recording {
   std::shared_ptr<const Record> functions() {
     const std::vector<int> copies =
         copy_with_leaves(record_, recorder_, [this](const Node& leaf) { return along_the_way(leaf); });
+    const std::vector<int> degrees = degrees_of(record_);
     std::vector<int> results;
     for (std::size_t k = 0; k < conditions_.size(); ++k) {
       const int number = static_cast<int>(k), node = conditions_[k].node;
-      const int g = conditions_[k].is_of_layer ? curve(record_.n() + number) : copies[index(node)];
+      const int g = has_own_curve(conditions_[k], degrees) ? curve(record_.n() + number) : copies[index(node)];
       results.push_back(recorder_.greater(g, parameter(places_.margins + number)));
     }
     return recorder_.finish(std::move(results));
@@ -140,58 +144,20 @@ class Recording {
 
 }  // namespace
 
-ConditionSlopes::ConditionSlopes(const Record& record, const std::vector<Condition>& conditions,
-                                 const std::vector<int>& unknowns)
-    : is_linear_(conditions.size(), 0), factors_(conditions.size()) {
-  const std::vector<int> degrees = degrees_of(record);
-  Recorder recorder(record.n());
-  const std::vector<int> copies = copy_nodes(record, recorder);
-  std::vector<int> leaves, derivatives;
-  for (const int unknown : unknowns)
-    if (unknown < record.n()) leaves.push_back(recorder.unknown(unknown));
-  for (std::size_t k = 0; k < conditions.size(); ++k) {
-    if (conditions[k].is_of_layer) {
-      const auto place = std::find(unknowns.begin(), unknowns.end(), record.n() + static_cast<int>(k));
-      is_linear_[k] = 1;
-      factors_[k].push_back({static_cast<std::size_t>(place - unknowns.begin()), 0.0});
-      derivatives.push_back(recorder.constant(1.0));
-      continue;
-    }
-    if (degrees[index(conditions[k].node)] > 1) continue;
-    is_linear_[k] = 1;
-    const std::vector<int> gradient = symbolic_gradient(recorder, copies[index(conditions[k].node)], leaves);
-    for (std::size_t j = 0; j < leaves.size(); ++j) {
-      if (gradient[j] < 0 || recorder.number(gradient[j]) == 0.0) continue;
-      factors_[k].push_back({j, 0.0});
-      derivatives.push_back(gradient[j]);
-    }
-  }
-  values_.resize(derivatives.size());
-  if (!derivatives.empty()) derivatives_.emplace(recorder.finish(std::move(derivatives)));
-}
-
-void ConditionSlopes::update(const TaylorEvaluator& evaluator) {
-  if (!derivatives_ || version_ == evaluator.changes_of_parameters()) return;
-  version_ = evaluator.changes_of_parameters();
-  for (int i = 0; i < evaluator.num_parameters(); ++i) derivatives_->set_parameter(i, evaluator.parameter(i));
-  const std::vector<double> jet(2 * index(evaluator.record().n()), 0.0);
-  // No condition counts as linear if its derivatives cannot be evaluated.
-  if (!derivatives_->values(0.0, jet.data(), 0, values_.data())) std::fill(is_linear_.begin(), is_linear_.end(), 0);
-  auto value = values_.begin();
-  for (std::vector<Factor>& each : factors_)
-    for (Factor& factor : each) factor.value = *value++;
-}
-
 SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions)
     : evaluator_(evaluator), margins_(conditions.size()), branches_(conditions.size()) {
   if (conditions.empty()) return;
   Recording recording(evaluator.record(), conditions);
   along_ = std::make_unique<TaylorEvaluator>(recording.functions());
   unknowns_ = recording.unknowns();
-  if (std::any_of(conditions.begin(), conditions.end(), [](const Condition& each) { return each.is_of_layer; })) {
+  const int n = evaluator.record().n();
+  curve_of_condition_.assign(conditions.size(), -1);
+  for (std::size_t j = 0; j < unknowns_.size(); ++j)
+    if (unknowns_[j] >= n) curve_of_condition_[index(unknowns_[j] - n)] = static_cast<int>(j);
+  if (std::any_of(unknowns_.begin(), unknowns_.end(), [n](int unknown) { return unknown >= n; })) {
     std::vector<int> nodes;
     for (const Condition& each : conditions) nodes.push_back(each.node);
-    of_layers_ = std::make_unique<ConditionFunctions>(evaluator, nodes);
+    own_functions_ = std::make_unique<ConditionFunctions>(evaluator, nodes);
     values_.resize(nodes.size());
   }
   differences_.resize(most_points * unknowns_.size());
@@ -199,7 +165,6 @@ SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<C
   slopes_.resize(unknowns_.size());
   lines_.reserve(count());
   zeros_.reserve(count());
-  linear_.emplace(evaluator.record(), conditions, unknowns_);
   switches_ = std::make_unique<SwitchingTimes>(std::vector<const TaylorEvaluator*>{along_.get()});
   switches_->set_looks_ahead(1.0);
   times_between_.reserve(std::max(most_times, count()));
@@ -230,7 +195,7 @@ void SwitchSearch::set_differences(const PointsOfCurve& points) {
   const int n = evaluator_.record().n();
   for (int k = 0; k < count; ++k) {
     const double* const x = points.x[index(k)];
-    if (of_layers_) of_layers_->evaluate(points.t[index(k)], x, nullptr, values_.data());
+    if (own_functions_) own_functions_->evaluate(points.t[index(k)], x, nullptr, values_.data());
     for (std::size_t j = 0; j < unknowns; ++j)
       row(k)[j] = unknowns_[j] < n ? x[unknowns_[j]] : values_[index(unknowns_[j] - n)];
   }
@@ -258,15 +223,11 @@ void SwitchSearch::set_bends(const PointsOfCurve& points) {
   }
 }
 
-// Value of a linear condition at a fraction of the way.
+// Value of a condition at a fraction of the way.
 double SwitchSearch::value_of(const Line& line, double part) const {
   double bend = 0.0;
-  for (const ConditionSlopes::Factor& factor : *line.factors) {
-    double value = 0.0;
-    for (std::size_t k = line.points->count; k-- > 2;)
-      value = differences_[k * unknowns_.size() + factor.unknown] + (part - part_of(*line.points, k)) * value;
-    bend += factor.value * value;
-  }
+  for (std::size_t k = line.points->count; k-- > 2;)
+    bend = differences_[k * unknowns_.size() + line.curve] + (part - part_of(*line.points, k)) * bend;
   return line.start + part * (line.end - line.start) + part * (part - 1.0) * bend;
 }
 
@@ -276,21 +237,17 @@ bool SwitchSearch::find_simple(const PointsOfCurve& points, const double* g_star
   first_.reset();
   lines_.clear();
   if (count() == 0) return true;
-  linear_->update(evaluator_);
+  if (std::find(curve_of_condition_.begin(), curve_of_condition_.end(), -1) != curve_of_condition_.end())
+    return false;
   set_differences(points);
   set_bends(points);
   for (std::size_t k = 0; k < count(); ++k) {
-    const std::vector<ConditionSlopes::Factor>* const factors = linear_->factors(k);
-    if (factors == nullptr) return false;
-    double distance = 0.0, slope = 0.0;
-    for (const ConditionSlopes::Factor& factor : *factors) {
-      distance += std::fabs(factor.value) * distances_[factor.unknown];
-      slope += std::fabs(factor.value) * slopes_[factor.unknown];
-    }
+    const std::size_t curve = index(curve_of_condition_[k]);
+    const double distance = distances_[curve], slope = slopes_[curve];
     const double low = std::min(g_start[k], g_end[k]), high = std::max(g_start[k], g_end[k]);
     if (low > distance || high <= -distance) continue;
     if (!(low <= 0.0 && high > 0.0 && high - low > slope)) return false;
-    lines_.push_back({factors, &points, g_start[k], g_end[k]});
+    lines_.push_back({curve, &points, g_start[k], g_end[k]});
   }
   if (lines_.size() > 1) find_times_between();
   return true;

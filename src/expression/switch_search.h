@@ -15,43 +15,19 @@
 
 namespace sfdae::core {
 
-// Conditions that are linear in t and x, and their derivatives by x.
-class ConditionSlopes {
- public:
-  // unknowns: those that the conditions depend on; the numbers of factors are places in this list. Beyond the unknowns
-  // of the record, n + k is the value of condition k, which determines it completely.
-  ConditionSlopes(const Record& record, const std::vector<Condition>& conditions, const std::vector<int>& unknowns);
-  struct Factor {
-    std::size_t unknown;
-    double value;
-  };
-  // Computes derivatives for the parameters that the evaluator has now.
-  void update(const TaylorEvaluator& evaluator);
-  // Null: the condition is not linear.
-  const std::vector<Factor>* factors(std::size_t condition) const {
-    return is_linear_[condition] != 0 ? &factors_[condition] : nullptr;
-  }
-
- private:
-  std::optional<TaylorEvaluator> derivatives_;  // a value for each factor
-  std::vector<char> is_linear_;
-  std::vector<std::vector<Factor>> factors_;
-  std::vector<double> values_;
-  long version_ = -1;
-};
-
 class SwitchSearch {
  public:
   // conditions: nodes of the record of the evaluator, which must outlive this object; parameters have the evaluator's
   // values at the time of a call. No condition depends on x' or on a user-supplied function, as nothing is known of the
   // latter between points.
-  // Those of layers are interpolated by polynomials through their values at the points.
+  // Those that are linear in t and x, and those of layers, are polynomials through their values at the points: their
+  // terms may cancel all the way, as those of the larger of two equal unknowns do.
   SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions);
 
   std::size_t count() const { return margins_.size(); }
 
-  // As find(), without margins and cheap. Succeeds only if conditions are linear in t and x, and divided differences
-  // show that each switches at most once; false: nothing is known. g is known at both ends.
+  // As find(), without margins and cheap. Succeeds only if all conditions are polynomials of their own, and divided
+  // differences show that each switches at most once; false: nothing is known. g is known at both ends.
   bool find_simple(const PointsOfCurve& points, const double* g_start, const double* g_end);
 
   // Finds a time between every two successive switches of any conditions, on the way from the first to the second of
@@ -65,9 +41,9 @@ class SwitchSearch {
 
  private:
   void set_curve(const PointsOfCurve& points);
-  // A linear condition, and its values at both ends.
+  // A condition that is a polynomial, and its values at both ends.
   struct Line {
-    const std::vector<ConditionSlopes::Factor>* factors;
+    std::size_t curve;  // its place in unknowns_
     const PointsOfCurve* points;
     double start, end;
   };
@@ -79,10 +55,12 @@ class SwitchSearch {
   const TaylorEvaluator& evaluator_;
   std::unique_ptr<TaylorEvaluator> along_;  // a function of the part of the way for each condition: 1 where it is met
   std::unique_ptr<SwitchingTimes> switches_;
-  std::vector<int> unknowns_;                      // that conditions depend on, as ConditionSlopes has them
-  std::unique_ptr<ConditionFunctions> of_layers_;  // all conditions, if any is of a layer
-  std::vector<double> values_;                     // of these
-  std::optional<ConditionSlopes> linear_;
+  // Unknowns that conditions depend on; beyond those of the record, n + k is the value of condition k, which is a
+  // polynomial of its own.
+  std::vector<int> unknowns_;
+  std::vector<int> curve_of_condition_;                // place in unknowns_, or -1
+  std::unique_ptr<ConditionFunctions> own_functions_;  // all conditions, if any is a polynomial of its own
+  std::vector<double> values_;                         // of these
   std::vector<double> differences_;         // of unknowns_, divided, by parts of the way: a row for each order
   std::vector<double> distances_, slopes_;  // from the straight line through both ends, and of slopes, at most
   std::vector<Line> lines_;                 // that switch

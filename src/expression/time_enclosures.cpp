@@ -181,6 +181,7 @@ TimeEnclosures::TimeEnclosures(const Tape& tape, const std::vector<int>& slots)
     place[index(slot)] = count++;
   }
   series_.resize(index(count));
+  at_middle_.resize(index(count));
   is_enclosed_.assign(index(count), 1);
   time_ = place[index(tape.time)];
   for (const int slot : slots) wanted_.push_back(place[index(slot)]);
@@ -202,9 +203,39 @@ TimeEnclosures::TimeEnclosures(const Tape& tape, const std::vector<int>& slots)
 }
 
 void TimeEnclosures::enclose(const double* numbers, Interval t) {
-  for (const Number& number : numbers_) series_[index(number.place)] = constant(Interval::of(numbers[number.slot]));
+  for (std::vector<TimeSeries>* series : {&series_, &at_middle_})
+    for (const Number& number : numbers_)
+      (*series)[index(number.place)] = constant(Interval::of(numbers[number.slot]));
+  has_middle_ = false;
+  execute(t);
+}
+
+// True if the value of the operand leaves open which branch, or which whole number, holds.
+bool TimeEnclosures::is_open(const Instruction& instruction) const {
+  const Interval& a = series_[index(instruction.a)].value;
+  if (instruction.code == Code::choose) return a.low <= 0.0 && a.high > 0.0;
+  return instruction.code == Code::floor && std::floor(a.low) != std::floor(a.high);
+}
+
+// u(t) = u(middle) + u'(some time) (t - middle) [Moo66].
+void TimeEnclosures::use_mean_value(int place, Interval t) {
+  const double middle = t.low + 0.5 * (t.high - t.low);
+  if (!has_middle_) {
+    has_middle_ = true;
+    series_.swap(at_middle_);
+    execute(Interval::of(middle));
+    series_.swap(at_middle_);
+  }
+  TimeSeries& u = series_[index(place)];
+  const Interval by_slope = at_middle_[index(place)].value + u.slope * (t - Interval::of(middle));
+  const Interval both{std::max(u.value.low, by_slope.low), std::min(u.value.high, by_slope.high)};
+  if (both.low <= both.high) u.value = both;
+}
+
+void TimeEnclosures::execute(Interval t) {
   series_[index(time_)] = {t, Interval::of(1.0), {}};
   for (const Instruction& instruction : instructions_) {
+    if (is_open(instruction) && t.low < t.high) use_mean_value(instruction.a, t);
     series_[index(instruction.v)] = value_of(instruction);
     if (!has_two_results(instruction)) continue;
     const TimeSeries& a = series_[index(instruction.a)];

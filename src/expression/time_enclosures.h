@@ -1,5 +1,6 @@
 // Enclosures of the values and derivatives of functions of t alone over an interval of t, by interval arithmetic on
-// Taylor coefficients.
+// Taylor coefficients. Where values alone leave open which branch of a condition, or which whole number, holds, they
+// are enclosed by the mean value form, too: t - sin t has a sign near 0, although t and sin t overlap.
 //
 // [Moo66] R. E. Moore: Interval Analysis. Prentice-Hall, 1966. Chapters 3, 11.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -34,6 +35,9 @@ class TimeEnclosures {
   struct Number {
     int place, slot;
   };
+  void execute(Interval t);
+  bool is_open(const Instruction& instruction) const;
+  void use_mean_value(int place, Interval t);
   TimeSeries value_of(const Instruction& instruction) const;
   TimeSeries value_of_function(const Instruction& instruction) const;
   TimeSeries value_of_power(const Instruction& instruction) const;
@@ -43,6 +47,8 @@ class TimeEnclosures {
   int time_ = 0;
   std::vector<int> wanted_;
   std::vector<TimeSeries> series_;
+  std::vector<TimeSeries> at_middle_;  // of the interval, if has_middle_
+  bool has_middle_ = false;
   std::vector<char> is_enclosed_;
 };
 

@@ -277,4 +277,36 @@ TEST(Kinks, AreCrossedWhereTimesAreLarge) {
     }
 }
 
+// Conditions whose terms are equal on whole intervals: max(s, min(s, c)) is s, whatever rounding errors decide, and so
+// is the larger one of two equal unknowns.
+TEST(Kinks, OfEqualTermsStopNothing) {
+  Random random(3917);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double start = random.real(-1.0, 1.0), level = random.real(-1.0, 1.0), slope = random.real(-2.0, 2.0);
+    const int form = trial % 5;
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      const Expression& s = x[0];
+      const Expression c = level + slope * t;
+      F[0] = xdot[0] - cos(3.0 * t);
+      F[1] = xdot[1] - (form == 0   ? max(s, min(s, c))
+                        : form == 1 ? min(s, max(s, c))
+                        : form == 2 ? max(s, min(s, x[2]))
+                        : form == 4 ? max(s, x[2])
+                                    : min(max(s, c), max(s, c)) - max(c - s, 0.0));
+      F[2] = xdot[2] - (form == 4 ? cos(3.0 * t) : Expression(slope));
+    };
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      sfdae::Options options;
+      options.method = method;
+      options.max_steps = 500;
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, {start, 0.0, form == 4 ? start : level}, {}};
+      solver.start(point, 2.0);
+      ASSERT_EQ(solver.advance(2.0, point), SFDAE_OK) << "form " << form << ": " << solver.message();
+      EXPECT_NEAR(point.x[1], 2.0 * start + (1.0 - std::cos(6.0)) / 9.0, 1e-4) << "form " << form;
+    }
+  }
+}
+
 }  // namespace

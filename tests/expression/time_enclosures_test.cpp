@@ -107,4 +107,25 @@ TEST_P(TimeEnclosure, IsNarrowOnShortIntervals) {
   }
 }
 
+// Branches of conditions are decided on intervals on which terms are much larger than their difference: t - sin t is
+// t^3 / 6 near 0.
+TEST(TimeEnclosuresOfConditions, KnowBranchesWhereTermsCancel) {
+  const QuietArithmetic quiet;
+  Recording recording(1);
+  const Term input = choose(recording.t - sin(recording.t), 2.0 * recording.t, 5.0 + 0.0 * recording.t);
+  const TaylorEvaluator evaluator(recording.finish({recording.xdot[0] - recording.x[0] * input}));
+  TimeInputs inputs({&evaluator});
+  ASSERT_GT(inputs.count(), 0);
+  std::vector<TimeSeries> series(static_cast<std::size_t>(inputs.count()));
+  for (const double start : {1e-3, 0.01, 0.3}) {
+    inputs.enclose({start, 1.2 * start}, series.data());
+    for (const TimeSeries& each : series) {
+      EXPECT_LE(each.value.high, 2.5 * start) << start;
+      EXPECT_NEAR(each.slope.low, 2.0, 1e-12) << start;
+    }
+    inputs.enclose({-1.2 * start, -start}, series.data());
+    for (const TimeSeries& each : series) EXPECT_EQ(each.value.low, 5.0) << start;
+  }
+}
+
 }  // namespace sfdae::core
