@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function r = and(a, b)
+% a & b, element by element; true means not 0.
+r = applied('and', truth(a), truth(b));
+end

@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function r = ge(a, b)
+% a >= b, element by element.
+r = applied('greater_equal', a, b);
+end

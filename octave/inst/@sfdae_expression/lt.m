@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function r = lt(a, b)
+% a < b, element by element.
+r = applied('less', a, b);
+end
