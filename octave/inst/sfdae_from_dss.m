@@ -14,8 +14,8 @@ function [problem, system] = sfdae_from_dss(sys, u)
 %   [T, X] = sfdae_solve(problem, [0 1], 0);
 %
 % See also: sfdae_to_dss, sfdae_linear
-if nargin < 1 || isempty(which('dssdata'))
-  error('sfdae:package_missing', ['sfdae_from_dss needs a system and the function dssdata of the package control: pkg ' ...
+if nargin < 1 || isempty(which('dss'))
+  error('sfdae:package_missing', ['sfdae_from_dss needs a system and the functions of the package control: pkg ' ...
         'install -forge control (Debian: octave-control), then pkg load control']);
 end
 if nargin < 2

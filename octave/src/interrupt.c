@@ -2,7 +2,9 @@
  *
  * Ctrl-C while a solver runs. The signal asks the solver to stop at its next step or callback, and the run returns what
  * it has reached. Octave's own reaction, an exception within the function that runs, would leave the library by force;
- * a second Ctrl-C causes it, for functions that do not return. */
+ * a second Ctrl-C causes it, for functions that do not return.
+ *
+ * Octave blocks SIGINT in its main thread and waits for it in another one. It is unblocked here while a solver runs. */
 #include <signal.h>
 
 #include "sfdae_mex.h"
@@ -17,6 +19,7 @@ static volatile sig_atomic_t num_signals = 0;
 static void (*previous)(int);
 #else
 static struct sigaction previous;
+static sigset_t previous_mask;
 #endif
 
 static void request_stops(void) {
@@ -48,10 +51,14 @@ void begin_interruptible(sfdae_solver* solver) {
 #else
   {
     struct sigaction action;
+    sigset_t mask;
     action.sa_handler = on_interrupt;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, &previous);
+    sigemptyset(&mask);
+    sigaddset(&mask, SIGINT);
+    pthread_sigmask(SIG_UNBLOCK, &mask, &previous_mask);
   }
 #endif
 }
@@ -63,6 +70,7 @@ int end_interruptible(void) {
 #if defined(_WIN32)
     signal(SIGINT, previous);
 #else
+    pthread_sigmask(SIG_SETMASK, &previous_mask, NULL);
     sigaction(SIGINT, &previous, NULL);
 #endif
   }

@@ -5,6 +5,21 @@
 
 #include "sfdae_mex.h"
 
+/* The structural analysis. Linear problems need a start for it: their analysis leaves no values of x. */
+static mxArray* structure_at(sfdae_solver* solver, double t, double toward, const double* x, size_t n) {
+  mxArray* result = structure_of(solver, (int)n);
+  double* start;
+  if (mxGetNumberOfFields(result) > 0) return result;
+  start = (double*)mxCalloc(n + 1, sizeof(double));
+  if (x != NULL) memcpy(start, x, n * sizeof(double));
+  if (sfdae_start(solver, t, toward, start, NULL) >= 0) {
+    mxDestroyArray(result);
+    result = structure_of(solver, (int)n);
+  }
+  mxFree(start);
+  return result;
+}
+
 mxArray* analyze_command(const mxArray* from, const mxArray* options, const mxArray* at) {
   problem* p = read_problem(from);
   const sfdae_options* o = read_options(options, p->num_unknowns);
@@ -20,7 +35,7 @@ mxArray* analyze_command(const mxArray* from, const mxArray* options, const mxAr
     set_field(result, "characteristics", characteristics_of(solver));
     set_field(result, "decisions", decisions_of(solver));
     set_field(result, "report", report_of(solver));
-    set_field(result, "structure", structure_of(solver, p->num_unknowns));
+    set_field(result, "structure", status < 0 ? new_struct() : structure_at(solver, t, toward, x, (size_t)p->num_unknowns));
   }
   close_solver(&solver);
   return result;

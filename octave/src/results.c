@@ -25,6 +25,10 @@ mxArray* matrix_of(const double* numbers, size_t rows, size_t columns) {
 
 void set_status(mxArray* result, const problem* p, const sfdae_solver* solver, int status, const char* message) {
   const int is_left = p->calls != NULL && p->calls->is_calling;
+  if (is_left && was_interrupted()) {
+    status = SFDAE_STOPPED;
+    message = "interrupted by the user";
+  }
   if (p->calls != NULL && p->calls->message[0] != 0 && status < 0) message = p->calls->message;
   if (message == NULL) message = sfdae_message(solver);
   set_number(result, "status", status);

@@ -189,12 +189,13 @@ static int handle_event(run* r) {
 
 /* ---- Integration ------------------------------------------------------------------------------ */
 
-/* One call: to `target`, or one step toward it. The limit of attempts holds for the whole run. */
+/* One call: to `target`, or one step toward it. The limit of attempts holds for the whole run; single steps, which have
+ * few attempts, are counted between calls. */
 static int call_solver(run* r, int one_step, double target) {
   const long left = r->attempts_left - attempts(r->solver);
   double t = r->t, *xdot = r->wants_xdot || r->action != NULL ? r->xdot : NULL;
   int status;
-  if (left != r->options->max_steps) {
+  if (!one_step && left < r->options->max_steps) {
     r->options->max_steps = left > 0 ? left : 1;
     status = sfdae_set_options(r->solver, r->options);
     if (status < 0) return status;

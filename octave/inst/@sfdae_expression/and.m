@@ -2,4 +2,5 @@
 function r = and(a, b)
 % a & b, element by element; true means not 0.
 r = applied('and', truth(a), truth(b));
+r.is_condition = true;
 end

@@ -2,4 +2,5 @@
 function r = ge(a, b)
 % a >= b, element by element.
 r = applied('greater_equal', a, b);
+r.is_condition = true;
 end

@@ -2,4 +2,5 @@
 function r = gt(a, b)
 % a > b, element by element.
 r = applied('greater', a, b);
+r.is_condition = true;
 end

@@ -2,4 +2,5 @@
 function r = le(a, b)
 % a <= b, element by element.
 r = applied('less_equal', a, b);
+r.is_condition = true;
 end

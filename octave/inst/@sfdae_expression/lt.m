@@ -2,4 +2,5 @@
 function r = lt(a, b)
 % a < b, element by element.
 r = applied('less', a, b);
+r.is_condition = true;
 end

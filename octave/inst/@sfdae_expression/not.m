@@ -2,4 +2,5 @@
 function r = not(a)
 % ~a, element by element; true means not 0.
 r = applied('not', truth(a));
+r.is_condition = true;
 end

@@ -17,6 +17,6 @@ function r = sfdae_expression(id)
 if nargin ~= 1 || ~isa(id, 'int64')
   error('sfdae:illegal_argument', 'expressions are made by sfdae_solve, which passes them to the equations');
 end
-r = class(struct('id', id), 'sfdae_expression');
+r = class(struct('id', id, 'is_condition', false), 'sfdae_expression');
 superiorto('double', 'single', 'logical');
 end

@@ -3,10 +3,11 @@ function o = library_options(options, n)
 % The options of the library, for a problem of n unknowns, as sfdae_mex takes them.
 [names, kinds] = option_names();
 o = struct();
-for k = 1:numel(kinds)
-  name = names{k};
-  if isfield(options, name)
-    o.(name) = options.(name);
+given = fieldnames(options);
+of_library = names(1:numel(kinds));
+for k = 1:numel(given)
+  if any(strcmp(of_library, given{k}))
+    o.(given{k}) = options.(given{k});
   end
 end
 for name = {'rtol', 'atol'}

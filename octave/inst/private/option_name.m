@@ -1,6 +1,11 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function name = option_name(given)
 % The name of an option, whatever its capitals; names of odeset are translated. An error names the most similar one.
+names = option_names();
+if any(strcmp(names, given))
+  name = given;
+  return
+end
 of_odeset = {'RelTol', 'rtol'; 'AbsTol', 'atol'; 'MaxStep', 'max_step'; 'InitialStep', 'initial_step'; ...
              'MaxOrder', 'max_order'; 'Events', 'events'; 'Jacobian', 'jacobian'};
 translated = strcmpi(of_odeset(:, 1), given);
@@ -8,7 +13,6 @@ if any(translated)
   name = of_odeset{translated, 2};
   return
 end
-names = option_names();
 found = strcmpi(names, given);
 if any(found)
   name = names{found};

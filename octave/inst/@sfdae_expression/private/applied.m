@@ -2,7 +2,13 @@
 function r = applied(operation, varargin)
 % The expression that an operation of sfdae_mex makes of expressions and numbers, element by element.
 for k = 1:numel(varargin)
-  varargin{k} = operand(varargin{k});
+  if isa(varargin{k}, 'sfdae_expression')
+    r = varargin{k};     % reused: the constructor takes longer
+    varargin{k} = r.id;
+  else
+    varargin{k} = operand(varargin{k});
+  end
 end
-r = sfdae_expression(sfdae_mex(operation, varargin{:}));
+r.id = sfdae_mex(operation, varargin{:});
+r.is_condition = false;
 end
