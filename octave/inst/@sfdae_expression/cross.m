@@ -5,8 +5,13 @@ if numel(a) ~= 3 || numel(b) ~= 3
   error('sfdae:illegal_argument', 'cross: two vectors of 3 elements are needed, not of sizes %s and %s', ...
         mat2str(size(a)), mat2str(size(b)));
 end
-r = [a(2) * b(3) - a(3) * b(2); a(3) * b(1) - a(1) * b(3); a(1) * b(2) - a(2) * b(1)];
-if size(a, 1) == 1
-  r = r.';
-end
+% Within methods a(2) is an element of the array of objects, so the nodes are indexed.
+shape = size(a);
+a = operand(a);
+b = operand(b);
+a = a(:);
+b = b(:);
+first = sfdae_mex('multiply', a([2 3 1]), b([3 1 2]));
+second = sfdae_mex('multiply', a([3 1 2]), b([2 3 1]));
+r = sfdae_expression(reshape(sfdae_mex('subtract', first, second), shape));
 end
