@@ -43,8 +43,10 @@ int take_numbers(calls* state, mxArray* result, size_t rows, size_t columns, con
     const double* from = mxGetPr(result);
     for (i = 0; i < count; ++i) numbers[i] = from[i];
   } else if (state->message[0] == 0) {
-    snprintf(state->message, sizeof state->message, "%s returned an array of size %lu x %lu and class %s%s; it has to be "
-             "%lu x %lu and real", name, result == NULL ? 0UL : (unsigned long)mxGetM(result),
+    snprintf(state->message, sizeof state->message,
+             "%s returned an array of size %lu x %lu and class %s%s; it has to be "
+             "%lu x %lu and real",
+             name, result == NULL ? 0UL : (unsigned long)mxGetM(result),
              result == NULL ? 0UL : (unsigned long)mxGetN(result), result == NULL ? "none" : mxGetClassName(result),
              result != NULL && mxIsComplex(result) ? " with complex values" : "", (unsigned long)rows,
              (unsigned long)columns);

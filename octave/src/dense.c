@@ -24,7 +24,8 @@ mxArray* evaluate_command(const mxArray* solution, const mxArray* times) {
   for (k = 0; k < count && status >= 0; ++k) {
     const double t = mxGetPr(times)[k];
     status = sfdae_evaluate_solution(s, t, mxGetPr(x) + k * (size_t)n, mxGetPr(xdot) + k * (size_t)n);
-    if (status < 0) snprintf(message, sizeof message, "t = %.9g lies outside of the solution, %.9g ... %.9g", t, first, last);
+    if (status < 0)
+      snprintf(message, sizeof message, "t = %.9g lies outside of the solution, %.9g ... %.9g", t, first, last);
   }
   sfdae_destroy_solution(&s);
   set_number(result, "status", status);

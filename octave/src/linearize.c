@@ -91,7 +91,8 @@ static int find_roots(sfdae_descriptor* d, int is_poles, int n, mxArray* result)
   sfdae_spectrum s;
   int status;
   sfdae_spectrum_init(&s, sizeof s);
-  status = is_poles ? sfdae_get_poles(d, &s, real, imaginary, errors) : sfdae_get_zeros(d, &s, real, imaginary, errors);
+  status =
+      is_poles ? sfdae_get_poles(d, &s, real, imaginary, errors) : sfdae_get_zeros(d, &s, real, imaginary, errors);
   if (status < 0) return status;
   set_field(result, "real", matrix_of(real, (size_t)s.num_finite, 1));
   set_field(result, "imaginary", matrix_of(imaginary, (size_t)s.num_finite, 1));

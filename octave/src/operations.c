@@ -43,8 +43,10 @@ static sfdae_expression erfc_of(sfdae_expression a) {
   return sfdae_external("erfc", call_erfc, 1, &a, NULL);
 }
 
-#define UNARY(name, function) {name, 1, function, NULL, NULL}
-#define BINARY(name, function) {name, 2, NULL, function, NULL}
+#define UNARY(name, function) \
+  { name, 1, function, NULL, NULL }
+#define BINARY(name, function) \
+  { name, 2, NULL, function, NULL }
 
 /* The order of the first ones is that of the enumeration in operations.h. */
 const sfdae_operation sfdae_operations[] = {

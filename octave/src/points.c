@@ -35,7 +35,8 @@ mxArray* analyze_command(const mxArray* from, const mxArray* options, const mxAr
     set_field(result, "characteristics", characteristics_of(solver));
     set_field(result, "decisions", decisions_of(solver));
     set_field(result, "report", report_of(solver));
-    set_field(result, "structure", status < 0 ? new_struct() : structure_at(solver, t, toward, x, (size_t)p->num_unknowns));
+    set_field(result, "structure",
+              status < 0 ? new_struct() : structure_at(solver, t, toward, x, (size_t)p->num_unknowns));
   }
   close_solver(&solver);
   return result;

@@ -10,8 +10,18 @@
 /* Places of functions in problem.functions. */
 enum { RESIDUAL, JACOBIAN, TOTAL_DERIVATIVE };
 enum { MATRIX_E, MATRIX_A, VECTOR_F };
-enum { MASS, FORCES, CONSTRAINTS, CONSTRAINT_JACOBIAN, CONSTRAINT_RATE, KINEMATICS, NONHOLONOMIC_MATRIX,
-       NONHOLONOMIC_OFFSET, CONSTRAINT_CURVATURE, NONHOLONOMIC_CURVATURE };
+enum {
+  MASS,
+  FORCES,
+  CONSTRAINTS,
+  CONSTRAINT_JACOBIAN,
+  CONSTRAINT_RATE,
+  KINEMATICS,
+  NONHOLONOMIC_MATRIX,
+  NONHOLONOMIC_OFFSET,
+  CONSTRAINT_CURVATURE,
+  NONHOLONOMIC_CURVATURE
+};
 
 /* Calls a function, or reads an array given in its place. */
 static int evaluate(const problem* p, int which, const char* name, size_t rows, size_t columns, int nin, mxArray** in,
@@ -78,8 +88,8 @@ static int call_prescribed(double t, int order, double* vector, void* user) {
 
 /* ---- Nonlinear problems ----------------------------------------------------------------------- */
 
-static int call_total_derivative(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot,
-                                 void* user) {
+static int call_total_derivative(double t, int order, const double* derivatives, double* F, double* F_x,
+                                 double* F_xdot, void* user) {
   const problem* p = (const problem*)user;
   const size_t m = (size_t)p->num_equations, n = (size_t)p->num_unknowns;
   const int all = p->functions[TOTAL_DERIVATIVE] != NULL;
@@ -138,21 +148,22 @@ static int call_at_velocities(const problem* p, int which, const char* name, siz
   return evaluate(p, which, name, rows, 1, 3, in, result);
 }
 
-#define AT_POSITIONS(function, which, name, rows, columns)                                           \
-  static int function(double t, const double* q, double* result, void* user) {                       \
-    const problem* p = (const problem*)user;                                                         \
-    return call_at_positions(p, which, name, (size_t)(rows), (size_t)(columns), t, q, result);       \
+#define AT_POSITIONS(function, which, name, rows, columns)                                     \
+  static int function(double t, const double* q, double* result, void* user) {                 \
+    const problem* p = (const problem*)user;                                                   \
+    return call_at_positions(p, which, name, (size_t)(rows), (size_t)(columns), t, q, result); \
   }
-#define AT_VELOCITIES(function, which, name, rows)                                                   \
-  static int function(double t, const double* q, const double* v, double* result, void* user) {      \
-    const problem* p = (const problem*)user;                                                         \
-    return call_at_velocities(p, which, name, (size_t)(rows), t, q, v, result);                      \
+#define AT_VELOCITIES(function, which, name, rows)                                              \
+  static int function(double t, const double* q, const double* v, double* result, void* user) { \
+    const problem* p = (const problem*)user;                                                    \
+    return call_at_velocities(p, which, name, (size_t)(rows), t, q, v, result);                 \
   }
 
 AT_POSITIONS(call_mass, MASS, "mass", p->num_velocities, p->num_velocities)
 AT_VELOCITIES(call_forces, FORCES, "forces", p->num_velocities)
 AT_POSITIONS(call_constraints, CONSTRAINTS, "constraints", p->num_constraints, 1)
-AT_POSITIONS(call_constraint_jacobian, CONSTRAINT_JACOBIAN, "constraint_jacobian", p->num_constraints, p->num_positions)
+AT_POSITIONS(call_constraint_jacobian, CONSTRAINT_JACOBIAN, "constraint_jacobian", p->num_constraints,
+             p->num_positions)
 AT_POSITIONS(call_constraint_rate, CONSTRAINT_RATE, "constraint_rate", p->num_constraints, 1)
 AT_POSITIONS(call_kinematics, KINEMATICS, "kinematics", p->num_positions, p->num_velocities)
 AT_POSITIONS(call_H, NONHOLONOMIC_MATRIX, "nonholonomic_matrix", p->num_nonholonomic, p->num_velocities)
@@ -179,8 +190,8 @@ static int size_in(const mxArray* from, const char* name, long missing) {
 }
 
 /* Column starts and rows of a pattern, which count from 0. */
-static void read_pattern(const mxArray* from, const char* start_name, const char* row_name, int n, int m, int* entries,
-                         const int** starts, const int** rows) {
+static void read_pattern(const mxArray* from, const char* start_name, const char* row_name, int n, int m,
+                         int* entries, const int** starts, const int** rows) {
   const size_t count = length_of(from, row_name);
   size_t i;
   *entries = (int)count;
@@ -246,7 +257,8 @@ static void read_nonlinear(problem* p, const mxArray* from, int is_recorded) {
   p->functions[TOTAL_DERIVATIVE] = function_in(from, "total_derivative", 0);
   if (p->functions[RESIDUAL] == NULL && p->functions[TOTAL_DERIVATIVE] == NULL) refuse("the function F is missing");
   to->total_derivative = call_total_derivative;
-  if (p->functions[JACOBIAN] == NULL && p->functions[TOTAL_DERIVATIVE] == NULL) to->matrices = SFDAE_MATRICES_DIFFERENCES;
+  if (p->functions[JACOBIAN] == NULL && p->functions[TOTAL_DERIVATIVE] == NULL)
+    to->matrices = SFDAE_MATRICES_DIFFERENCES;
   to->differentiations = integers_in(from, "differentiations", (size_t)p->num_equations, 0);
   read_pattern(from, "F_x_start", "F_x_rows", p->num_unknowns, p->num_equations, &to->F_x_entries, &to->F_x_col_start,
                &to->F_x_row_index);
@@ -277,9 +289,16 @@ static void read_multibody_formulas(problem* p, const mxArray* from) {
 }
 
 static void read_multibody_functions(problem* p, const mxArray* from) {
-  static const char* const names[10] = {
-      "mass", "forces", "constraints", "constraint_jacobian", "constraint_rate", "kinematics", "nonholonomic_matrix",
-      "nonholonomic_offset", "constraint_curvature", "nonholonomic_curvature"};
+  static const char* const names[10] = {"mass",
+                                        "forces",
+                                        "constraints",
+                                        "constraint_jacobian",
+                                        "constraint_rate",
+                                        "kinematics",
+                                        "nonholonomic_matrix",
+                                        "nonholonomic_offset",
+                                        "constraint_curvature",
+                                        "nonholonomic_curvature"};
   sfdae_multibody_problem* to = &p->as.multibody;
   const mxArray** has = p->functions;
   int i;
@@ -330,8 +349,12 @@ problem* read_problem(const mxArray* from) {
   if (is_recorded) {
     const int of_time_alone = strcmp(form, "linear_equations") == 0;
     p->formulas = read_tape(field_of(from, "formulas"),
-                            of_time_alone ? 0 : is_multibody ? p->num_positions : p->num_unknowns,
-                            of_time_alone ? 0 : is_multibody ? p->num_velocities : p->num_unknowns);
+                            of_time_alone  ? 0
+                            : is_multibody ? p->num_positions
+                                           : p->num_unknowns,
+                            of_time_alone  ? 0
+                            : is_multibody ? p->num_velocities
+                                           : p->num_unknowns);
   }
   if (is_multibody) read_multibody(p, from, is_recorded);
   else if (strncmp(form, "linear", 6) == 0) read_linear(p, from, is_recorded);

@@ -78,7 +78,8 @@ const int* read_nodes(const mxArray* from, const char* name, const tape* formula
   if (field_of(from, name) == NULL) return NULL;
   places = int32_field(from, name, count);
   for (i = 0; i < count; ++i) {
-    if (places[i] < -1 || places[i] >= formulas->count) refuse("formulas are damaged: entry %lu of %s", (unsigned long)i, name);
+    if (places[i] < -1 || places[i] >= formulas->count)
+      refuse("formulas are damaged: entry %lu of %s", (unsigned long)i, name);
   }
   return places;
 }

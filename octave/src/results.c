@@ -83,7 +83,8 @@ mxArray* statistics_of(const sfdae_solver* solver) {
 }
 
 mxArray* decisions_of(const sfdae_solver* solver) {
-  static const char* fields[] = {"t", "level", "stage", "rows", "columns", "rank", "kept", "dropped", "gap", "verdict"};
+  static const char* fields[] = {"t",    "level", "stage",   "rows", "columns",
+                                 "rank", "kept",  "dropped", "gap",  "verdict"};
   static const char* const verdicts[] = {"clear", "confirmed", "unclear", "user"};
   mxArray* result;
   int count = 0, i;
@@ -102,7 +103,8 @@ mxArray* decisions_of(const sfdae_solver* solver) {
     mxSetField(result, i, "kept", mxCreateDoubleScalar(d.kept));
     mxSetField(result, i, "dropped", mxCreateDoubleScalar(d.dropped));
     mxSetField(result, i, "gap", mxCreateDoubleScalar(d.gap));
-    mxSetField(result, i, "verdict", mxCreateString(d.verdict >= 0 && d.verdict < 4 ? verdicts[d.verdict] : "unknown"));
+    mxSetField(result, i, "verdict",
+               mxCreateString(d.verdict >= 0 && d.verdict < 4 ? verdicts[d.verdict] : "unknown"));
   }
   return result;
 }

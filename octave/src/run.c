@@ -36,7 +36,7 @@ typedef struct run {
   long attempts_left;
   char notes[2000];
   mxArray* switches; /* of runs before a restart */
-  int is_restarted; /* by the action of the last event */
+  int is_restarted;  /* by the action of the last event */
   int status;
   char message[1200]; /* "": that of the solver */
 } run;
@@ -173,8 +173,10 @@ static int handle_event(run* r) {
   mxFree(which);
   if (status < 0) return status;
   if (changed && r->num_parameters > 0) {
-    snprintf(r->message, sizeof r->message, "event_action changes x at t = %.9g, and the derivatives of this change, which "
-             "the sensitivities need, are unknown; return [] or solve without sensitivities", r->t);
+    snprintf(r->message, sizeof r->message,
+             "event_action changes x at t = %.9g, and the derivatives of this change, which "
+             "the sensitivities need, are unknown; return [] or solve without sensitivities",
+             r->t);
     return SFDAE_ILLEGAL_ARGUMENT;
   }
   if (changed && !ends && r->t != r->t1) {
@@ -206,7 +208,8 @@ static int call_solver(run* r, int one_step, double target) {
     sfdae_get_statistics(r->solver, &s);
     if ((target - s.t_internal) * r->direction > 0.0) return SFDAE_MAX_STEPS;
   }
-  status = one_step ? sfdae_step(r->solver, target, &t, r->x, xdot) : sfdae_advance(r->solver, target, &t, r->x, xdot);
+  status =
+      one_step ? sfdae_step(r->solver, target, &t, r->x, xdot) : sfdae_advance(r->solver, target, &t, r->x, xdot);
   if (!isnan(t)) r->t = t;
   if (status == SFDAE_INCONSISTENCY_IGNORED) note(r, sfdae_message(r->solver));
   if (status == SFDAE_STEP_TAKEN || status == SFDAE_INCONSISTENCY_IGNORED) status = SFDAE_OK;
@@ -256,9 +259,12 @@ static void integrate(run* r) {
   if (r->tout == NULL) integrate_by_steps(r);
   else integrate_to_outputs(r);
   if (r->status == SFDAE_MAX_STEPS && r->message[0] == 0) {
-    snprintf(r->message, sizeof r->message, "%ld steps were attempted in the whole run, the limit max_steps, without "
-             "reaching the end t = %.9g. Raise max_steps, or loosen the tolerances. If the steps are very small, look for "
-             "their reason first, such as an equation that jumps.", r->attempts_left, r->t1);
+    snprintf(
+        r->message, sizeof r->message,
+        "%ld steps were attempted in the whole run, the limit max_steps, without "
+        "reaching the end t = %.9g. Raise max_steps, or loosen the tolerances. If the steps are very small, look for "
+        "their reason first, such as an equation that jumps.",
+        r->attempts_left, r->t1);
   }
   if (r->status == SFDAE_EVENT) {
     snprintf(r->message, sizeof r->message, "an event ended the integration at t = %.9g", r->t);
@@ -276,8 +282,10 @@ static void finish_dense(run* r, mxArray* result) {
   if ((r->t - first) * (r->t - last) <= 0.0 && r->t != first) sfdae_cut_solution(r->dense, r->t);
   if (sfdae_get_solution_accuracy(r->dense, &accuracy, &where) >= 0 && accuracy > 10.0) {
     char text[200];
-    snprintf(text, sizeof text, "dense output differs from the solution by %.0f tolerances near t = %.6g, where it has a "
-             "jump or a kink; the outputs themselves are accurate there", accuracy < 1e299 ? accuracy : 1e300, where);
+    snprintf(text, sizeof text,
+             "dense output differs from the solution by %.0f tolerances near t = %.6g, where it has a "
+             "jump or a kink; the outputs themselves are accurate there",
+             accuracy < 1e299 ? accuracy : 1e300, where);
     note(r, text);
   }
   if (sfdae_get_solution_length(r->dense, &length) < 0) return;

@@ -9,7 +9,8 @@ static void need_structs(int nrhs, const mxArray* prhs[], int count) {
   int i;
   if (nrhs != count) refuse("sfdae_mex: %d arguments are needed, not %d", count, nrhs);
   for (i = 0; i < count; ++i) {
-    if (!mxIsStruct(prhs[i]) || mxGetNumberOfElements(prhs[i]) != 1) refuse("sfdae_mex: argument %d is no struct", i + 1);
+    if (!mxIsStruct(prhs[i]) || mxGetNumberOfElements(prhs[i]) != 1)
+      refuse("sfdae_mex: argument %d is no struct", i + 1);
   }
 }
 

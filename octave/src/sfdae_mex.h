@@ -58,7 +58,7 @@ typedef struct tape {
   struct tape_table {
     int degree, count;
     const double *x, *y;
-  }* tables;
+  } * tables;
   int num_tables;
 } tape;
 
@@ -183,7 +183,7 @@ mxArray* switches_of(const sfdae_solver* solver, mxArray* earlier);
 
 /* ---- Commands ------------------------------------------------------------------------------------ */
 
-mxArray* solve_command(const mxArray* p, const mxArray* options, const mxArray* run); /* run.c */
+mxArray* solve_command(const mxArray* p, const mxArray* options, const mxArray* run);  /* run.c */
 mxArray* analyze_command(const mxArray* p, const mxArray* options, const mxArray* at); /* points.c */
 mxArray* consistent_command(const mxArray* p, const mxArray* options, const mxArray* at);
 mxArray* linearize_command(const mxArray* p, const mxArray* options, const mxArray* at); /* linearize.c */

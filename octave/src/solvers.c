@@ -18,7 +18,8 @@ int open_solver(problem* p, const sfdae_options* options, sfdae_solver** solver)
   int status;
   *solver = NULL;
   close_abandoned_solvers();
-  if (num_open == MAX_SOLVERS) refuse("%d runs are within each other: a function that sfdae calls solves itself", num_open);
+  if (num_open == MAX_SOLVERS)
+    refuse("%d runs are within each other: a function that sfdae calls solves itself", num_open);
   p->calls = &open_solvers[num_open].state;
   memset(p->calls, 0, sizeof *p->calls);
   status = create_solver(p, options, solver);

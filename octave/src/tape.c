@@ -27,9 +27,7 @@ static mxArray* payload = NULL; /* cell array of names and tables of the recordi
 static int num_payload = 0;
 
 #define MAX_RECORDINGS 32
-static struct {
-  int first_node, first_payload, num_x, num_xdot;
-} recordings[MAX_RECORDINGS];
+static struct { int first_node, first_payload, num_x, num_xdot; } recordings[MAX_RECORDINGS];
 static int num_recordings = 0;
 static int64_t base = 0; /* number of the node nodes[0] */
 
@@ -56,8 +54,10 @@ static int add_node(int op, int a, int b, int c, double value) {
 }
 
 static int first_of_recording(void) {
-  if (num_recordings == 0) refuse("no equations are being recorded: expressions exist only within the function "
-                                  "that writes equations");
+  if (num_recordings == 0)
+    refuse(
+        "no equations are being recorded: expressions exist only within the function "
+        "that writes equations");
   return recordings[num_recordings - 1].first_node;
 }
 
@@ -72,8 +72,11 @@ typedef struct operand {
 
 static operand operand_of(const mxArray* from) {
   operand result = {NULL, NULL, 0, 0};
-  if (mxGetNumberOfDimensions(from) != 2) refuse("expressions are scalars, vectors or matrices; this array has %d "
-                                                 "dimensions", (int)mxGetNumberOfDimensions(from));
+  if (mxGetNumberOfDimensions(from) != 2)
+    refuse(
+        "expressions are scalars, vectors or matrices; this array has %d "
+        "dimensions",
+        (int)mxGetNumberOfDimensions(from));
   result.rows = mxGetM(from);
   result.columns = mxGetN(from);
   if (mxGetClassID(from) == mxINT64_CLASS) {
@@ -83,8 +86,9 @@ static operand operand_of(const mxArray* from) {
     result.ids = (const int64_t*)mxGetData(from);
     for (i = 0; i < count; ++i) {
       if (result.ids[i] < first || result.ids[i] >= end || nodes[result.ids[i] - base].op == OP_DEAD) {
-        refuse("an expression of another recording is used: expressions are valid only within the call of the "
-               "function that writes the equations, and cannot be stored for later");
+        refuse(
+            "an expression of another recording is used: expressions are valid only within the call of the "
+            "function that writes the equations, and cannot be stored for later");
       }
     }
   } else if (mxIsDouble(from) && !mxIsComplex(from) && !mxIsSparse(from)) {
@@ -138,7 +142,8 @@ static mxArray* apply(int op, int count, const mxArray* arguments[]) {
   int64_t* ids;
   mxArray* result;
   int k;
-  if (count != sfdae_operations[op].num_operands) refuse("%s needs %d operands", name, sfdae_operations[op].num_operands);
+  if (count != sfdae_operations[op].num_operands)
+    refuse("%s needs %d operands", name, sfdae_operations[op].num_operands);
   for (k = 0; k < count; ++k) operands[k] = operand_of(arguments[k]);
   first_of_recording();
   rows = common_size(operands, count, 1, name);
@@ -321,7 +326,8 @@ static mxArray* end_recording(void) {
     c[i] = num_operands > 2 ? from->c - first : from->c;
     mxGetPr(value)[i] = from->value;
   }
-  for (i = first_payload; i < num_payload; ++i) mxSetCell(items, i - first_payload, mxDuplicateArray(mxGetCell(payload, i)));
+  for (i = first_payload; i < num_payload; ++i)
+    mxSetCell(items, i - first_payload, mxDuplicateArray(mxGetCell(payload, i)));
   set_field(result, "value", value);
   set_field(result, "items", items);
   return result;
@@ -346,8 +352,7 @@ int tape_command(const char* name, int nlhs, mxArray* plhs[], int nrhs, const mx
   else if (strcmp(name, "end") == 0 && nrhs == 0) plhs[0] = end_recording();
   else if (strcmp(name, "drop") == 0 && nrhs == 1) {
     while (num_recordings > (int)mxGetScalar(prhs[0]) && num_recordings > 0) drop_recording();
-  }
-  else if (strcmp(name, "places") == 0 && nrhs == 1) plhs[0] = places_of(prhs[0]);
+  } else if (strcmp(name, "places") == 0 && nrhs == 1) plhs[0] = places_of(prhs[0]);
   else if (strcmp(name, "nodes") == 0 && nrhs == 1) plhs[0] = as_nodes(prhs[0]);
   else if (strcmp(name, "mtimes") == 0 && nrhs == 2) plhs[0] = multiply_matrices(prhs);
   else if (strcmp(name, "parameter") == 0 && nrhs == 2) plhs[0] = add_parameter(prhs);

@@ -4,14 +4,6 @@ function r = kron(a, b)
 a = operand(a);
 b = operand(b);
 [i, j] = meshgrid(1:size(a, 2), 1:size(a, 1));
-rows = kron(j, ones(size(b)));
-columns = kron(i, ones(size(b)));
-r = applied('multiply', spread(a, rows, columns), repmat(b, size(a)));
-end
-
-function r = spread(a, rows, columns)
-r = a(sub2ind(size(a), rows, columns));
-if isa(a, 'int64')
-  r = sfdae_expression(r);
-end
+places = sub2ind(size(a), kron(j, ones(size(b))), kron(i, ones(size(b))));
+r = sfdae_expression(sfdae_mex('multiply', reshape(a(places), size(places)), repmat(b, size(a))));
 end
