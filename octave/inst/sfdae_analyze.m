@@ -35,7 +35,8 @@ options = given_options('sfdae_analyze', varargin);
 need_time('sfdae_analyze', t);
 is_linear = isstruct(problem) && isfield(problem, 'kind') && strcmp(problem.kind, 'linear');
 if isempty(x) && ~is_linear
-  error('sfdae:illegal_argument', 'sfdae_analyze: x is needed; the index of a nonlinear problem depends on the solution');
+  error('sfdae:illegal_argument', ...
+        'sfdae_analyze: x is needed; the index of a nonlinear problem depends on the solution');
 end
 [p, o, options, x] = prepared('sfdae_analyze', problem, x, options);
 at = struct('t', t, 'toward', t + 1);

@@ -6,11 +6,11 @@ function [x, xdot, result] = sfdae_decic(problem, t0, x0, fixed, varargin)
 %   [x, xdot] = sfdae_decic(problem, t0, x0, fixed)
 %   [x, xdot, result] = sfdae_decic(problem, t0, x0, fixed, options)
 %
-% problem: as for sfdae_solve. x is the consistent point near x0, hidden constraints included, and xdot the derivative of
-% the solution through it. Components in `fixed` (numbers of unknowns, or true and false for each; [] for none) do not
-% change; the others of the differential variables are kept if possible. sfdae_solve does all this itself. The option
-% xdot0 is an initial guess of xdot, for problems that allow several. result: status, message, report and `initial`, the
-% residual before and after and the largest change.
+% problem: as for sfdae_solve. x is the consistent point near x0, hidden constraints included, and xdot the derivative
+% of the solution through it. Components in `fixed` (numbers of unknowns, or true and false for each; [] for none) do
+% not change; the others of the differential variables are kept if possible. sfdae_solve does all this itself. The
+% option xdot0 is an initial guess of xdot, for problems that allow several. result: status, message, report and
+% `initial`, the residual before and after and the largest change.
 %
 % Example:
 %   F = @(t, x, xdot) [xdot(1) - x(2); x(1)^2 + x(2)^2 - 1];

@@ -21,8 +21,8 @@ if ~isstruct(sol) && isstruct(t)
   [sol, t] = deal(t, sol);     % deval accepts both orders
 end
 if ~isstruct(sol) || ~isfield(sol, 'dense')
-  error('sfdae:illegal_argument', ['sfdae_deval: the first argument has no dense output; it has to be the single output ' ...
-        'of sfdae_solve, without the option dense = false']);
+  error('sfdae:illegal_argument', ['sfdae_deval: the first argument has no dense output; it has to be the single ' ...
+        'output of sfdae_solve, without the option dense = false']);
 end
 if ~isnumeric(t) || ~isreal(t)
   error('sfdae:illegal_argument', 'sfdae_deval: times have to be real numbers, not of class %s', class(t));

@@ -7,14 +7,14 @@ function system = sfdae_linearize(problem, t, x, varargin)
 % problem: as for sfdae_solve; x: a consistent point, for example an equilibrium, [] for linear problems. E = F_x',
 % A = -F_x, B = -F_u there. Options (see sfdae_options):
 %
-%   inputs          names of parameters (a text or cell array), or numbers of unknowns that are given as functions of time
+%   inputs          names of parameters (a text or cell array), or numbers of unknowns that are functions of time
 %   input_columns   m x q matrix: inputs that are added to the right-hand side of E x' = A x + f
 %   outputs         numbers of unknowns
 %   output_rows     p x n matrix: further outputs y = output_rows * x
 %   xdot            the derivative of x there; by default it is computed
 %
-% system has the fields E, A, B, C, D. sfdae_poles, sfdae_invariant_zeros, sfdae_transfer evaluate it, and sfdae_to_dss makes a
-% system of the package control of it.
+% system has the fields E, A, B, C, D. sfdae_poles, sfdae_invariant_zeros, sfdae_transfer evaluate it, and
+% sfdae_to_dss makes a system of the package control of it.
 %
 % Example:
 %   F = @(t, x, xdot, p) [xdot(1) - x(2); xdot(2) + x(1) + 0.2 * x(2) - p.force];

@@ -6,9 +6,9 @@ function problem = sfdae_multibody(M, f, g, varargin)
 %
 %   q' = S v,   M v' = f - G' lambda - H' kappa,   0 = g,   0 = H v + h,   G = g_q S
 %
-% The unknowns are x = (q, v, lambda, kappa); start values of q and v suffice. M(t, q) is the mass matrix, f(t, q, v) the
-% forces and g(t, q) the holonomic constraints; [] for M is the identity, for f zero, for g none. Functions are recorded,
-% constant ones may be matrices. Properties:
+% The unknowns are x = (q, v, lambda, kappa); start values of q and v suffice. M(t, q) is the mass matrix, f(t, q, v)
+% the forces and g(t, q) the holonomic constraints; [] for M is the identity, for f zero, for g none. Functions are
+% recorded, constant ones may be matrices. Properties:
 %
 %   num_positions, num_velocities   nq and nv; needed unless M is a matrix; default nv = nq
 %   kinematics                      S(t, q), nq x nv; default: the identity
@@ -61,7 +61,7 @@ end
 
 function check_part(name, value)
 if ~is_function_handle(value) && ~(isnumeric(value) && isreal(value))
-  error('sfdae:illegal_argument', 'sfdae_multibody: %s has to be a function handle or a real matrix, not of class %s', ...
-        name, class(value));
+  error('sfdae:illegal_argument', ...
+        'sfdae_multibody: %s has to be a function handle or a real matrix, not of class %s', name, class(value));
 end
 end

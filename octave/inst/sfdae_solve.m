@@ -80,8 +80,8 @@ end
 steps = diff(times);
 bad = find(steps * sign(times(end) - times(1)) <= 0, 1);
 if ~isempty(bad)
-  error('sfdae:illegal_argument', ['sfdae_solve: the times of tspan have to increase or decrease; tspan(%d) = %g is ' ...
-        'followed by %g'], bad, times(bad), times(bad + 1));
+  error('sfdae:illegal_argument', ['sfdae_solve: the times of tspan have to increase or decrease; tspan(%d) = %g ' ...
+        'is followed by %g'], bad, times(bad), times(bad + 1));
 end
 end
 
@@ -135,7 +135,8 @@ if ~isfield(options, 'events')
   return
 end
 events = with_parameters(options.events, 3, options.parameters);
-[run.num_events, run.event_limits, run.event_directions, run.event_outputs] = checked_events(events, t0, x0, p.num_unknowns);
+[run.num_events, run.event_limits, run.event_directions, run.event_outputs] = ...
+  checked_events(events, t0, x0, p.num_unknowns);
 run.events = events;
 if isfield(options, 'event_action')
   run.event_action = with_parameters(options.event_action, 4, options.parameters);
@@ -160,7 +161,8 @@ end
 limits = one_each('isterminal', limits, count);
 directions = sign(one_each('direction', directions, count));
 if any(limits < 0)
-  error('sfdae:illegal_argument', 'isterminal of events has to be false, true, or the number of the event that ends the run');
+  error('sfdae:illegal_argument', ...
+        'isterminal of events has to be false, true, or the number of the event that ends the run');
 end
 end
 

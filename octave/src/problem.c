@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Problems: structs of Octave converted to those of the library, and callbacks that are called at every point. The struct
- * has the field `form`: equations, linear_equations, multibody_equations (recorded), residual, linear or multibody. */
+ * Problems: structs of Octave converted to those of the library, and callbacks that are called at every point. The
+ * struct has the field `form`: equations, linear_equations, multibody_equations (recorded), residual, linear or
+ * multibody. */
 #include <stdio.h>
 #include <string.h>
 

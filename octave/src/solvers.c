@@ -25,6 +25,7 @@ int open_solver(problem* p, const sfdae_options* options, sfdae_solver** solver)
   status = create_solver(p, options, solver);
   if (status < 0) return status;
   open_solvers[num_open++].solver = *solver;
+  if (!mexIsLocked()) mexLock(); /* functions of the user may clear functions */
   begin_interruptible(*solver);
   return status;
 }
@@ -33,6 +34,7 @@ void close_solver(sfdae_solver** solver) {
   if (*solver == NULL) return;
   end_interruptible();
   if (num_open > 0) --num_open;
+  if (num_open == 0 && mexIsLocked()) mexUnlock();
   sfdae_destroy(solver);
 }
 

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function test_circuit()
-% A source sin t with a capacitor parallel to it, and R, L, C in series (all 1): strangeness index 1, differentiation index
-% 2. q = e3 solves q'' + q' + q = sin t, so all unknowns are known.
+% A source sin t with a capacitor parallel to it, and R, L, C in series (all 1): strangeness index 1, differentiation
+% index 2. q = e3 solves q'' + q' + q = sin t, so all unknowns are known.
 F = @(t, x, xdot) [xdot(1) + x(1) - x(2) + x(5); x(2) - x(1) + x(4); xdot(3) - x(4); xdot(4) - x(2) + x(3); ...
                    x(1) - sin(t)];
 options = sfdae_options('fixed', [3 4], 'rtol', 1e-8, 'atol', 1e-8);

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function test_help()
-% Every function has a help text with an example, and the examples run; values in their comments are those that they give.
+% Every function has a help text with an example, and the examples run.
 folder = fileparts(which('sfdae_solve'));
 files = dir(fullfile(folder, 'sfdae_*.m'));
 assert(numel(files) >= 20);

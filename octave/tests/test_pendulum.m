@@ -10,10 +10,11 @@ assert(sol.x(1), 0);
 assert(sol.x(end), 10);
 
 % The angle phi from the downward vertical satisfies phi'' = -9.81 sin(phi), an ordinary differential equation.
-angles = ode45(@(t, y) [y(2); -9.81 * sin(y(1))], [0 10], [atan2(0.6, 0.8); 0], odeset('RelTol', 1e-10, 'AbsTol', 1e-10));
-phi = angles.y(1, end);
-if isrow(phi) && size(angles.y, 1) > 2
-  phi = angles.y(end, 1);
+angles = ode45(@(t, y) [y(2); -9.81 * sin(y(1))], [0 10], [atan2(0.6, 0.8); 0], ...
+               odeset('RelTol', 1e-10, 'AbsTol', 1e-10));
+phi = angles.y(end, 1);
+if size(angles.y, 1) == 2
+  phi = angles.y(1, end);     % MATLAB, and later versions of Octave
 end
 assert(sol.y(1:2, end), [sin(phi); -cos(phi)], 1e-6);
 

@@ -25,7 +25,8 @@ switch name
   case {'monitor', 'jacobian', 'events', 'event_action', 'prescribed_values'}
     require(is_function_handle(value), name, 'a function handle', value);
   case {'record', 'dense'}
-    require(isscalar(value) && (islogical(value) || isequal(value, 0) || isequal(value, 1)), name, 'true or false', value);
+    require(isscalar(value) && (islogical(value) || isequal(value, 0) || isequal(value, 1)), name, ...
+            'true or false', value);
     value = logical(value);
   case 'parameters'
     require(isstruct(value) && isscalar(value), name, 'a struct of numbers', value);
@@ -34,7 +35,8 @@ switch name
   case 'equation_names'
     require(iscellstr(value), name, 'a cell array of texts', value);
   case {'sensitivities', 'inputs'}
-    require(ischar(value) || iscellstr(value) || is_real(value), name, 'names of parameters or numbers of unknowns', value);
+    require(ischar(value) || iscellstr(value) || is_real(value), name, ...
+            'names of parameters or numbers of unknowns', value);
     if ischar(value)
       value = {value};
     end

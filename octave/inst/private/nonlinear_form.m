@@ -42,8 +42,8 @@ else
   r.F = F(t, x, xdot);
 end
 if isempty(r.F) || min(size(r.F)) ~= 1
-  error('sfdae:illegal_argument', 'F returned an array of size %s; it has to return a vector, one entry per equation', ...
-        mat2str(size(r.F)));
+  error('sfdae:illegal_argument', ...
+        'F returned an array of size %s; it has to return a vector, one entry per equation', mat2str(size(r.F)));
 end
 end
 

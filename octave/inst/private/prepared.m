@@ -6,8 +6,8 @@ if is_function_handle(problem)
   problem = sfdae_nonlinear(problem);
 end
 if ~isstruct(problem) || ~isscalar(problem) || ~isfield(problem, 'kind')
-  error('sfdae:illegal_argument', ['%s: the problem has to be a function handle F(t, x, xdot), or what sfdae_linear, ' ...
-        'sfdae_multibody or sfdae_nonlinear return, not of class %s'], caller, class(problem));
+  error('sfdae:illegal_argument', ['%s: the problem has to be a function handle F(t, x, xdot), or what ' ...
+        'sfdae_linear, sfdae_multibody or sfdae_nonlinear return, not of class %s'], caller, class(problem));
 end
 x0 = checked_start(caller, x0);
 options = merged(problem, options);

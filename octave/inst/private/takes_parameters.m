@@ -9,7 +9,7 @@ catch
 end
 result = number == count + 1 || (number < 0 && ~isempty(fieldnames(parameters)));
 if result && number > 0 && isempty(fieldnames(parameters))
-  error('sfdae:illegal_argument', ['a function has %d arguments, so the last one gets the parameters; give them with ' ...
-        'the option parameters'], number);
+  error('sfdae:illegal_argument', ['a function has %d arguments, so the last one gets the parameters; give them ' ...
+        'with the option parameters'], number);
 end
 end
