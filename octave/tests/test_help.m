@@ -4,11 +4,12 @@ function test_help()
 folder = fileparts(which('sfdae_solve'));
 files = dir(fullfile(folder, 'sfdae_*.m'));
 assert(numel(files) >= 20);
+names = [{files.name}, {fullfile('@sfdae_expression', 'sfdae_expression.m')}];
 set(0, 'defaultfigurevisible', 'off');
 count = 0;
-for k = 1:numel(files)
-  name = files(k).name(1:end - 2);
-  text = help_text(fullfile(folder, files(k).name));
+for k = 1:numel(names)
+  [~, name] = fileparts(names{k});
+  text = help_text(fullfile(folder, names{k}));
   assert(strncmp(text{1}, name, numel(name)), sprintf('%s: its help text begins with another name', name));
   code = example_of(text);
   assert(~isempty(code), sprintf('%s has no example', name));

@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function r = power(a, b)
 % a .^ b, element by element.
-r = applied('power', a, b);
+r = binary('power', a, b);
 end

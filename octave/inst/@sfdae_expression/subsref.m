@@ -4,9 +4,9 @@ function r = subsref(a, s)
 if ~strcmp(s(1).type, '()')
   error('sfdae:illegal_argument', 'an expression has no fields and no cells: index it as x(i) or x(i, j)');
 end
-a.id = a.id(s(1).subs{:});
-if numel(s) > 1
-  a = subsref(a, s(2:end));
-end
 r = a;
+r.id = a.id(s(1).subs{:});
+if numel(s) > 1
+  r = subsref(r, s(2:end));
+end
 end

@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function r = times(a, b)
 % a .* b, element by element.
-r = applied('multiply', a, b);
+r = binary('multiply', a, b);
 end

@@ -1,9 +1,14 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function r = vertcat(varargin)
 % [a; b] of expressions and numbers.
-parts = cell(size(varargin));
 for k = 1:numel(varargin)
-  parts{k} = sfdae_mex('nodes', operand(varargin{k}));
+  if isa(varargin{k}, 'sfdae_expression')
+    r = varargin{k};     % reused: the constructor takes longer
+    varargin{k} = r.id;
+  else
+    varargin{k} = sfdae_mex('nodes', operand(varargin{k}));
+  end
 end
-r = sfdae_expression(vertcat(parts{:}));
+r.id = vertcat(varargin{:});
+r.is_condition = false;
 end
