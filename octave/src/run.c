@@ -25,7 +25,7 @@ typedef struct run {
   double t0, t1, direction;
   const double* tout; /* NULL: ends of steps */
   size_t num_tout;
-  int wants_xdot;
+  int wants_xdot, wants_dense;
   const double* limits; /* of events: the integration ends after that many, 0: never */
   double* counts;
   const mxArray* action;
@@ -100,7 +100,7 @@ static int set_up(run* r, const mxArray* from) {
   if (status >= 0 && r->p->num_events > 0) {
     status = sfdae_set_events(r->solver, r->p->num_events, call_events, event_directions, r->p);
   }
-  if (status >= 0 && number_in(from, "dense", 0.0) != 0.0) {
+  if (status >= 0 && r->wants_dense) {
     status = sfdae_create_solution(&r->dense);
     if (status >= 0) status = sfdae_record_solution(r->solver, r->dense);
   }
@@ -331,6 +331,7 @@ static void read_run(run* r, const mxArray* from) {
   r->direction = r->t1 > r->t0 ? 1.0 : -1.0;
   r->num_tout = length_of(from, "tout");
   r->tout = numbers_in(from, "tout", r->num_tout);
+  r->wants_dense = number_in(from, "dense", 0.0) != 0.0;
   r->wants_xdot = number_in(from, "wants_xdot", 1.0) != 0.0;
   r->p->events = handle_in(from, "events");
   r->p->num_events = r->p->events == NULL ? 0 : (int)integer_in(from, "num_events", 0);
