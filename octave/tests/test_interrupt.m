@@ -12,7 +12,8 @@ for record = [true false]
   F = @(t, x, xdot) [xdot(1) - x(2); xdot(2) + x(1)];
   [T, X] = sfdae_solve(F, [0 1e9], [1; 0], sfdae_options(options, 'record', record));
   assert(T(end) < 1e9 && numel(T) > 10);
-  assert(X(end, 1), cos(T(end)), 0.01);
+  k = find(T < 10, 1, 'last');     % errors grow with time, and the run gets as far as the processor is fast
+  assert(X(k, 1), cos(T(k)), 1e-5);
 end
 [~, id] = lastwarn();
 assert(id, 'sfdae:stopped');

@@ -5,16 +5,16 @@ if exist('/proc/self/statm', 'file') ~= 2
   printf('no /proc/self/statm: memory is not measured\n');
   return
 end
-for k = 1:60
+for k = 1:30
   solve_all();
 end
 before = resident();
-for k = 1:240
+for k = 1:90
   solve_all();
 end
 growth = resident() - before;
-printf('growth of 240 rounds: %d kB\n', growth);
-assert(growth < 2000);     % a solver that is not freed takes more than 100 kB: 240 of them would show
+printf('growth of 90 rounds: %d kB\n', growth);
+assert(growth < 2000);     % a solver that is not freed takes more than 100 kB: 90 of them would show
 end
 
 function solve_all()

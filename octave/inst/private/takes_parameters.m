@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: BSD-3-Clause
 function result = takes_parameters(fn, count, parameters)
-% Whether a function has an argument p after `count` others. A function of any number of arguments gets p if there are
+% True if a function has an argument p after `count` others. A function of any number of arguments gets p if there are
 % parameters.
 try
   number = nargin(fn);
