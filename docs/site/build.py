@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What pages are made of, or link to.
 PARTS = ["docs", "examples", "include", "benchmarks", "scripts", "tests", "LICENSE", "CHANGELOG.md", "CONTRIBUTING.md",
          "SECURITY.md", "CITATION.cff", "CODE_OF_CONDUCT.md",
-         "python/README.md", "python/examples", "fortran_bindings/README.md"]
+         "python/README.md", "python/examples", "fortran_bindings/README.md", "octave/examples", "octave/make_package.sh"]
 
 CONTENTS = """
 ```{toctree}
@@ -48,6 +48,7 @@ docs/guide/impulses
 docs/guide/hybrid
 docs/guide/branches
 docs/guide/python
+docs/guide/octave
 docs/guide/program
 docs/guide/coverage
 docs/guide/limitations

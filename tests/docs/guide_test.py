@@ -5,7 +5,7 @@
     guide_test.py --settings settings.json page.md ...            compares
     guide_test.py --settings settings.json --update page.md ...   writes what they print into the pages
 
-A program is a block of code below a line <!-- program: name.ext -->, ext being py, c, cpp or f90; what it prints is a
+A program is a block of code below a line <!-- program: name.ext -->, ext being py, c, cpp, f90 or m (Octave); what it prints is a
 block below <!-- output: name.ext ... -->, one for all programs that are named. A line ... there stands for any number of lines. <!-- fails: name.ext --> says
 that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->. <!-- needs: name.py
 module ... --> before a program names modules of Python; the program is not run where one of them is missing.
@@ -93,7 +93,7 @@ class Runner:
         """(status, output). What goes to stderr belongs to the output."""
         path = self.folder / name
         command = list(self.settings[path.suffix.lstrip(".")])
-        if path.suffix == ".py":
+        if path.suffix in (".py", ".m"):
             command.append(str(path))
         else:
             program = self.folder / path.stem

@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function r = atan(a)
+% Inverse tangent, element by element.
+r = applied('atan', a);
+end

@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: BSD-3-Clause
+function r = csc(a)
+% Cosecant, element by element.
+r = 1 ./ sin(a);
+end
