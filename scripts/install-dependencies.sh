@@ -5,12 +5,13 @@
 #   scripts/install-dependencies.sh docs    to build the documentation
 #   scripts/install-dependencies.sh program to build the program sfdae
 #   scripts/install-dependencies.sh python  to install the Python package with pip
+#   scripts/install-dependencies.sh octave  to build the package for Octave
 #   scripts/install-dependencies.sh package to make Debian packages
 #   scripts/install-dependencies.sh test    for scripts/test.sh
 #   scripts/install-dependencies.sh all     for scripts/test.sh --all (default)
 #
-# A second argument --list prints what is missing and installs nothing. If nothing is missing, it says nothing and needs neither
-# network nor root.
+# A second argument --list prints what is missing and installs nothing. If nothing is missing, it says nothing and
+# needs neither network nor root.
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
@@ -20,13 +21,14 @@ python=("${demo[@]}" "${python_build[@]}" python3-matplotlib python3-pip)
 site=(doxygen python3-sphinx python3-myst-parser python3-breathe furo)
 docs=("${demo[@]}" "${python_module[@]}" "${site[@]}")
 program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
+octave=("${demo[@]}" octave octave-dev)
 # With the reference BLAS alone: packages depend on any BLAS.
 package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev
   "${python_build[@]}" "${site[@]}")
 test=("${demo[@]}" gfortran libgtest-dev libsuitesparse-dev libcli11-dev nlohmann-json3-dev python3 ninja-build
   "${python[@]}" python3-pytest mypy python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
   "${site[@]}" chromium chromium-driver python3-selenium)
-all=("${test[@]}" libbenchmark-dev valgrind clang clang-format-14)
+all=("${test[@]}" "${octave[@]}" libbenchmark-dev valgrind clang clang-format-14)
 # For an example of MPI, and tests of executors: installed with others that are missing, never alone, as nothing else
 # needs them. Tests of sfdae.torch run if python3-torch, which takes 500 MB, is there.
 welcome=(libopenmpi-dev openmpi-bin python3-distributed python3-mpi4py)
@@ -36,11 +38,12 @@ case "${1:-all}" in
   docs) wanted=("${docs[@]}") ;;
   program) wanted=("${program[@]}") ;;
   python) wanted=("${python[@]}" python3-venv) ;;
+  octave) wanted=("${octave[@]}") ;;
   package) wanted=("${package[@]}") ;;
   test) wanted=("${test[@]}") ;;
   all) wanted=("${all[@]}") ;;
   *)
-    echo "usage: $0 [demo|docs|program|python|package|test|all] [--list]" >&2
+    echo "usage: $0 [demo|docs|program|python|octave|package|test|all] [--list]" >&2
     exit 2
     ;;
 esac
