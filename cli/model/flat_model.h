@@ -53,10 +53,10 @@ struct Action {
   Kind kind = Kind::assign;
   int variable = -1;  // for assign and reinit
   Expression value;   // for assign and reinit; the condition of an assertion
-  Expression guard;   // of reinit and terminate: the action is executed if it holds; null: always
   std::string message;
   bool is_error = true;  // for an assertion
   Location at;
+  Expression guard = nullptr;  // of reinit and terminate: the action is executed if it holds; null: always
 };
 
 struct WhenBranch {

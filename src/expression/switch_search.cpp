@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 
 #include "expression/false_position.h"
 #include "expression/node_copies.h"
 #include "expression/recorder.h"
+#include "expression/symbolic_gradient.h"
 #include "linalg/divided_differences.h"
 #include "linalg/index.h"
 
@@ -61,8 +63,8 @@ std::vector<int> degrees_of(const Record& record) {
   return degree;
 }
 
-bool has_own_curve(const Condition& condition, const std::vector<int>& degrees) {
-  return condition.is_of_layer || degrees[index(condition.node)] <= 1;
+bool is_linear(const Condition& condition, const std::vector<int>& degrees) {
+  return !condition.is_of_layer && degrees[index(condition.node)] <= 1;
 }
 
 class Recording {
@@ -79,7 +81,8 @@ class Recording {
     std::vector<int> results;
     for (std::size_t k = 0; k < conditions_.size(); ++k) {
       const int number = static_cast<int>(k), node = conditions_[k].node;
-      const int g = has_own_curve(conditions_[k], degrees) ? curve(record_.n() + number) : copies[index(node)];
+      const bool has_curve = conditions_[k].is_of_layer || is_linear(conditions_[k], degrees);
+      const int g = has_curve ? curve(record_.n() + number) : copies[index(node)];
       results.push_back(recorder_.greater(g, parameter(places_.margins + number)));
     }
     return recorder_.finish(std::move(results));
@@ -144,6 +147,39 @@ class Recording {
 
 }  // namespace
 
+LinearConditions::LinearConditions(const Record& record, const std::vector<Condition>& conditions)
+    : is_linear_(conditions.size(), 0), factors_(conditions.size()) {
+  const std::vector<int> degrees = degrees_of(record);
+  Recorder recorder(record.n());
+  const std::vector<int> copies = copy_nodes(record, recorder);
+  std::vector<int> leaves, derivatives;
+  for (int j = 0; j < record.n(); ++j) leaves.push_back(recorder.unknown(j));
+  for (std::size_t k = 0; k < conditions.size(); ++k) {
+    if (!is_linear(conditions[k], degrees)) continue;
+    is_linear_[k] = 1;
+    const std::vector<int> gradient = symbolic_gradient(recorder, copies[index(conditions[k].node)], leaves);
+    for (std::size_t j = 0; j < leaves.size(); ++j) {
+      if (gradient[j] < 0 || recorder.number(gradient[j]) == 0.0) continue;
+      factors_[k].push_back({static_cast<int>(j), 0.0});
+      derivatives.push_back(gradient[j]);
+    }
+  }
+  values_.resize(derivatives.size());
+  if (!derivatives.empty()) derivatives_.emplace(recorder.finish(std::move(derivatives)));
+}
+
+void LinearConditions::update(const TaylorEvaluator& evaluator) {
+  if (!derivatives_ || version_ == evaluator.changes_of_parameters()) return;
+  version_ = evaluator.changes_of_parameters();
+  for (int i = 0; i < evaluator.num_parameters(); ++i) derivatives_->set_parameter(i, evaluator.parameter(i));
+  const std::vector<double> jet(2 * index(evaluator.record().n()), 0.0);
+  if (!derivatives_->values(0.0, jet.data(), 0, values_.data()))
+    std::fill(values_.begin(), values_.end(), std::numeric_limits<double>::quiet_NaN());
+  auto value = values_.begin();
+  for (std::vector<Factor>& each : factors_)
+    for (Factor& factor : each) factor.value = *value++;
+}
+
 SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<Condition>& conditions)
     : evaluator_(evaluator), margins_(conditions.size()), branches_(conditions.size()) {
   if (conditions.empty()) return;
@@ -159,7 +195,11 @@ SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<C
     for (const Condition& each : conditions) nodes.push_back(each.node);
     own_functions_ = std::make_unique<ConditionFunctions>(evaluator, nodes);
     values_.resize(nodes.size());
+    at_ends_.resize(2 * nodes.size());
   }
+  linear_.emplace(evaluator.record(), conditions);
+  has_layers_ =
+      std::any_of(conditions.begin(), conditions.end(), [](const Condition& each) { return each.is_of_layer; });
   differences_.resize(most_points * unknowns_.size());
   distances_.resize(unknowns_.size());
   slopes_.resize(unknowns_.size());
@@ -187,19 +227,35 @@ Differences parts_of(const PointsOfCurve& points) {
 
 }  // namespace
 
-void SwitchSearch::set_differences(const PointsOfCurve& points) {
+// A linear condition is a sum of multiples of unknowns and an affine function of t, of which the values at both ends
+// determine the first two differences, and others are 0.
+void SwitchSearch::set_differences(const PointsOfCurve& points, const double* g_start, const double* g_end) {
   const Differences part = parts_of(points);
   const std::size_t unknowns = unknowns_.size();
   const auto row = [&](int k) { return differences_.data() + index(k) * unknowns; };
   const int count = static_cast<int>(points.count);
   const int n = evaluator_.record().n();
+  linear_->update(evaluator_);
   for (int k = 0; k < count; ++k) {
     const double* const x = points.x[index(k)];
-    if (own_functions_) own_functions_->evaluate(points.t[index(k)], x, nullptr, values_.data());
+    if (has_layers_) own_functions_->evaluate(points.t[index(k)], x, nullptr, values_.data());
     for (std::size_t j = 0; j < unknowns; ++j)
-      row(k)[j] = unknowns_[j] < n ? x[unknowns_[j]] : values_[index(unknowns_[j] - n)];
+      row(k)[j] = unknowns_[j] < n ? x[unknowns_[j]] : own_value(x, index(unknowns_[j] - n));
   }
   divided_differences(part, count, unknowns, row);
+  for (std::size_t k = 0; k < this->count(); ++k)
+    if (linear_->factors(k) != nullptr) {
+      row(0)[curve_of_condition_[k]] = g_start[k];
+      row(1)[curve_of_condition_[k]] = g_end[k] - g_start[k];
+    }
+}
+
+double SwitchSearch::own_value(const double* x, std::size_t condition) const {
+  const std::vector<LinearConditions::Factor>* const factors = linear_->factors(condition);
+  if (factors == nullptr) return values_[condition];
+  double sum = 0.0;
+  for (const LinearConditions::Factor& factor : *factors) sum += factor.value * x[factor.unknown];
+  return sum;
 }
 
 // The deviation from the straight line is a polynomial s (s - 1) r(s), s = 0 ... 1: r and r' are bounded by Horner's
@@ -239,7 +295,7 @@ bool SwitchSearch::find_simple(const PointsOfCurve& points, const double* g_star
   if (count() == 0) return true;
   if (std::find(curve_of_condition_.begin(), curve_of_condition_.end(), -1) != curve_of_condition_.end())
     return false;
-  set_differences(points);
+  set_differences(points, g_start, g_end);
   set_bends(points);
   for (std::size_t k = 0; k < count(); ++k) {
     const std::size_t curve = index(curve_of_condition_[k]);
@@ -276,7 +332,12 @@ void SwitchSearch::set_curve(const PointsOfCurve& points) {
   along_->set_parameter(places.length, length);
   for (std::size_t i = 2; i < points.count; ++i)
     along_->set_parameter(places.points + static_cast<int>(i) - 2, part_of(points, i));
-  set_differences(points);
+  double *const g_start = at_ends_.data(), *const g_end = g_start + count();
+  if (own_functions_) {
+    own_functions_->evaluate(points.t[0], points.x[0], nullptr, g_start);
+    own_functions_->evaluate(points.t[1], points.x[1], nullptr, g_end);
+  }
+  set_differences(points, g_start, g_end);
   int place = places.differences;
   for (std::size_t j = 0; j < unknowns_.size(); ++j)
     for (std::size_t k = 0; k < most_points; ++k)

@@ -15,6 +15,29 @@
 
 namespace sfdae::core {
 
+// Conditions that are linear in t and x, and their derivatives by x.
+class LinearConditions {
+ public:
+  LinearConditions(const Record& record, const std::vector<Condition>& conditions);
+  struct Factor {
+    int unknown;
+    double value;
+  };
+  // Computes derivatives for the parameters that the evaluator has now.
+  void update(const TaylorEvaluator& evaluator);
+  // Null: the condition is not linear.
+  const std::vector<Factor>* factors(std::size_t condition) const {
+    return is_linear_[condition] != 0 ? &factors_[condition] : nullptr;
+  }
+
+ private:
+  std::optional<TaylorEvaluator> derivatives_;  // a value for each factor
+  std::vector<char> is_linear_;
+  std::vector<std::vector<Factor>> factors_;
+  std::vector<double> values_;
+  long version_ = -1;
+};
+
 class SwitchSearch {
  public:
   // conditions: nodes of the record of the evaluator, which must outlive this object; parameters have the evaluator's
@@ -47,7 +70,9 @@ class SwitchSearch {
     const PointsOfCurve* points;
     double start, end;
   };
-  void set_differences(const PointsOfCurve& points);
+  // g: of all conditions at both ends.
+  void set_differences(const PointsOfCurve& points, const double* g_start, const double* g_end);
+  double own_value(const double* x, std::size_t condition) const;
   void set_bends(const PointsOfCurve& points);
   double value_of(const Line& line, double part) const;
   void find_times_between();
@@ -58,9 +83,11 @@ class SwitchSearch {
   // Unknowns that conditions depend on; beyond those of the record, n + k is the value of condition k, which is a
   // polynomial of its own.
   std::vector<int> unknowns_;
-  std::vector<int> curve_of_condition_;                // place in unknowns_, or -1
+  std::vector<int> curve_of_condition_;  // place in unknowns_, or -1
+  std::optional<LinearConditions> linear_;
+  bool has_layers_ = false;
   std::unique_ptr<ConditionFunctions> own_functions_;  // all conditions, if any is a polynomial of its own
-  std::vector<double> values_;                         // of these
+  std::vector<double> values_, at_ends_;               // of these
   std::vector<double> differences_;         // of unknowns_, divided, by parts of the way: a row for each order
   std::vector<double> distances_, slopes_;  // from the straight line through both ends, and of slopes, at most
   std::vector<Line> lines_;                 // that switch
