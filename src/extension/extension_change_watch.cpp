@@ -106,12 +106,22 @@ std::optional<int> ExtensionChangeWatch::dipping_block() const {
   return std::nullopt;
 }
 
-// Measures at this part of the way from the last point to the one tried.
+// Measures at this part of the way from the last point to the one tried. x and x' follow the cubic polynomial through
+// both points and their slopes; a straight line misses determinants that touch zero within long steps.
 bool ExtensionChangeWatch::measure_between(double part) {
   Jet& jet = between_.jet;
   jet = last_.jet;
-  jet.t = last_.t() + part * (now_.t() - last_.t());
+  const double h = now_.t() - last_.t(), rest = 1.0 - part;
+  jet.t = last_.t() + part * h;
   for (std::size_t i = 0; i < jet.x.size(); ++i) jet.x[i] += part * (now_.jet.x[i] - last_.jet.x[i]);
+  for (int i = 0; i < jet.n && jet.order > 0; ++i) {
+    const double x0 = last_.jet.column(0)[i], change = now_.jet.column(0)[i] - x0;
+    const double v0 = h * last_.jet.column(1)[i], v1 = h * now_.jet.column(1)[i];
+    const double bend0 = v0 - change, bend1 = change - v1;
+    jet.column(0)[i] = x0 + part * (change + rest * (rest * bend0 + part * bend1));
+    jet.column(1)[i] =
+        (change + (1.0 - 2.0 * part) * (rest * bend0 + part * bend1) + part * rest * (bend1 - bend0)) / h;
+  }
   return determinants_.measure(jet.t, jet.x.data(), between_.values);
 }
 

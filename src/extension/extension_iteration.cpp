@@ -103,11 +103,12 @@ class ExtensionIteration::StepEquations {
     const double* z = iteration_.r_.data();
     const StateChoice& choice = linearization_.choice();
     const auto slope = [&](int j) {
-      return kind == RowSums::of_change ? task_.c * z[choice.slot(iteration_.extension_.column_of(j, 0))]
+      return kind == RowSums::of_change ? std::fabs(task_.c * z[choice.slot(iteration_.extension_.column_of(j, 0))])
                                         : std::fabs(task_.c * jet_.x[index(j)]) + std::fabs(task_.w_rest[j]);
     };
-    iteration_.add_terms(
-        kind, {jet_, z, choice}, [&](std::size_t e) { return values[e]; }, slope, rows);
+    const Place place{jet_, z, choice};
+    iteration_.add_terms([&](std::size_t e) { return values[e]; },
+                         [&](int column) { return iteration_.size_of(kind, place, column, slope); }, rows);
   }
   double change(const double* rows) {
     std::copy_n(rows, num_rows(), iteration_.r_.data());

@@ -58,15 +58,18 @@ class ExtensionIteration {
   // Sets the weights of the changes of a step with this c, until they are set again.
   void set_weights(double c, const double* inverse_weights, const StateChoice& choice);
   static void set_slopes(const StateChoice& choice, double c, const double* w_rest, Jet& jet);
-  // Adds up terms of the rows at a jet, in a step with these weights. value(e): derivatives of the extension by its
-  // entries; slope(j): size of x_j' of a state, or of its change.
+  // Size of the unknown of a column of the extension at a jet, of its tolerance or of its last change, in a step with
+  // these weights. slope(j): that of x_j' of a state.
   struct Place {
     const Jet& now;
     const double* change;  // the last one, by slots
     const StateChoice& choice;
   };
-  template <class Value, class Slope>
-  void add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows);
+  template <class Slope>
+  double size_of(RowSums kind, const Place& place, int column, Slope slope) const;
+  // Adds up terms of the rows. value(e): derivatives of the extension by its entries; size(column).
+  template <class Value, class Size>
+  void add_terms(Value value, Size size, double* rows) const;
 
  private:
   class StepEquations;
@@ -87,28 +90,27 @@ class ExtensionIteration {
   double deviation_ = 0.0;  // of c: the contraction due to reuse of the matrix
   double waste_ = 0.0;      // iterations that its reuse has cost so far
   std::vector<double> r_, weights_;
-  std::vector<double> sizes_;  // by columns of the extension, of unknowns or changes
-  double c_ = 0.0;             // of the step, with the weights of x, which live as long
+  double c_ = 0.0;  // of the step, with the weights of x, which live as long
   const double* inverse_weights_ = nullptr;
   Jet longer_;
 };
 
-template <class Value, class Slope>
-void ExtensionIteration::add_terms(RowSums kind, const Place& place, Value value, Slope slope, double* rows) {
-  sizes_.resize(index(extension_.num_columns()));
-  for (int column = 0; column < extension_.num_columns(); ++column) {
-    const auto [unknown, order] = extension_.columns()[index(column)];
-    double& size = sizes_[index(column)];
-    if (kind == RowSums::of_tolerances) size = std::pow(std::fabs(c_), order) / inverse_weights_[unknown];
-    else if (place.choice.is_slope(column)) size = slope(unknown);
-    else if (kind == RowSums::of_change) size = std::fabs(place.change[place.choice.slot(column)]);
-    else size = std::fabs(place.now.column(order)[unknown]);
-  }
+template <class Slope>
+double ExtensionIteration::size_of(RowSums kind, const Place& place, int column, Slope slope) const {
+  const auto [unknown, order] = extension_.columns()[index(column)];
+  if (kind == RowSums::of_tolerances) return std::pow(std::fabs(c_), order) / inverse_weights_[unknown];
+  if (place.choice.is_slope(column)) return slope(unknown);
+  return std::fabs(kind == RowSums::of_change ? place.change[place.choice.slot(column)]
+                                              : place.now.column(order)[unknown]);
+}
+
+template <class Value, class Size>
+void ExtensionIteration::add_terms(Value value, Size size, double* rows) const {
   const int* column = extension_.column().data();
   const int* const first = extension_.first().data();
   for (int i = 0; i < extension_.num_rows(); ++i) {
     double sum = 0.0;
-    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(value(index(e))) * sizes_[index(*column++)];
+    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(value(index(e))) * size(*column++);
     rows[i] += sum;
   }
 }

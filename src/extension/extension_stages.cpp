@@ -25,6 +25,7 @@ void ExtensionStages::predict(const StageEquations& equations, const JetHistory&
   for (auto* v : {&r_, &z_})
     if (v->size() < size) v->resize(size);
   terms_.resize(index(extension_.n()) * stages + 1);
+  sizes_.resize(index(extension_.num_columns()));
   pair_.resize(index(extension_.num_rows()) + 1);
   for (int i = 0; i < s_; ++i) {
     Jet& start = starts_[index(i)];
@@ -101,11 +102,16 @@ class ExtensionStages::Equations {
   void add(RowSums kind, double* rows) const {
     const std::vector<double>& once = linearization_.derivatives().values;
     stages_.sum_slope_terms(step_, kind, linearization_.choice());
-    for (int i = 0; i < stages_.s_; ++i, rows += stages_.extension_.num_rows())
-      iteration_.add_terms(
-          kind, {stages_.jets_[index(i)], stages_.column(stages_.r_, i), linearization_.choice()},
-          [&](std::size_t e) { return is_local_ ? stages_.local_.derivative(e, i) : once[e]; },
-          [&](int j) { return stages_.terms_[index(i + j * stages_.s_)]; }, rows);
+    std::vector<double>& sizes = stages_.sizes_;
+    for (int i = 0; i < stages_.s_; ++i, rows += stages_.extension_.num_rows()) {
+      const ExtensionIteration::Place place{stages_.jets_[index(i)], stages_.column(stages_.r_, i),
+                                            linearization_.choice()};
+      const auto slope = [&](int j) { return stages_.terms_[index(i + j * stages_.s_)]; };
+      for (std::size_t column = 0; column < sizes.size(); ++column)
+        sizes[column] = iteration_.size_of(kind, place, static_cast<int>(column), slope);
+      iteration_.add_terms([&](std::size_t e) { return is_local_ ? stages_.local_.derivative(e, i) : once[e]; },
+                           [&](int column) { return sizes[index(column)]; }, rows);
+    }
   }
   double change(const double* rows) {
     std::copy_n(rows, num_rows(), stages_.r_.data());

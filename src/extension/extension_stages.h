@@ -67,6 +67,7 @@ class ExtensionStages {
   std::vector<Jet> starts_, jets_;
   std::vector<double> r_, z_;  // a column for each stage
   std::vector<double> terms_;  // of x_j' at the stages, s for each unknown j; states alone
+  std::vector<double> sizes_;  // of the unknowns of a stage, or of their changes, by columns of the extension
   std::vector<std::complex<double>> pair_;
 };
 
