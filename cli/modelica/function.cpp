@@ -317,6 +317,17 @@ std::vector<Value> call_once(Elaboration& e, const Environment& in, const Defini
   return outputs;
 }
 
+// True if each output has a value by its declaration: then no algorithm is needed.
+bool binds_outputs(const Definition& function) {
+  int outputs = 0, bound = 0;
+  for (const Declaration& element : function.elements) {
+    if (element.direction != Direction::output) continue;
+    ++outputs;
+    bound += element.binding != nullptr ? 1 : 0;
+  }
+  return outputs > 0 && bound == outputs;
+}
+
 // The number of dimensions that an argument has in addition to those of its input.
 size_t extra_dims(const Elaboration& e, const Declaration& input, const Value& argument) {
   const size_t wanted = input.dimensions.size() + resolve_type(e, input.type, input.type_at).dimensions.size();
@@ -328,7 +339,7 @@ size_t extra_dims(const Elaboration& e, const Declaration& input, const Value& a
 std::vector<Value> call_function(Elaboration& e, const Environment& in, const Definition& function,
                                  const std::vector<Argument>& arguments, Location at) {
   const std::string name = "'" + plain(function.name) + "'";
-  if (function.is_partial || (!function.has_body && !function.external))
+  if (function.is_partial || (!function.has_body && !function.external && !binds_outputs(function)))
     e.fail(at, "the function " + name + " has no algorithm; export with --frontendInline");
   const std::vector<const Argument*> matched = match(e, function, arguments, at);
   std::vector<int> outer;

@@ -227,9 +227,10 @@ size_t fill_descriptor_matrices(sfdae_descriptor_matrices* s) {
 
 size_t fill_options(sfdae_options* s) {
   const sfdae_options value = {
-      1,  2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
-      12, &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
-      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31,  32,   33};
+      1,   2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
+      12,  &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
+      23,  monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31,  32,   33,
+      34.0};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
   return sizeof value;

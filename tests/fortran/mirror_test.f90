@@ -342,7 +342,7 @@ contains
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
       call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
       o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives, o%structure, &
-      o%conditions]), "members of sfdae_options")
+      o%conditions, o%max_seconds]), "members of sfdae_options")
   end subroutine check_options
 
   !> dae_options starts with the library's defaults.
@@ -381,6 +381,7 @@ contains
     call check(f%check_derivatives .eqv. c%check_derivatives /= 0, "check_derivatives")
     call check(f%structure == c%structure, "structure")
     call check(f%conditions == c%conditions, "conditions")
+    call check(equal(f%max_seconds, c%max_seconds), "max_seconds")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...

@@ -53,6 +53,18 @@ TEST(Functions, ReturnAndBreakUnderConditions) {
       });
 }
 
+TEST(Functions, NeedNoAlgorithmIfOutputsAreBound) {
+  const FlatModel model = read(
+      "function 'f' input Real 'x'; output Real 'y' = 2 * 'w'; output Real 'z' = 'y' + 1; protected Real 'w' = 'x' * "
+      "'x'; "
+      "end 'f';",
+      "Real 'u', 'a', 'b'; equation ('a', 'b') = 'f'('u');");
+  for (const double u : {-1.5, 0.0, 2.0}) {
+    EXPECT_DOUBLE_EQ(solved(model, "a", {{"u", u}}), 2.0 * u * u);
+    EXPECT_DOUBLE_EQ(solved(model, "b", {{"u", u}}), 2.0 * u * u + 1.0);
+  }
+}
+
 // A return behind a break, and one in a loop whose condition varies.
 TEST(Functions, ReturnOnlyWhereTheyAreReached) {
   compare("algorithm 'y' := 1; for 'i' in 1:2 loop if 'x' < 3 then break; end if; return; end for; 'y' := 7;",
