@@ -195,8 +195,8 @@ SwitchSearch::SwitchSearch(const TaylorEvaluator& evaluator, const std::vector<C
     for (const Condition& each : conditions) nodes.push_back(each.node);
     own_functions_ = std::make_unique<ConditionFunctions>(evaluator, nodes);
     values_.resize(nodes.size());
-    at_ends_.resize(2 * nodes.size());
   }
+  at_ends_.resize(2 * conditions.size());
   linear_.emplace(evaluator.record(), conditions);
   has_layers_ =
       std::any_of(conditions.begin(), conditions.end(), [](const Condition& each) { return each.is_of_layer; });

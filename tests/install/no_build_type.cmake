@@ -2,9 +2,11 @@
 
 include("${SETTINGS}")
 set(build "${work_dir}/${NAME}")
+# Nothing is linked: whether programs can be linked statically takes seconds to find out, and need not be known.
 foreach(type IN ITEMS "" Debug)
   configure("${test_dir}/subdirectory" "${build}" "-DSFDAE_SOURCE_DIR=${source_dir}" -DWITH_FORTRAN=OFF
-    "-DCMAKE_BUILD_TYPE=${type}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSFDAE_UNITY_BUILD=OFF)
+    "-DCMAKE_BUILD_TYPE=${type}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DSFDAE_UNITY_BUILD=OFF
+    -DSFDAE_STATIC_LAPACK_1=ON)
   if(NOT EXISTS "${build}/compile_commands.json")
     message(STATUS "${generator} writes no compile_commands.json")
     return()
